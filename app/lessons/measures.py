@@ -158,6 +158,8 @@ def text(name: str, frame: Frame) -> str:
     if last == "peak":
         unit = f" {frame.plan.scene.unit}/s"
     if last == "gap":
+        if 0 < number < 0.05:  # the lengths beside it differ
+            return "under 0.1"
         return with_minus(f"{number:.1f}")
     if last in _SETTINGS:
         return format_setting(number) + unit
