@@ -16,7 +16,7 @@ class LessonMark:
 
     def __init__(self, layout: Layout, lessons: LessonPanel) -> None:
         self._layout, self._lessons = layout, lessons
-        self._open = hidden_button(layout.client.gui, "Go on with the lesson", self._show)
+        self._open = hidden_button(layout.client.gui, "Open the lesson", self._show)
 
     @property
     def html(self) -> str:
@@ -24,11 +24,12 @@ class LessonMark:
         place = self._lessons.place
         if not place:
             return ""
-        go_on = button(self._open, "Go on", hint=f"Opens the {LEARN} tab")
-        leave = button(self._lessons.leave, "Leave", hint="Brings your own scene back")
+        opens = button(self._open, "Open lesson", hint=f"In the {LEARN} tab.")
+        # as in that tab
+        ends = button(self._lessons.leave, "End lesson", hint="Brings your own scene back.")
         return (
             '<div class="abi-card abi-buttons" style="align-items:center">'
-            f"<b>{html.escape(place)}</b>{go_on}{leave}</div>"
+            f"<b>{html.escape(place)}</b>{opens}{ends}</div>"
         )
 
     def _show(self, event: object) -> None:
