@@ -413,7 +413,13 @@ for (const [name, call] of [
 // viser says of a file that has arrived that it was "uploaded successfully", even where it is refused;
 // what became of it is told under its button, or in a notice of its own.
 window.abiNotices?.disconnect();
+// And of what is told again, as of the same wrong file, only the last notice stays.
 window.abiNotices = new MutationObserver(() => {
+  const told = new Map();
+  for (const notice of document.querySelectorAll(".mantine-Notification-root")) {
+    told.get(notice.textContent)?.querySelector("button")?.click();
+    told.set(notice.textContent, notice);
+  }
   for (const notice of document.querySelectorAll(".mantine-Notification-description")) {
     if (notice.textContent !== "File uploaded successfully.") continue;
     notice.closest(".mantine-Notification-root").style.display = "none";

@@ -223,6 +223,27 @@ def test_notices_of_many_refused_files_stay_in_the_window(page: Page) -> None:
         )
 
 
+def test_the_same_wrong_file_is_told_of_once(page: Page) -> None:
+    page.click("Scene")
+    notice = page.tab.locator(".mantine-Notification-root", has_text="twice.yaml is not opened")
+    wrong = b"version: 1\nobstacles: [{shape: bx}]\n"
+    page.upload("Open a scene file…", "twice.yaml", wrong)
+    notice.wait_for()
+    notice.evaluate("first => window.abiFirst = first")
+    page.upload("Open a scene file…", "twice.yaml", wrong)
+    page.until(lambda: not page.tab.evaluate("window.abiFirst.isConnected"), "the first to go")
+    assert notice.count() == 1
+    # another fault of the same file is another notice
+    page.upload("Open a scene file…", "twice.yaml", b"version: 7\n")
+    page.until(lambda: notice.count() == 2, "both notices")
+    page.settle()
+    assert notice.count() == 2
+    while notice.count():
+        left = notice.count()
+        notice.last.get_by_role("button").click()
+        page.until(lambda: notice.count() < left, "one notice less")  # noqa: B023
+
+
 def test_several_files_are_added_apart_and_saved_with_the_scene(
     page: Page, session: Session
 ) -> None:
