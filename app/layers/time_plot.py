@@ -80,7 +80,7 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
         tuple(series),
         title=title,
         scales={"x": uplot.Scale(time=False)},
-        legend=uplot.Legend(live=False),
+        legend=uplot.Legend(live=True),  # the page shows its values beside the pointer
         axes=(along, upright),
         height=height,
         padding=_PADDING,

@@ -159,6 +159,28 @@ window.abi = {
     const over = event.target.closest?.(".u-over");
     this.zoomed.delete(this.charts().find(chart => chart.over === over));
   },
+
+  // What the lines of a plot are worth at the pointer. uplot writes it into the legend, which would
+  // grow by it; so it is hidden there, and shown beside the pointer.
+  plotHovered({target, clientX}) {
+    const over = target.closest?.(".u-over");
+    for (const card of document.querySelectorAll(".abi-read")) {
+      if (card.parentElement !== over) card.remove();
+    }
+    if (over) requestAnimationFrame(() => this.tellValues(over, clientX));
+  },
+  tellValues(over, x) {
+    const rows = [...over.closest(".uplot").querySelectorAll(".u-series:not(.u-off, :last-child)")]
+      .map(row => ["label", "value"].map(part => row.querySelector(`.u-${part}`).textContent))
+      .map(([name, value]) => name === "t" ? [`at ${value} s`] : [name, value]);
+    over.querySelector(".abi-read")?.remove();
+    if (rows.length === 0 || rows.flat().some(text => text.includes("--"))) return;
+    const card = document.createElement("div"), {left, width} = over.getBoundingClientRect();
+    card.className = "abi-read";
+    card.classList.toggle("abi-left", x > left + width / 2);
+    card.textContent = rows.map(row => row.join(" ").replace(" -", " \u2212")).join("\n");
+    over.append(card);
+  },
   charts() {
     return Object.values(window.__viserTestpoints?.uplots ?? {}).map(({chart}) => chart).filter(Boolean);
   },
@@ -404,8 +426,8 @@ window.abiListeners?.abort();
 window.abiListeners = new AbortController();
 for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
-  ["click", "sheetClicked"], ["click", "tabClicked"], ["dblclick", "plotReset"], ["keydown", "keyPressed"],
-  ["mousedown", "besideClicked"], ["click", "boxTicked"],
+  ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"],
+  ["keydown", "keyPressed"], ["mousedown", "besideClicked"], ["click", "boxTicked"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
@@ -569,18 +591,25 @@ body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-par
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;
   pointer-events: none;
 }
+.abi-read {
+  position: absolute; top: 0; right: 0; z-index: 101; padding: 1px 5px; border-radius: 4px; white-space: pre;
+  pointer-events: none; font: 11px/1.25 var(--mantine-font-family); font-variant-numeric: tabular-nums;
+  background: color-mix(in srgb, var(--mantine-color-body) 88%, transparent);
+}
+.abi-read.abi-left { right: auto; left: 0; }
 /* a plot's legend shows each line with its dashes: those of app/layers/time_plot.py */
 .u-legend .u-marker { width: 20px !important; height: 0 !important; border-width: 2px 0 0 !important; }
-.u-legend .u-series:nth-child(2) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 8px, #0000 0 12px); }
-.u-legend .u-series:nth-child(3) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 2px, #0000 0 5px); }
-.u-legend .u-series:nth-child(4) .u-marker {
+.u-legend .u-series:nth-child(3) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 8px, #0000 0 12px); }
+.u-legend .u-series:nth-child(4) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 2px, #0000 0 5px); }
+.u-legend .u-series:nth-child(5) .u-marker {
   mask: repeating-linear-gradient(90deg, #000 0 12px, #0000 0 16px, #000 0 18px, #0000 0 20px);
 }
-.u-legend .u-series:nth-child(5) .u-marker {
+.u-legend .u-series:nth-child(6) .u-marker {
   mask: repeating-linear-gradient(90deg, #000 0 5px, #0000 0 8px, #000 0 9px, #0000 0 12px);
 }
 .u-legend .u-series > * { padding: 4px 3px; }
 .u-legend { margin-top: -3px !important; }  /* below the name of the axis */
-/* the line that only spans a plot's scale */
-.u-legend .u-series:last-child { display: none; }
+/* the time, the line that only spans a plot's scale, and what abi.tellValues shows */
+.u-legend .u-series:is(:first-child, :last-child), .u-legend .u-value { display: none; }
+.u-legend .u-series th::after { content: none !important; }
 </style>`);

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from playwright.sync_api import Locator
 
 from app.server import Server
 from app.session import Session
@@ -66,6 +68,41 @@ def test_what_a_line_is_worth_can_be_read_beside_every_plot(page: Page, session:
             page.settle()
             page.until(lambda: bool(page.tab.evaluate(_NUMBERS)), "plots")
             assert min(page.tab.evaluate(_NUMBERS)) >= 2, (name, tab)
+
+
+def _read(page: Page, over: Locator) -> list[str]:
+    """Hover over three quarters of a plot; the lines of what is told there."""
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    assert box is not None
+    page.tab.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.5 * box["height"])
+    card = over.locator(".abi-read")
+    card.wait_for()
+    assert card.bounding_box()["x"] < box["x"] + 0.25 * box["width"], "not under the pointer"  # type: ignore[index]
+    return card.inner_text().splitlines()
+
+
+def test_a_plot_tells_time_and_values_at_the_pointer(page: Page, session: Session) -> None:
+    motion = session.frame.plan.motion
+    assert motion is not None
+    page.settle()
+    over = page.tab.locator(".u-over").filter(visible=True).first
+    for enlarged in (False, True):
+        if enlarged:
+            page.tab.locator(".uplot-container:hover").get_by_role("button").click()
+            over = page.tab.locator(".mantine-Modal-body .u-over")
+            over.wait_for()
+        moment, *lines = _read(page, over)
+        time = float(moment.removeprefix("at ").removesuffix(" s"))
+        assert time == pytest.approx(0.75 * session.frame.duration, abs=0.03)
+        velocity = motion.velocity[np.abs(motion.time - time).argmin()]
+        assert [line.split()[0] for line in lines] == ["speed", "x", "y", "z"]
+        told = [float(line.split()[1].replace("−", "-")) for line in lines]
+        assert told == pytest.approx([np.linalg.norm(velocity), *velocity], abs=0.03)
+    page.tab.keyboard.press("Escape")
+    over.wait_for(state="detached")
+    page.tab.mouse.move(640, 300)
+    page.until(lambda: page.tab.locator(".abi-read").count() == 0, "no reading")
 
 
 _ALL = """() => Object.values(window.__viserTestpoints.uplots).filter(({chart}) => chart).length"""
