@@ -573,6 +573,17 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
     content: "stages and results ▴"; color: var(--mantine-color-dimmed); white-space: nowrap;
   }
   [role=tablist] { scroll-margin-top: 3.5em; }
+  /* large enough for a finger: at least 24 px (WCAG 2.2, 2.5.8) */
+  #abi-overlay button { min-width: 36px; min-height: 34px; }
+  #abi-overlay .abi-track input { height: 34px; }
+  .mantine-Button-root { height: 34px !important; }
+  .mantine-Input-input { height: 34px !important; min-height: 34px !important; }
+  .mantine-Checkbox-root { --checkbox-size: 26px !important; }
+  .mantine-ActionIcon-root { min-width: 34px; min-height: 34px; }
+  [role=tab] { min-height: 36px; }
+  .mantine-Flex-root:has(> .mantine-Slider-root) { align-items: center; }
+  .mantine-Slider-thumb::after { content: ""; position: absolute; inset: -13px; }
+  .mantine-Paper-root[role=button]::after { content: ""; position: absolute; inset: -8px 0; }
   #abi-overlay .abi-wide { display: none; }
 }
 /* viser's scroll bar lies over what it scrolls, and its notices over the sentence and the buttons */

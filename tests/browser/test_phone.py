@@ -41,6 +41,23 @@ _WHOLE_HEADLINES = """() => {
 }"""
 
 
+# What is to be touched, and is less than 32 px high, or 24 px wide; its name and size.
+_SMALL = """() => [...document.querySelectorAll("button, [role=tab], input:not([type=file])")]
+  .filter(each => each.checkVisibility() && !each.matches(".mantine-NumberInput-control"))
+  .map(each => [each, each.getBoundingClientRect(), each.type === "checkbox" ? 24 : 32])
+  .filter(([, {width, height}, least]) => width > 0 && (width < 24 || height < least))
+  .map(([{ariaLabel, textContent}, {width, height}]) =>
+    `${ariaLabel ?? textContent}: ${width} x ${height}`)"""
+
+# Whether a point so far above the middle of a folder's heading, [px], belongs to it.
+_HEADING = """above => {
+  const heading = [...document.querySelectorAll("[role=button].mantine-Paper-root")]
+    .find(each => each.textContent.startsWith("2 · Graph"));
+  const {left, top, height} = heading.getBoundingClientRect();
+  return document.elementFromPoint(left + 20, top + height / 2 - above) === heading;
+}"""
+
+
 def _are_both_seen(page: Page) -> bool:
     """Check whether the scene has half of the page, down to the sheet."""
     height, scene, sheet = page.tab.evaluate(_SHARES)
@@ -66,6 +83,26 @@ def test_no_hint_lies_over_the_sheet(chromium: Browser, server: Server) -> None:
         page.until(lambda: hint.count() == 1, "the hint")
         page.frames(3)
         assert not hint.is_visible()
+    finally:
+        page.close()
+
+
+@pytest.mark.slow
+def test_everything_is_large_enough_for_a_finger(chromium: Browser, server: Server) -> None:
+    page = Page(chromium, server.url, 390, 844)
+    try:
+        page.settle()
+        assert page.tab.evaluate(_SMALL) == []
+        page.tab.get_by_text(TITLE, exact=True).click()
+        page.until(lambda: _are_both_seen(page), "the sheet")
+        page.until(lambda: page.tab.evaluate(_HEADING, 14), "a finger's width of the heading", 20)
+        page.tab.get_by_text("Result · Search ·").click()
+        page.until(lambda: _in_sight(page), "the tabs")
+        for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
+            page.click(name)
+            page.until(lambda: _in_sight(page), f"the tab {name}")
+            page.settle()
+            assert page.tab.evaluate(_SMALL) == [], name
     finally:
         page.close()
 
