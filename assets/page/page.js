@@ -270,6 +270,13 @@ window.abi = {
   },
   PHONE: 600,  // [px]: the greatest width of one
 
+  // The hint of a control comes up for its name, too; viser shows it over the control alone.
+  nameHovered({target, type}) {
+    const row = target.closest?.("label[for]")?.closest(".mantine-Flex-root");
+    row?.lastElementChild.firstElementChild
+      ?.dispatchEvent(new MouseEvent(type === "mouseover" ? "mouseenter" : "mouseleave"));
+  },
+
   // "?" as H, for the sheet of keys, and Escape or a click beside the sheet as its own button: viser
   // leaves a sheet open until the server closes it.
   keyPressed(event) {
@@ -427,7 +434,8 @@ window.abiListeners = new AbortController();
 for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
   ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"],
-  ["keydown", "keyPressed"], ["mousedown", "besideClicked"], ["click", "boxTicked"],
+  ["mouseover", "nameHovered"], ["mouseout", "nameHovered"], ["keydown", "keyPressed"],
+  ["mousedown", "besideClicked"], ["click", "boxTicked"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);

@@ -37,6 +37,24 @@ def _heading_of_the_mesh(session: Session) -> str:
     return f"1 · Mesh — {session.plan.free.nodes:,} free nodes"
 
 
+def test_the_hint_of_a_control_comes_up_for_its_name(page: Page) -> None:
+    hint = page.tab.locator(".mantine-Tooltip-tooltip")
+    for name, words in (
+        ("degree", "Of the curve's polynomials"),
+        ("straighten", "Cuts the zigzag"),
+        (RATES, "Acceleration from rest"),
+    ):
+        label = page.tab.locator("label", has_text=name).filter(visible=True)
+        label.hover()
+        page.until(lambda: hint.filter(has_text=words).count() == 1, words)  # noqa: B023
+        told, box = hint.bounding_box(), label.bounding_box()
+        assert told is not None
+        assert box is not None
+        assert told["y"] + told["height"] <= box["y"] or told["y"] >= box["y"] + box["height"]
+        page.tab.mouse.move(640, 300)
+        page.until(lambda: hint.count() == 0, "it to go")
+
+
 def _pitch_is(page: Page, session: Session, pitch: float) -> None:
     page.until(lambda: _scene(session).mesh.pitch == pytest.approx(pitch), f"a pitch of {pitch}")
     page.reads(_heading_of_the_mesh(session))
