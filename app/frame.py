@@ -23,12 +23,14 @@ class Switch:
         label: its text on the page.
         colour: of what is drawn; None for what has several or none.
         on: whether a new tab shows it.
+        hint: when it is there, or what it is, where the label does not say that.
     """
 
     name: str
     label: str
     colour: Colour | None
     on: bool = True
+    hint: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

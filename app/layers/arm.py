@@ -39,7 +39,7 @@ class ArmLayer(Layer):
     """
 
     switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("trace", "tool trace", style.TRACE),
+        Switch("trace", "tool trace", style.TRACE, hint="Where the tool has been since 0 s."),
         Switch("arm", "arm", None),
     )
 

@@ -30,9 +30,20 @@ class ArmGhostsLayer(Layer):
     """The arm's capsules, see-through."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("other_elbow", "other elbow, or other poses (ghosts)", style.FADED, on=False),
+        Switch(
+            "other_elbow",
+            "other elbow, or other poses (ghosts)",
+            style.FADED,
+            on=False,
+            hint="Another way for the arm to hold the tool where it is now.",
+        ),
         Switch("end_poses", "poses at start and goal (ghosts)", style.POINT, on=False),
-        Switch("tool_only", "curve of the tool alone", style.FADED),
+        Switch(
+            "tool_only",
+            "curve of the tool alone",
+            style.FADED,
+            hint="Where the curve would go if the links were no matter; drawn if they are.",
+        ),
     )
 
     def __init__(self, layout: Layout) -> None:

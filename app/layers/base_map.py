@@ -28,7 +28,13 @@ class BaseMapLayer(Layer):
     """Tiles level with the bases, grey without a plan, and a pin at the best."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("bases", "bases tried (heat map)", style.HEAT[0]),
+        Switch(
+            "bases",
+            "bases tried (heat map)",
+            style.HEAT[0],
+            hint="After Find a base in stage 6: yellow where the curve is shortest, dark blue "
+            "where it is longest, grey where there is no plan.",
+        ),
     )
 
     def __init__(self, layout: Layout) -> None:

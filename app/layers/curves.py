@@ -30,7 +30,12 @@ class CurvesLayer(Layer):
 
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("bspline", "B-spline", style.BSPLINE),
-        Switch("control", "control points", style.BSPLINE),
+        Switch(
+            "control",
+            "control points",
+            style.BSPLINE,
+            hint="Of the B-spline, which bends towards them.",
+        ),
         Switch("quadratic", "quadratic", style.QUADRATIC),
     )
 

@@ -17,7 +17,13 @@ class GhostLayer(Layer):
     """The last plan at rest, dashed and grey, once there is another."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("ghost", "last plan's curve", style.FADED, on=False),
+        Switch(
+            "ghost",
+            "last plan's curve",
+            style.FADED,
+            on=False,
+            hint="The curve before the last change, to compare.",
+        ),
     )
 
     def __init__(self, layout: Layout) -> None:

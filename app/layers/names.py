@@ -48,7 +48,14 @@ _View = tuple[Vec3, Vec3]
 class NamesLayer(Layer):
     """A label on each line, away from the other labels, and a dimension line."""
 
-    switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names and distance", None),)
+    switches: ClassVar[tuple[Switch, ...]] = (
+        Switch(
+            "names",
+            "names and distance",
+            None,
+            hint="Of points and curves, and the curve's least distance from an obstacle.",
+        ),
+    )
 
     def __init__(self, layout: Layout) -> None:
         scene, self._camera = layout.client.scene, layout.client.camera

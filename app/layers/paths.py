@@ -26,7 +26,7 @@ class PathsLayer(Layer):
 
     switches: ClassVar[tuple[Switch, ...]] = (
         *(Switch(name, label, colour) for name, (label, colour) in style.ALGORITHMS.items()),
-        Switch("taut", "straightened path", style.TAUT),
+        Switch("taut", "straightened path", style.TAUT, hint="Where stage 3 straightens the path."),
     )
 
     def __init__(self, layout: Layout) -> None:

@@ -40,7 +40,8 @@ class LayerSwitches:
                 hint="Shows the layers of a new tab, such as after a figure or a lesson.",
             )
             self.boxes = {
-                switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches
+                switch.name: gui.add_checkbox(switch.label, switch.on, hint=switch.hint)
+                for switch in switches
             }
             gui.add_html(_swatch_style(zip(self.boxes.values(), switches, strict=True)))
         self._usual = frozenset(switch.name for switch in switches if switch.on)

@@ -71,7 +71,11 @@ class ObstacleEditor:
         self._mesh_note = MeshNote(gui, wake)
         self._position = VectorBox(gui, "position", 0.1, "The obstacle's centre.", wake)
         self._angles = VectorBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
-        self.kind = gui.add_dropdown("new shape", tuple(PRIMITIVES))
+        self.kind = gui.add_dropdown(
+            "new shape",
+            tuple(PRIMITIVES),
+            hint="The shape that Add puts into the nearest free place.",
+        )
         self.buttons = gui.add_button_group("edit", ("Add", "Duplicate", "Delete"))
         self.uploads = add_mesh_uploads(gui, wake)
         self.surfaces: dict[str, Surface] = {}

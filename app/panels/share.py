@@ -42,7 +42,11 @@ class SharePanel:
         self.goal = gui.add_dropdown(
             "challenge", tuple(GOALS), hint="What whoever opens the link has to achieve."
         )
-        self.challenge_link = gui.add_button("Copy challenge link", color="gray")
+        self.challenge_link = gui.add_button(
+            "Copy challenge link",
+            color="gray",
+            hint="The same link, with the challenge chosen above.",
+        )
         self.picture = gui.add_button(
             "Save picture", color="gray", hint=f"A PNG {_WIDTH} pixels wide."
         )

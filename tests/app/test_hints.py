@@ -14,6 +14,7 @@ from app.layers.tables import _searches, _stages
 from app.numbers import format_setting
 from app.panels.stage_headers import STAGES
 from app.session import Session
+from app.tab_view import SWITCHES
 from tests.app.fake_tab import FakeTab, until
 
 NAMED = {"search", "stage"}
@@ -31,6 +32,16 @@ def test_each_heading_of_the_results_is_explained(plan: Plan) -> None:
         assert len(heads) > 3
         assert {text for attribute, text in heads if "title=" not in attribute} <= NAMED
     assert re.search(r'<td colspan="4" title="[^"]+"[^>]*>best possible', _stages(plan))
+
+
+@pytest.mark.parametrize("name", ["taut", "ghost", "bases", "tool_only", "other_elbow"])
+def test_a_layer_that_is_not_always_there_says_when(
+    name: str, tab: tuple[FakeTab, Session]
+) -> None:
+    _, session = tab
+    (switch,) = (one for one in SWITCHES if one.name == name)
+    assert len(switch.hint or "") > 20
+    assert session.panels.layer_switches.boxes[name].hint == switch.hint
 
 
 def test_each_large_number_is_explained(plan: Plan) -> None:
