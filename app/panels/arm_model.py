@@ -88,6 +88,7 @@ class ArmModelPanel:
         self._unnamed_base: str | None = None
         self._bases_of: tuple[str, str] | None = None
         self._workspace, self._unit = 1.0, "m"
+        self._size_notice: viser.NotificationHandle | None = None
         self._of_urdf = self.tip, self.base_link, self.axis, self.mount
         for handle in (self.model, *self._of_urdf):
             handle.on_update(wake)
@@ -107,6 +108,7 @@ class ArmModelPanel:
                 notices.notify_refused_file(self._client, title, one.result.message)
         name = self._name()
         if name is None:
+            self._take_size_back()
             self._show(False)
             return {"model": "abi", "base_wxyz": UNTURNED}
         if name != self._tips_of:
@@ -130,7 +132,10 @@ class ArmModelPanel:
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        self._workspace, self._unit = max(scene.workspace.size), scene.unit
+        size = max(scene.workspace.size), scene.unit
+        if size != (self._workspace, self._unit):
+            self._take_size_back()
+        self._workspace, self._unit = size
         arm = scene.arm
         is_urdf = arm.model == "urdf"
         self._show(is_urdf)
@@ -199,10 +204,17 @@ class ArmModelPanel:
 
     def _compare_size(self, name: str) -> None:
         """Notify of an arm whose size is not that of the workspace."""
+        self._take_size_back()
         robot = load_robot(name, MeshSource(self.files))
         note = size_note(robot, str(self.tip.value), self._workspace, self._unit)
         if note is not None:
-            self._client.add_notification(*note, auto_close_seconds=15)
+            self._size_notice = self._client.add_notification(*note, auto_close_seconds=15)
+
+    def _take_size_back(self) -> None:
+        """Take back what was told of the size of another arm, or in another workspace."""
+        if self._size_notice is not None:
+            self._size_notice.remove()
+            self._size_notice = None
 
 
 def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:

@@ -172,6 +172,30 @@ def test_the_papers_arm_in_a_scene_of_another_size_says_so_and_is_fitted(
     assert (fitted.base, fitted.clearance) == (kitchen.arm.base, kitchen.arm.clearance)
 
 
+def test_what_is_said_of_an_arms_size_goes_with_the_arm(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Notice:
+        def __init__(self, title: str, body: str, **_: Any) -> None:
+            told.append(body)
+            self.remove = lambda: told.remove(body)
+
+    fake, session = tab
+    told: list[str] = []
+    until(lambda: session.resting)
+    monkeypatch.setattr(session.client, "add_notification", Notice)
+    model = panel(session).model.model
+    for name, length in (("UR5e", "120 cm"), ("xArm7", "110 cm")):
+        fake.set(model, name)
+        until(lambda: [length in body for body in told] == [True])  # noqa: B023
+    fake.set(model, model.options[0])
+    until(lambda: not told)
+    fake.set(model, "UR5e")
+    until(lambda: len(told) == 1)
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: not told)
+
+
 def test_an_arm_of_another_size_than_the_scene_says_so(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
