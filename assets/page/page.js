@@ -564,6 +564,8 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
   /* the scene ends where the sheet begins */
   div:has(> #abi-overlay) { bottom: var(--abi-sheet, 56px) !important; }
   #abi-overlay.abi-squeezed [data-part=numbers] { display: none; }
+  /* in a lesson, what the plan took; the scene needs the place */
+  #abi-overlay.abi-squeezed [data-part=message] > .abi-buttons + .abi-card:not(.abi-error) { display: none; }
   #abi-overlay .abi-numbers { gap: 4px 10px; }
   .mantine-Paper-root[style*="max-height: 60%"] { max-height: 50% !important; }
   /* the sheet of the panels, which viser makes two thirds as wide as a phone */
