@@ -31,7 +31,7 @@ class PitchStudyPanel:
         self.button = gui.add_button(
             "Plot against the spacing",
             order=_LAST,
-            hint=f"Path length and visited nodes for {STEPS} spacings around this one.",
+            hint=f"Path length and visited nodes for up to {STEPS} spacings around this one.",
         )
         self._note = gui.add_html(_NOTHING, visible=False, order=_LAST)
         self.length = _plot(gui, style.A_STAR, _LAST + 1)
