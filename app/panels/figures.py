@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import html
+import re
 from typing import Any
 
 import viser
@@ -19,6 +20,8 @@ from app.panels.widgets import Wake, pressed
 from app.table import table
 
 _SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
+_MINUS = re.compile(r"(?<!\w)-(?=\d)")
+"""Sign of a number, not the dash in a range or a word, nor an exponent's."""
 
 
 class FiguresPanel:
@@ -111,4 +114,5 @@ def _table() -> str:
 
 
 def _wrapped(text: str) -> str:
+    text = _MINUS.sub("−", text)
     return f'<span style="white-space:normal">{html.escape(text)}</span>'

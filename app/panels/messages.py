@@ -25,6 +25,9 @@ from app.panels.lesson_mark import LessonMark
 from app.panels.share import SharePanel
 from app.panels.widgets import Wake, hidden_button, pressed
 
+_OBSTACLES = "obstacles"
+"""Switch of the layers that shows them."""
+
 
 class Messages:
     """One sentence, and the buttons of the change that helps."""
@@ -52,7 +55,7 @@ class Messages:
         shown = frame.plan, frame.refused, frame.reason, frame.interactive, frame.demonstrates
         preview = frame.coarse, frame.partial
         still = self._share.keeps_task
-        told = self._lesson.html, frame.theatre is not None, still
+        told = self._lesson.html, frame.theatre is not None, still, _OBSTACLES in frame.shown
         state = *shown, *preview, *told, *self._base.state(frame)
         if state == self._drawn:
             return
@@ -129,7 +132,7 @@ def _progress(frame: Frame, still: bool = False) -> str:
         return "<b>A search, step by step.</b> Paths, curves and arm are hidden until you end it."
     if still:  # what there is to do stands below, and it is not to drag
         return did
-    invitation = _invitation(plan)
+    invitation = _invitation(plan, _OBSTACLES in frame.shown)
     if frame.demonstrates:
         invitation = f"A demonstration, until you touch something. {invitation}"
     return f"<b>{invitation}</b> {did}"
@@ -140,9 +143,10 @@ def _whole(text: str) -> str:
     return f'<span style="white-space:nowrap">{html.escape(text)}</span>'
 
 
-def _invitation(plan: Plan) -> str:
+def _invitation(plan: Plan, seen: bool) -> str:
+    """What to drag; no obstacle while none is ``seen``."""
     obstacles = plan.scene.obstacles
-    if not obstacles:
+    if not obstacles or not seen:
         return "Drag start or goal."
     if len(obstacles) > 1:
         return "Drag an orange obstacle."

@@ -26,6 +26,7 @@ from app.lessons.lesson import (
     scene_of,
 )
 from app.lessons.measures import MEASURES, filled, text
+from app.panels.figures import _wrapped
 from app.panels.theatre import EDGES
 from app.session import Session
 from app.tab_view import SHOWN, SWITCHES
@@ -351,3 +352,13 @@ def test_a_figure_is_one_click(tab: tuple[FakeTab, Session]) -> None:
     until(lambda: session.frame.plan.scene.search.weight == "hops" and session.resting)
     assert {"a_star", "dijkstra", "bellman_ford"} <= session.frame.shown
     assert "quadratic" not in session.frame.shown
+    # what is hidden is not to be dragged
+    message = session.panels.layout.overlay.shown
+    until(lambda: "Drag the orange box." in message["message"])
+    fake.set(session.panels.figures.buttons[0], "2")
+    until(lambda: "Drag start or goal." in message["message"])
+
+
+def test_numbers_beside_the_papers_have_the_pages_minus_sign() -> None:
+    assert "+0.213, −0.099 for side 3" in _wrapped("+0.213, -0.099 for side 3")
+    assert "B-spline, 1-2, 7e-13" in _wrapped("B-spline, 1-2, 7e-13")
