@@ -72,8 +72,12 @@ class SharePanel:
             self._copy(state())
         if pressed(self.challenge_link):
             challenge = challenge_of(self.goal.value, frame)
+            words = ""
             if challenge is None:
                 words = "There is no plan to start from, or nothing left to gain."
+            elif challenge.is_met(frame):
+                words = "This scene meets it already."
+            if challenge is None or words:
                 notices.notify_refusal(self._client, "No challenge", words)
             else:
                 self._copy(replace(state(), challenge=challenge.model_dump_json()))

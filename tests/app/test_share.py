@@ -19,7 +19,7 @@ from app.lessons.measures import MEASURES
 from app.panels.share import png
 from app.session import Session
 from app.tab_state import TabState
-from tests.app.fake_tab import FakeTab, heard, until
+from tests.app.fake_tab import FakeTab, heard, notified, until
 
 PAPER = load_scene("paper")
 
@@ -166,6 +166,20 @@ def test_a_link_opens_with_its_challenge(
     fake.set(session.panels.share.link, True)
     until(lambda: len(links) == 2)
     assert parsed(TabState.decode(links[1], MeshSource({}, None)).challenge) == challenge
+
+
+def test_a_challenge_that_is_met_already_is_not_offered(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    told = notified(monkeypatch, session)
+    links = heard(monkeypatch, "copyLink")
+    until(lambda: session.resting)
+    share = session.panels.share
+    fake.set(share.goal, "find a plan")
+    fake.set(share.challenge_link, True)
+    until(lambda: told == [("No challenge", "This scene meets it already.")])
+    assert not links
 
 
 def test_a_challenge_waits_while_another_scene_is_shown_and_can_be_ended(
