@@ -39,6 +39,7 @@ class LessonPanel:
         self._library, self._lessons = library, NO_LESSONS
         self._name, self._number = "", 0
         self._passed: set[tuple[str, int]] = set()
+        self._done = False  # whether the page was passed since it was turned to
         self._left = ""
         self._answer = -1
         self._cue: Setting | None = None
@@ -107,6 +108,7 @@ class LessonPanel:
             self._list()
         if place := self._parse(text):
             self._name, self._number = place
+            self._done = place in self._passed  # with all that was revealed
             self.choice.value = self._titles()[list(self._lessons).index(self._name)]
 
     def recall(self, text: str) -> None:
@@ -140,7 +142,7 @@ class LessonPanel:
         if (
             step is not None
             and step.task is not None
-            and not self._is_passed
+            and not self._done
             and resting
             and self._cue is None
             and all(condition.holds(frame) for condition in step.task.until)
@@ -151,7 +153,8 @@ class LessonPanel:
                 self._drawn = ()
                 self._write(frame)
             return
-        state = (frame.plan, frame.theatre, self._name, self._number, self._answer, self._is_passed)
+        place = self._name, self._number, self._answer, self._is_passed, self._done
+        state = (frame.plan, frame.theatre, *place)
         if state != self._drawn:
             self._drawn = state
             self._write(frame)
@@ -222,19 +225,20 @@ class LessonPanel:
             number = int(press)
             if number < len(step.question.choices):
                 self._answer = number
-                if step.question.choices[number].right and not self._is_passed:
+                if step.question.choices[number].right and not self._done:
                     self._pass(step)
 
     def _go(self, name: str, number: int) -> None:
         """Turn to a page; no name ends the lesson."""
         self._ended |= bool(self._name) and not name
-        self._name, self._number, self._answer = name, number, -1
+        self._name, self._number, self._answer, self._done = name, number, -1, False
         step = self._step
         self._cue = None if step is None else step.set
 
     def _pass(self, step: Step) -> None:
         """Reveal what the page has kept back."""
         self._passed.add((self._name, self._number))
+        self._done = True
         self._cue = step.reveal
 
     def _write(self, frame: Frame) -> None:
@@ -272,8 +276,10 @@ class LessonPanel:
             choice = choices[self._answer]
             reply = f"**{'✓ Right.' if choice.right else '✗ No.'}** {choice.why}"
         self._show(self._reply, reply, frame)
-        self._show(self._after, step.after if passed else "", frame)
-        self.show_me.visible = task is not None and not passed
+        # what it says is so once the page is done, and may not be when it is turned to again
+        told = self._done or (question is None and task is None)
+        self._show(self._after, step.after if told else "", frame)
+        self.show_me.visible = task is not None and not self._done
         self.next.disabled = not passed
         last = self._number + 1 == len(lesson.steps)
         self.next.label = "Finish" if last else "Next"

@@ -256,6 +256,31 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     until(lambda: panel._number == 0 and not panel.next.disabled)
 
 
+def test_a_page_that_is_turned_to_again_says_nothing_that_is_no_longer_so(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    panel = session.panels.lessons
+    until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
+    fake.set(panel.choice, panel._titles()[list(LESSONS).index("01-mesh")])
+    for again in (False, True):
+        until(lambda: "### A box" in panel._text.content and "obstacles" in session.frame.shown)
+        until(lambda: not panel._after.visible and panel.next.disabled != again)  # noqa: B023
+        fake.set(panel.answers[1], True)
+        until(lambda: panel._after.visible and "obstacles" not in session.frame.shown)
+        fake.set(panel.next, True)
+        until(lambda: panel._number == 1 and "obstacles" in session.frame.shown)
+        if not again:
+            fake.set(panel.show_me, True)
+            until(lambda: panel._after.visible and not panel.show_me.visible)
+            fake.set(panel.back, True)
+    # the mesh is as coarse as at first, so the task may be done again
+    until(lambda: panel.show_me.visible and not panel._after.visible)
+    assert not panel.next.disabled
+    fake.set(panel.show_me, True)
+    until(lambda: panel._after.visible)
+
+
 def test_a_lesson_is_told_of_over_the_scene(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panels = session.panels
