@@ -139,7 +139,7 @@ class NoPath(StageError):
 
     Args:
         reached: ids of the nodes that the start can reach, shape (k,).
-        total: number of free nodes.
+        total: number of nodes that are not excluded, start and goal included.
         pitch: pitch of the mesh, [unit].
     """
 
@@ -147,8 +147,8 @@ class NoPath(StageError):
         super().__init__(
             "search",
             "no_path",
-            f"No path: the start reaches {len(reached):,} of {total:,} free nodes, and the goal is "
-            "not among them.",
+            f"No path: the start reaches {len(reached):,} of the graph's {total:,} nodes, and the "
+            "goal is not among them.",
             "Move an obstacle out of the way, lower the clearance, or put nodes nearer than "
             f"{format_length(pitch)} to each other if there is a gap.",
         )

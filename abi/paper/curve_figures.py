@@ -10,6 +10,7 @@ from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import least_squares
 from abi.curves.speed_profile import three_phase
+from abi.length_text import format_lower_bound
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
 from abi.paper.comparison import Comparison
@@ -34,7 +35,7 @@ def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
         f"{printed.BSPLINE_LENGTH:.2f}, {printed.BSPLINE_LENGTH / printed.LENGTHS['a_star']:.3f}"
         " of A*'s path",
         f"{result.bspline_arc.length:.2f}, {share:.3f} of A*'s path; proven clear by "
-        f"{result.bspline.clearance.distance:.3f}",
+        f"{format_lower_bound(result.bspline.clearance.distance)}",
         "depends on the mesh",
     )
     splines, quadratics = zip(*_clearances_as_printed(scene), strict=True)
