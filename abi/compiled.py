@@ -7,6 +7,7 @@ first plan. Helpers that kernels share are decorated with :func:`abi.compilation
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -36,6 +37,19 @@ NEW_FLAGS = np.zeros(1, np.bool_)
 """Example of flags that the kernel writes, flat."""
 
 
+LOADING = threading.RLock()
+"""Held while kernels or numba are imported, or numba loads or compiles. A fork waits for it: in the
+new process nobody would ever release what they hold meanwhile.
+"""
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(
+        before=LOADING.acquire,
+        after_in_parent=LOADING.release,
+        after_in_child=LOADING.release,
+    )
+
+
 class Kernel(Generic[_P, _R]):
     """A function that numba compiles, callable before and after.
 
@@ -47,7 +61,6 @@ class Kernel(Generic[_P, _R]):
         name: module and name of the function.
         py_func: the function as written.
         example: arguments of the types that it is compiled for, and of no others.
-        lock: held while it is compiled or loaded.
         check_types: whether what is compiled from then on refuses other types; tests ask for it.
     """
 
@@ -63,7 +76,6 @@ class Kernel(Generic[_P, _R]):
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.py_func = function
         self.example = example
-        self.lock = threading.Lock()
         self.__doc__ = function.__doc__
         self._options = options
         self._dispatcher: Dispatcher | None = None
@@ -84,23 +96,25 @@ class Kernel(Generic[_P, _R]):
     @property
     def dispatcher(self) -> Dispatcher:
         """Numba's part of it, made when it is first asked for."""
-        if self._dispatcher is None:
-            from abi.compilation.dispatcher import Dispatcher
+        with LOADING:
+            if self._dispatcher is None:
+                from abi.compilation.dispatcher import Dispatcher
 
-            self._dispatcher = Dispatcher(self.py_func, self.example, self._options)
-        return self._dispatcher
+                self._dispatcher = Dispatcher(self.py_func, self.example, self._options)
+            return self._dispatcher
 
     @property
     def cached(self) -> bool:
         """Whether an earlier run cached the compiled form; False if numba does not say."""
-        return self.dispatcher.cached
+        with LOADING:
+            return self.dispatcher.cached
 
     def compile(self) -> None:
         """Compile the function, or load its cached form; calls run compiled from then on."""
-        from abi.compilation.dispatcher import is_off
-
-        with self.lock:
-            if self.compiled or is_off():
+        if is_off():
+            return
+        with LOADING:
+            if self.compiled:
                 return
             self.dispatcher.compile()
             form = self.dispatcher.of_numba if self.check_types else self.dispatcher.unchecked
@@ -137,6 +151,14 @@ def compiled(
         options: further options of ``numba.njit``.
     """
     return partial(Kernel, example=example, fallback=fallback, options=options)
+
+
+def is_off() -> bool:
+    """Check whether numba, which is imported for that, was told to compile nothing."""
+    with LOADING:
+        from abi.compilation import dispatcher
+
+        return dispatcher.is_off()
 
 
 def _plain(value: Any) -> Any:

@@ -20,7 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from abi.compiled import KERNELS, Kernel
+from abi.compiled import KERNELS, LOADING, Kernel, is_off
 from abi.errors import AbiError
 
 _log = logging.getLogger(__name__)
@@ -86,7 +86,7 @@ class _Compilation:
     def _work(self) -> None:
         self.wanted.wait(_GRACE)
         try:
-            kernels = [] if self._ending or _is_off() else all_kernels()
+            kernels = [] if self._ending or is_off() else all_kernels()
             missing = [kernel for kernel in kernels if not self._load(kernel)]
             if not missing:
                 return
@@ -175,7 +175,8 @@ def all_kernels() -> list[Kernel[..., Any]]:
     """Import all modules with kernels and return every kernel."""
     for module in pkgutil.walk_packages([str(_PACKAGE)], "abi."):
         if module.name.endswith("_kernels"):
-            importlib.import_module(module.name)
+            with LOADING:
+                importlib.import_module(module.name)
     return list(KERNELS.values())
 
 
@@ -217,13 +218,6 @@ def wait_for_loading() -> None:
         _compilation.loaded.wait()
 
 
-def _is_off() -> bool:
-    """Import numba, which takes a moment, and ask whether it was told to compile nothing."""
-    from abi.compilation.dispatcher import is_off
-
-    return is_off()
-
-
 def compile_named() -> None:
     """Compile the kernels named on standard input, and print the name of each once it is cached.
 
@@ -240,8 +234,6 @@ def _after_fork() -> None:
     """Begin anew: a forked process does not have the thread."""
     global _compilation
     _compilation = _Compilation()
-    for kernel in KERNELS.values():
-        kernel.lock = threading.Lock()
 
 
 atexit.register(lambda: _compilation.end())  # of this process, forked or not

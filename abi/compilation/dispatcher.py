@@ -6,7 +6,6 @@ only when the first kernel is to be compiled or loaded.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -19,8 +18,6 @@ from numba.extending import register_jitable
 from abi.compilation.borrowing import Borrowing
 from abi.compilation.jitable import UNDECLARED, options_of
 from abi.compilation.kernel_stamp import fields_of, stamp
-
-_declaring = threading.Lock()
 
 
 def is_off() -> bool:
@@ -107,9 +104,7 @@ class Dispatcher:
 
 def declare_helpers() -> None:
     """Tell numba of the functions that kernels call; for who compiles one without a kernel, too."""
-    with _declaring:
-        while UNDECLARED:
-            function = UNDECLARED[0]
-            options = options_of(function)
-            register_jitable(**options)(function) if options else register_jitable(function)
-            UNDECLARED.popleft()
+    while UNDECLARED:
+        function = UNDECLARED.popleft()
+        options = options_of(function)
+        register_jitable(**options)(function) if options else register_jitable(function)

@@ -206,6 +206,39 @@ def test_a_script_ends_well_while_kernels_are_compiled(tmp_path: Path) -> None:
     run(late, "1", NUMBA_CACHE_DIR=str(tmp_path))
 
 
+FORK = """
+import os, threading, abi
+from abi.compilation.dispatcher import Dispatcher
+from abi.tet_mesh import exclusion_kernels
+
+begun, pause, loaded = threading.Event(), threading.Event(), threading.Event()
+load = Dispatcher.compile
+
+def slowly(dispatcher):
+    begun.set()
+    pause.wait(0.5)
+    load(dispatcher)
+    loaded.set()
+
+Dispatcher.compile = slowly
+threading.Thread(target=exclusion_kernels.mark.compile).start()
+begun.wait()
+child = os.fork()
+if child == 0:
+    Dispatcher.compile = load
+    abi.compile()
+    os._exit(0 if loaded.is_set() and abi.plan(abi.load_scene("paper")).error is None else 1)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked")
+def test_a_fork_waits_for_the_kernel_that_is_being_loaded() -> None:
+    abi.compile()
+    assert run(FORK).strip() == "0"
+
+
 CACHED = """
 import sys
 from collections import deque
