@@ -7,15 +7,18 @@ first plan. Helpers that kernels share are decorated with :func:`abi.compilation
 
 from __future__ import annotations
 
+import math
 import os
 import threading
+import time
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
 from abi.arrays import read_only
+from abi.compilation.callees import code_size
 
 if TYPE_CHECKING:
     from abi.compilation.dispatcher import Dispatcher
@@ -61,6 +64,7 @@ class Kernel(Generic[_P, _R]):
         name: module and name of the function.
         py_func: the function as written.
         example: arguments of the types that it is compiled for, and of no others.
+        elsewhere: while another process is to compile it: set once that is done, or has failed.
         check_types: whether what is compiled from then on refuses other types; tests ask for it.
     """
 
@@ -76,7 +80,9 @@ class Kernel(Generic[_P, _R]):
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.py_func = function
         self.example = example
+        self.elsewhere: threading.Event | None = None
         self.__doc__ = function.__doc__
+        self._interpreted, self._begun = 0.0, math.inf
         self._options = options
         self._dispatcher: Dispatcher | None = None
         self._compiled: Any = None
@@ -92,6 +98,16 @@ class Kernel(Generic[_P, _R]):
     def compiled(self) -> bool:
         """Whether calls run compiled."""
         return self._run is self._compiled
+
+    @cached_property
+    def size(self) -> int:
+        """Bytes of Python code that are compiled for it."""
+        return code_size(self.py_func)
+
+    @property
+    def need(self) -> float:
+        """Time that it has run as Python, [s]; infinite while a call waits for the compiler."""
+        return self._interpreted + max(time.perf_counter() - self._begun, 0.0)
 
     @property
     def dispatcher(self) -> Dispatcher:
@@ -110,9 +126,16 @@ class Kernel(Generic[_P, _R]):
             return self.dispatcher.cached
 
     def compile(self) -> None:
-        """Compile the function, or load its cached form; calls run compiled from then on."""
+        """Compile the function, or load its cached form; calls run compiled from then on.
+
+        Where another process is to compile it, it does so next, and this one waits.
+        """
         if is_off():
             return
+        elsewhere = self.elsewhere
+        if elsewhere is not None:
+            self._interpreted = math.inf
+            elsewhere.wait()
         with LOADING:
             if self.compiled:
                 return
@@ -122,12 +145,15 @@ class Kernel(Generic[_P, _R]):
 
     def interpret(self, *arguments: Any) -> Any:
         """Run the function as Python, on lists, which it reads faster than arrays."""
+        self._begun = begun = time.perf_counter()
         plain = tuple(map(_plain, arguments))
         with np.errstate(all="ignore"):  # as compiled
             result = self.py_func(*plain)  # type: ignore[call-arg]
         for array, values in zip(arguments, plain, strict=True):
             if isinstance(array, np.ndarray) and array.flags.writeable:
                 array[:] = values
+        self._begun = math.inf
+        self._interpreted += time.perf_counter() - begun
         return result
 
     def _compile_and_run(self, *arguments: Any) -> Any:

@@ -2,7 +2,7 @@
 
 Kernels that an earlier run has cached are loaded, which takes about a second. The others are
 compiled in separate processes, so that neither plans nor the end of the program have to wait, and
-are loaded one by one as they are ready.
+are loaded one by one as they are ready. First come those that plans spend most time in.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ import pkgutil
 import subprocess
 import sys
 import threading
-from collections import deque
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -35,10 +34,16 @@ _PROCESSORS = (
 _GRACE = 0.2
 """Seconds before the first kernel is loaded: a program of one plan ends without waiting for it."""
 
-_CHILD = "from abi.compiling import compile_named; compile_named()"
+_CHILD = "from abi.compiling import compile_named; compile_named({})"
+
+_IDLE: int = getattr(subprocess, "IDLE_PRIORITY_CLASS", 0)
+"""How Windows starts a process that works only while nobody else needs the processor."""
 
 _MOST_PROCESSES = 4
 """Processes that compile: each takes a quarter of a gigabyte, and more are hardly faster."""
+
+_UNASKED_PROCESSES = 2
+"""Processes that compile, at most, where nobody has asked for more."""
 
 
 class _Compilation:
@@ -48,8 +53,8 @@ class _Compilation:
         loaded: set once all kernels that an earlier run has kept are loaded.
         done: set once all kernels run compiled that can.
         wanted: set once somebody waits for it, or the process ends.
-        spare: processors that are left to others; as many as there are but one, unless whoever
-            waits for it says so.
+        spare: processors on which it works only as long as nobody else does; as many as there are
+            but one, unless whoever waits for it says so.
     """
 
     def __init__(self) -> None:
@@ -58,7 +63,6 @@ class _Compilation:
         self.wanted = threading.Event()
         self.spare = _PROCESSORS - 1
         self._thread: threading.Thread | None = None
-        self._children: list[subprocess.Popen[str]] = []
         self._lock = threading.Lock()
         self._ending = False
 
@@ -72,16 +76,14 @@ class _Compilation:
                 self._thread.start()
 
     def end(self) -> None:
-        """Stop; takes as long as the kernel that is being loaded.
+        """Load nothing from now on; takes as long as the kernel that is being loaded.
 
-        A thread inside the compiler's library when the process ends could crash it.
+        A thread inside the compiler's library when the process ends could crash it. Other processes
+        end by themselves, once they have cached what they compile: the next run will find it.
         """
         self._ending = True
-        for child in self._children:
-            child.kill()
         self.wanted.set()
-        if self._thread is not None:
-            self._thread.join()
+        LOADING.acquire()  # and never released
 
     def _work(self) -> None:
         self.wanted.wait(_GRACE)
@@ -110,59 +112,70 @@ class _Compilation:
 
     def _from_children(self, missing: list[Kernel[..., Any]]) -> None:
         """Let other processes compile missing kernels, and load each when it is cached."""
-        # by module: its kernels share what they call, which a process compiles once
-        modules: dict[str, list[str]] = {}
-        for kernel in missing:
-            modules.setdefault(kernel.py_func.__module__, []).append(kernel.name)
-        waiting = deque(modules.values())
-        count = min(_MOST_PROCESSES, len(waiting), max(_PROCESSORS - self.spare, 1))
+        undisturbed = max(_PROCESSORS - self.spare, 1)
+        count = min(max(undisturbed, _UNASKED_PROCESSES), _PROCESSORS, _MOST_PROCESSES)
+        waiting = list(missing)
+        events = [threading.Event() for _ in missing]
+        for kernel, event in zip(missing, events, strict=True):
+            kernel.elsewhere = event
         threads = [
-            threading.Thread(target=self._from_child, args=(waiting,), daemon=True)
-            for _ in range(count)
+            threading.Thread(target=self._from_child, args=(waiting, k >= undisturbed), daemon=True)
+            for k in range(min(count, len(waiting)))
         ]
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join()
+        for event in events:  # of what no process has come to
+            event.set()
 
-    def _from_child(self, waiting: deque[list[str]]) -> None:
-        """Let another process compile the kernels, module by module, until none is left."""
-        child = _start_child()
+    def _from_child(self, waiting: list[Kernel[..., Any]], gives_way: bool) -> None:
+        """Let another process compile the kernels, one after the other, until none is left."""
+        child = _start_child(gives_way)
         if child is None:
             return
-        self._children.append(child)
-        if self._ending:
-            child.kill()
         assert child.stdin is not None
         assert child.stdout is not None
         # a killed child breaks the pipe twice: what it was not told is written again at the end
         with suppress(BrokenPipeError), child:
-            while names := _next(waiting):
-                for name in names:
-                    print(name, file=child.stdin, flush=True)
-                    if child.stdout.readline().strip() != name:
+            while (kernel := self._next(waiting)) is not None:
+                assert kernel.elsewhere is not None
+                try:
+                    print(kernel.name, file=child.stdin, flush=True)
+                    if child.stdout.readline().strip() != kernel.name:
                         return
-                    self._load(KERNELS[name])
+                finally:
+                    kernel.elsewhere.set()
+                self._load(kernel)
+
+    def _next(self, waiting: list[Kernel[..., Any]]) -> Kernel[..., Any] | None:
+        """Take the kernel that has run longest as Python for its size; None if none is left."""
+        with self._lock:
+            if not waiting:
+                return None
+            kernel = max(waiting, key=_urgency)
+            waiting.remove(kernel)
+            return kernel
 
 
-def _next(waiting: deque[list[str]]) -> list[str] | None:
-    """Take the first element, as other threads may, too; None if none is left."""
-    with suppress(IndexError):
-        return waiting.popleft()
-    return None
+def _urgency(kernel: Kernel[..., Any]) -> float:
+    """Time that a kernel has run as Python, beside that which its compilation takes."""
+    return kernel.need / kernel.size
 
 
-def _start_child() -> subprocess.Popen[str] | None:
+def _start_child(gives_way: bool) -> subprocess.Popen[str] | None:
     """Start a process that compiles the kernels it is told; None if that is not possible."""
     paths = [str(_PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
     try:
         return subprocess.Popen(
-            [sys.executable, "-P", "-c", _CHILD],
+            [sys.executable, "-P", "-c", _CHILD.format(gives_way)],
             env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
+            creationflags=_IDLE if gives_way else 0,
+            start_new_session=True,  # a terminal interrupts all of a session
         )
     except OSError:
         return None
@@ -188,7 +201,7 @@ def compile(spare: int = 0) -> None:
     they are ready they run as plain Python, with the same results.
 
     Args:
-        spare: number of processors to leave to other programs meanwhile.
+        spare: number of processors to use only as long as other programs do not need them.
 
     Raises:
         AbiError: ``spare`` is no such number.
@@ -218,11 +231,18 @@ def wait_for_loading() -> None:
         _compilation.loaded.wait()
 
 
-def compile_named() -> None:
+def compile_named(gives_way: bool) -> None:
     """Compile the kernels named on standard input, and print the name of each once it is cached.
 
-    The main function of the other processes, which end with the one that started them.
+    The main function of the other processes. When the one that started them ends, they end, too,
+    but not before the kernel that they are at is cached: else a program that is shorter than its
+    compilation would find nothing, however often it runs.
+
+    Args:
+        gives_way: whether to work only while nobody else needs the processor.
     """
+    if gives_way and hasattr(os, "nice"):
+        os.nice(19)
     all_kernels()
     for line in sys.stdin:
         name = line.strip()
@@ -231,9 +251,11 @@ def compile_named() -> None:
 
 
 def _after_fork() -> None:
-    """Begin anew: a forked process does not have the thread."""
+    """Begin anew: a forked process does not have the threads."""
     global _compilation
     _compilation = _Compilation()
+    for kernel in KERNELS.values():
+        kernel.elsewhere = None
 
 
 atexit.register(lambda: _compilation.end())  # of this process, forked or not

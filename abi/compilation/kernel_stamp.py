@@ -8,10 +8,11 @@ So this stamp is made from the function and everything that is compiled with it.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
-from types import CodeType, FunctionType
+from collections.abc import Callable
+from types import CodeType
 from typing import Any
 
+from abi.compilation.callees import codes, compiled_with
 from abi.compilation.jitable import options_of
 
 _CONSTANTS = (bool, int, float, str, tuple, type(None))
@@ -27,17 +28,10 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
         options: text of further options on which the compiled form depends.
     """
     digest = hashlib.sha256(options.encode())
-    pending: list[Any] = [function]
-    seen: set[str] = set()
-    while pending:
-        current = pending.pop()
-        name = f"{current.__module__}.{current.__qualname__}"
-        if name in seen:
-            continue
-        seen.add(name)
-        digest.update(name.encode())
+    for current in compiled_with(function):
+        digest.update(f"{current.__module__}.{current.__qualname__}".encode())
         digest.update(repr(sorted(options_of(current).items())).encode())
-        for code in _codes(current.__code__):
+        for code in codes(current.__code__):
             constants = [value for value in code.co_consts if not isinstance(value, CodeType)]
             if constants and constants[0] == current.__doc__:
                 constants = constants[1:]
@@ -45,9 +39,7 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
             digest.update(repr((constants, code.co_names, code.co_varnames)).encode())
             for used in code.co_names:
                 value = current.__globals__.get(used)
-                if isinstance(value, FunctionType):
-                    pending.append(value)
-                elif isinstance(value, _CONSTANTS):
+                if isinstance(value, _CONSTANTS):
                     digest.update(repr((used, value)).encode())
                 elif hasattr(value, "_fields"):  # a kind of named tuple that it makes
                     digest.update(repr((used, value._fields)).encode())
@@ -59,11 +51,3 @@ def fields_of(example: Any) -> str:
     if not isinstance(example, tuple):
         return ""
     return repr((getattr(example, "_fields", ""), *map(fields_of, example)))
-
-
-def _codes(code: CodeType) -> Iterator[CodeType]:
-    """A function's code and that of the comprehensions in it."""
-    yield code
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _codes(constant)

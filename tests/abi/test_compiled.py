@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections import deque
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -308,10 +308,15 @@ print(kernel.compiled, kernel.cached)
     assert run(code, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["True", "False"]
 
 
+def waiting_kernel(kernel: Kernel[..., Any]) -> Kernel[..., Any]:
+    kernel.elsewhere = threading.Event()
+    return kernel
+
+
 def test_a_compiling_process_that_is_gone_ends_its_thread_in_silence(
-    monkeypatch: pytest.MonkeyPatch,
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def gone() -> subprocess.Popen[str]:
+    def gone(_: bool) -> subprocess.Popen[str]:
         child = subprocess.Popen(
             [sys.executable, "-c", ""], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -319,4 +324,67 @@ def test_a_compiling_process_that_is_gone_ends_its_thread_in_silence(
         return child
 
     monkeypatch.setattr(compiling, "_start_child", gone)
-    compiling._Compilation()._from_child(deque([["what it is not told"]]))
+    compiling._Compilation()._from_child([waiting_kernel(kernel)], gives_way=False)
+    assert kernel.elsewhere is not None
+    assert kernel.elsewhere.is_set()
+
+
+def test_the_kernel_that_has_run_longest_for_its_size_is_compiled_next(
+    kernel: Kernel[..., float],
+) -> None:
+    numbers, found = np.ones(1000), np.zeros(1000)
+    others = [one for one in compiling.all_kernels() if one is not kernel and not one.need]
+    compilation, waiting = compiling._Compilation(), [*others[:5], kernel, *others[5:]]
+    kernel.interpret(numbers, found)
+    assert compilation._next(waiting) is kernel
+    assert waiting == others
+    # without a need in the order of their modules, which share what they call
+    assert compilation._next(waiting) is others[0]
+    assert compilation._next([]) is None
+
+
+def test_the_need_of_a_kernel_grows_while_it_runs() -> None:
+    needs: list[float] = []
+
+    def look() -> None:
+        needs.append(looking.need)
+
+    looking: Kernel[[], None] = compiled(example=())(look)
+    del KERNELS[looking.name]
+    assert looking.need == 0
+    looking()
+    assert 0 < needs[0] < looking.need
+    after = looking.need
+    assert looking.need == after
+
+
+def test_who_needs_a_kernel_waits_for_the_process_that_compiles_it(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "helper", numba.njit(helper))
+    waiting_kernel(kernel)
+    assert kernel.elsewhere is not None
+    with ThreadPoolExecutor(1) as threads:
+        done = threads.submit(kernel.compile)
+        while not math.isinf(kernel.need):
+            assert not done.done()
+        assert not kernel.compiled
+        kernel.elsewhere.set()
+        done.result()
+    assert kernel.compiled
+
+
+@pytest.mark.slow
+def test_a_compiling_process_outlives_its_parent_by_the_kernel_it_is_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    child = compiling._start_child(gives_way=True)
+    assert child is not None
+    assert child.stdin is not None
+    assert child.stdout is not None
+    print("abi.tet_mesh.exclusion_kernels.mark", file=child.stdin, flush=True)
+    for pipe in (child.stdin, child.stdout):
+        pipe.close()
+    child.wait()
+    assert list(tmp_path.rglob("*mark*.nbi"))
