@@ -5,11 +5,13 @@ from __future__ import annotations
 import html
 import sys
 import tempfile
+import warnings
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
 
 from abi.arrays import ShortRepr
+from abi.browser import missing_browser
 from abi.export import html_page
 from abi.planner.plan import Plan, require_plan
 
@@ -55,5 +57,8 @@ def show(plan: Plan) -> Shown:
         folder = Path(tempfile.mkdtemp(prefix="abi-"))
         file = folder / "plan.html"
         file.write_text(page, encoding="utf-8")
-        webbrowser.open(file.as_uri())
+        if reason := missing_browser():
+            warnings.warn(f"{reason} Open {file} in one that runs WebGL.", stacklevel=2)
+        else:
+            webbrowser.open(file.as_uri())
     return Shown(page)

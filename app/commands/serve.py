@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import signal
 import threading
-import webbrowser
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ from urllib.parse import urlencode
 
 import click
 
+from abi.browser import missing_browser, open_in_background
 from app.address import Address
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.guard.side_door import SideDoor
@@ -223,5 +223,7 @@ def _announce(open_tab: bool, room: Classroom | None, link: str) -> None:
     if room is not None:
         link += f"{'&' if '?' in link else '/?'}{urlencode({'teach': room.secret})}"
         click.echo(f"The teacher's link, for you alone: {link}")
-    if open_tab:
-        webbrowser.open(link)
+    if open_tab and (reason := missing_browser()):
+        click.echo(f"{reason} Open the link in one that runs WebGL, or start with --no-open.")
+    elif open_tab:
+        open_in_background(link)

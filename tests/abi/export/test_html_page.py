@@ -91,7 +91,12 @@ def test_nothing_to_show_is_an_error() -> None:
 def test_a_notebook_and_a_tab_show_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[str] = []
     monkeypatch.setattr(webbrowser, "open", opened.append)
+    monkeypatch.setattr(webbrowser, "get", lambda: webbrowser.GenericBrowser("/usr/bin/w3m"))
     monkeypatch.delitem(__import__("sys").modules, "ipykernel", raising=False)
+    with pytest.warns(UserWarning, match=r"here, w3m, shows only text\. Open /.*plan\.html in one"):
+        abi.show(plan(load_scene("paper")))
+    assert opened == []
+    monkeypatch.setattr(webbrowser, "get", lambda: webbrowser.GenericBrowser("firefox"))
     shown = abi.show(plan(load_scene("paper")))
     assert opened[0].startswith("file:")
     assert 'sandbox="allow-scripts"' in shown._repr_html_()
