@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -58,17 +58,15 @@ class Kernel(Generic[_P, _R]):
 
     The compiled form stays in numba's cache (``NUMBA_CACHE_DIR``) until the function, or one that
     is compiled with it, changes; see :func:`abi.compilation.kernel_stamp.stamp`. It releases the
-    interpreter's lock.
+    interpreter's lock. It raises ``TypeError`` for arrays of another type, number of dimensions or
+    layout than those of the example, and for arrays that it would write but must not.
 
     Attributes:
         name: module and name of the function.
         py_func: the function as written.
         example: arguments of the types that it is compiled for, and of no others.
         elsewhere: while another process is to compile it: set once that is done, or has failed.
-        check_types: whether what is compiled from then on refuses other types; tests ask for it.
     """
-
-    check_types: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -140,8 +138,7 @@ class Kernel(Generic[_P, _R]):
             if self.compiled:
                 return
             self.dispatcher.compile()
-            form = self.dispatcher.of_numba if self.check_types else self.dispatcher.unchecked
-            self._run = self._compiled = form
+            self._run = self._compiled = self.dispatcher.of_numba
 
     def interpret(self, *arguments: Any) -> Any:
         """Run the function as Python, on lists, which it reads faster than arrays."""

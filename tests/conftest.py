@@ -8,15 +8,11 @@ import pytest
 from hypothesis import settings
 
 import abi
-from abi.compiled import Kernel
 from app.scratch import ScratchFolder, remove_abandoned
 
 # how long an example takes says more of the machine than of the code
 settings.register_profile("any machine", settings(), deadline=None)
 settings.load_profile("any machine")
-
-# a user's plan has passed these calls here, and does not pay for the check
-Kernel.check_types = True
 
 
 def pytest_make_parametrize_id(val: object) -> str | None:

@@ -29,7 +29,7 @@ class Dispatcher:
     """A function, compiled for the types of one example.
 
     Attributes:
-        of_numba: numba's own dispatcher.
+        of_numba: numba's own dispatcher, which checks the types of its arguments at each call.
     """
 
     def __init__(
@@ -70,15 +70,6 @@ class Dispatcher:
             if not self.of_numba.signatures:
                 raise
         self.of_numba.disable_compile()
-
-    @property
-    def unchecked(self) -> Callable[..., Any]:
-        """The compiled form without numba's look at the types of its arguments.
-
-        It reads the names of all fields of named tuples at every call.
-        """
-        [form] = (made.entry_point for made in self.of_numba.overloads.values())
-        return form  # type: ignore[no-any-return]
 
     def _stamp(self, cache: Any, current: str) -> None:
         line = f"-{self.of_numba.py_func.__code__.co_firstlineno}."

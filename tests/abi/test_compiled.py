@@ -19,6 +19,7 @@ import pytest
 
 import abi
 from abi import compiling, load_scene, plan
+from abi.arrays import read_only
 from abi.compilation import jitable
 from abi.compilation.kernel_stamp import fields_of, stamp
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
@@ -86,28 +87,36 @@ def test_threads_that_compile_the_same_kernel_wait_for_each_other(
     assert kernel.compiled
 
 
-def test_another_type_is_an_error_and_not_compiled_for(
-    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    "values",
+    [
+        pytest.param(np.zeros((2, 2)), id="two dimensions"),
+        pytest.param(np.zeros(4)[::2], id="strided"),
+        pytest.param(np.zeros(2, np.int64), id="integers"),
+        pytest.param(np.zeros(2, np.float32), id="float32"),
+        pytest.param(np.zeros(2, ">f8"), id="big-endian"),
+        pytest.param([0.0, 0.0], id="list"),
+    ],
+)
+def test_another_type_or_layout_is_an_error_and_not_compiled_for(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch, values: Any
 ) -> None:
     monkeypatch.setitem(globals(), "helper", numba.njit(helper))
-    kernel.compile()
-    with pytest.raises(TypeError):
-        kernel(np.zeros((2, 2)), np.zeros(2))
-
-
-def test_a_user_s_kernel_does_the_same_and_is_not_checked(
-    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(globals(), "helper", numba.njit(helper))
-    monkeypatch.setattr(Kernel, "check_types", False)
     kernel.compile()
     assert kernel.compiled
-    found = np.zeros(3)
-    assert kernel(np.array([1.0, 2.0, math.inf]), found) == 3
-    np.testing.assert_array_equal(found, [2, 4, math.inf])
-    # not by numba's look at all types, but as one that cannot be read as what is asked for
     with pytest.raises(TypeError):
-        kernel(np.zeros(3, np.float32), found)
+        kernel(values, np.zeros(2))
+
+
+def test_a_compiled_kernel_writes_no_array_that_is_read_only(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "helper", numba.njit(helper))
+    kernel.compile()
+    found = read_only(np.zeros(2))
+    with pytest.raises(TypeError):
+        kernel(np.ones(2), found)
+    np.testing.assert_array_equal(found, [0, 0])
 
 
 def test_a_stamp_changes_with_what_is_compiled_and_with_nothing_else(
