@@ -15,7 +15,7 @@ _PACKAGES = (
     "pydantic",
     "trimesh",
     "manifold3d",
-    "yourdfpy",
+    "lxml",
 )
 
 

@@ -17,10 +17,11 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arm import capsule_kernels
+from abi.arm import arm_links, capsule_kernels
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
 from abi.arm.pose_kernels import ArmNumbers, ArmTable
+from abi.arm.urdf_writer import joint, write
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.scene.settings import ArmSettings
@@ -209,10 +210,6 @@ def urdf(arm: Arm, scale: float | None = None) -> str:
     Returns:
         The text; equal link lengths give equal text.
     """
-    # here, since yourdfpy takes long to import
-    from abi.arm import arm_links
-    from abi.arm.urdf_writer import joint, write
-
     metres = arm.metres if scale is None else scale
     lengths = [float(length * metres) for length in (arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)]
     links = arm_links.links(*lengths)

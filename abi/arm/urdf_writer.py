@@ -5,14 +5,13 @@ The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masse
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
+from lxml import etree
 from numpy.typing import ArrayLike
-from yourdfpy import urdf as model
 
 from abi.arm.inverse_dynamics import Body, joined
 from abi.arm.link_solid import LinkSolid, rotation_of
@@ -25,15 +24,15 @@ DENSITY = 2700.0
 EFFORT = 1000.0
 """Largest torque or force of every joint, [N·m] or [N]."""
 
-_TEXTS = {"name", "type", "link"}
-"""Attributes that are not numbers."""
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_NO_TURN = (0.0, 0.0, 0.0)
 
 
 def write(
     name: str,
     materials: Mapping[str, Vec3],
     links: Mapping[str, Sequence[LinkSolid]],
-    joints: Iterable[model.Joint],
+    joints: Iterable[etree._Element],
     comment: str,
 ) -> str:
     """Write a robot as URDF text.
@@ -42,28 +41,20 @@ def write(
         name: the robot's name.
         materials: red, green and blue from 0 to 1 of each colour the solids use.
         links: the solids of each body, in the order they are written; a body without is a frame.
-        joints: the joints between them.
+        joints: the joints between them, made by :func:`joint`.
         comment: text of an XML comment at the top.
 
     Returns:
         The text, ending in a newline; equal arguments give equal text.
     """
-    robot = model.Robot(
-        name,
-        links=[_link(link, solids) for link, solids in links.items()],
-        joints=list(joints),
-        materials=[
-            model.Material(label, model.Color((*colour, 1.0)))
-            for label, colour in materials.items()
-        ],
-    )
-    tree = model.URDF(robot, build_scene_graph=False).write_xml()
-    for element in tree.iter():
-        for key in set(element.keys()) - _TEXTS:
-            element.set(key, _rounded(element.get(key)))
-    text = io.BytesIO()
-    tree.write(text, encoding="utf-8", pretty_print=True)
-    return f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {comment} -->\n{text.getvalue().decode()}'
+    robot = etree.Element("robot", name=name)
+    robot.extend(_link(link, solids) for link, solids in links.items())
+    robot.extend(joints)
+    for label, colour in materials.items():
+        material = etree.SubElement(robot, "material", name=label)
+        etree.SubElement(material, "color", rgba=_numbers((*colour, 1.0)))
+    text = etree.tostring(robot, encoding="unicode", pretty_print=True)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {comment} -->\n{text}'
 
 
 def joint(
@@ -74,8 +65,8 @@ def joint(
     axis: Vec3 | None = None,
     limits: tuple[float, float] | None = None,
     speed: float = 0.0,
-) -> model.Joint:
-    """Joint between two links.
+) -> etree._Element:
+    """Joint between two links, as an XML element.
 
     Args:
         name: name of the joint.
@@ -86,8 +77,16 @@ def joint(
         limits: lowest and highest position, [rad] or [m]; None for a fixed joint.
         speed: largest speed, [rad/s] or [m/s].
     """
-    limit = None if limits is None else model.Limit(EFFORT, speed, *limits)
-    return model.Joint(name, kind, *links, _pose((0.0, 0.0, height)), axis, limit=limit)
+    element = etree.Element("joint", name=name, type=kind)
+    for tag, link in zip(("parent", "child"), links, strict=True):
+        etree.SubElement(element, tag, link=link)
+    _add_origin(element, (0.0, 0.0, height))
+    if axis is not None:
+        etree.SubElement(element, "axis", xyz=_numbers(axis))
+    if limits is not None:
+        named = {"effort": EFFORT, "velocity": speed, "lower": limits[0], "upper": limits[1]}
+        etree.SubElement(element, "limit", {key: _numbers(one) for key, one in named.items()})
+    return element
 
 
 def inertia(solids: Iterable[LinkSolid]) -> Body:
@@ -121,33 +120,44 @@ def _squared_radii(solid: LinkSolid) -> FloatArray:
     return np.array([3 * x + z, 3 * x + z, 6 * x]) / 12
 
 
-def _pose(xyz: ArrayLike, rpy: Vec3 = (0.0, 0.0, 0.0)) -> FloatArray:
-    """Homogeneous matrix (4, 4)."""
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation_of(rpy), xyz
-    return pose
-
-
-def _link(name: str, solids: Sequence[LinkSolid]) -> model.Link:
-    link = model.Link(name)
+def _link(name: str, solids: Sequence[LinkSolid]) -> etree._Element:
+    link = etree.Element("link", name=name)
     if solids:
-        mass, centre, tensor = inertia(solids)
-        tensor[np.abs(tensor) < 1e-12 * np.trace(tensor)] = 0.0
-        link.inertial = model.Inertial(_pose(centre), mass, tensor)
+        _add_inertia(link, inertia(solids))
     for solid in solids:
-        pose, (x, y, z) = _pose(solid.xyz, solid.rpy), solid.size
-        if solid.shape == "box":
-            geometry = model.Geometry(box=model.Box((x, y, z)))
-        else:
-            geometry = model.Geometry(cylinder=model.Cylinder(x, z))
-        link.visuals.append(model.Visual(None, pose, geometry, model.Material(solid.material)))
+        _add_solid(etree.SubElement(link, "visual"), solid)
+        etree.SubElement(link[-1], "material", name=solid.material)
+    for solid in solids:
         if solid.body:
-            link.collisions.append(model.Collision(None, pose, geometry))
+            _add_solid(etree.SubElement(link, "collision"), solid)
     return link
 
 
-def _rounded(text: str) -> str:
-    """Round the numbers of a vector; the rounding error of a sine becomes 0, on every machine."""
-    numbers = np.array(text.split(), dtype=float)
-    numbers[np.abs(numbers) <= 1e-12 * np.abs(numbers).max()] = 0.0
-    return " ".join(f"{number:.12g}" for number in numbers)
+def _add_inertia(link: etree._Element, body: Body) -> None:
+    tensor = np.where(np.abs(body.inertia) < 1e-12 * np.trace(body.inertia), 0.0, body.inertia)
+    inertial = etree.SubElement(link, "inertial")
+    _add_origin(inertial, body.centre)
+    etree.SubElement(inertial, "mass", value=_numbers(body.mass))
+    values = map(_numbers, tensor[np.triu_indices(3)])
+    etree.SubElement(inertial, "inertia", dict(zip(_INERTIA, values, strict=True)))
+
+
+def _add_solid(part: etree._Element, solid: LinkSolid) -> None:
+    geometry = etree.SubElement(part, "geometry")
+    if solid.shape == "box":
+        etree.SubElement(geometry, "box", size=_numbers(solid.size))
+    else:
+        radius, _, length = solid.size
+        etree.SubElement(geometry, "cylinder", radius=_numbers(radius), length=_numbers(length))
+    _add_origin(part, solid.xyz, solid.rpy)
+
+
+def _add_origin(part: etree._Element, xyz: ArrayLike, rpy: Vec3 = _NO_TURN) -> None:
+    etree.SubElement(part, "origin", xyz=_numbers(xyz), rpy=_numbers(rpy))
+
+
+def _numbers(values: ArrayLike) -> str:
+    """Text of a number or vector; the rounding error of a sine becomes 0, on every machine."""
+    numbers = np.atleast_1d(np.asarray(values, dtype=float))
+    large = np.where(np.abs(numbers) <= 1e-12 * np.abs(numbers).max(), 0.0, numbers)
+    return " ".join(f"{number:.12g}" for number in large)

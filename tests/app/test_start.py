@@ -10,8 +10,8 @@ import pytest
 
 import abi
 
-_LATE = ("numba", "scipy", "trimesh", "networkx", "yourdfpy", "pydantic")
-_NEVER = ("scipy.optimize", "scipy.spatial", "trimesh", "networkx", "yourdfpy")
+_LATE = ("numba", "scipy", "trimesh", "networkx", "lxml", "pydantic")
+_NEVER = ("scipy.optimize", "scipy.spatial", "trimesh", "networkx")
 """What the first plan of the paper's scene needs nothing of; it takes a second to load."""
 _CODE = """
 import json, sys
@@ -54,7 +54,7 @@ assert (after.misses - before.misses, after.hits - before.hits) == (0, 1)
     )
     assert "app.session" in loaded
     # what reads an arm's solids takes longer to import than all else, and the curve comes first
-    assert not {"yourdfpy", "trimesh", "scipy.ndimage"} & set(loaded)
+    assert not {"trimesh", "scipy.ndimage"} & set(loaded)
 
 
 def test_garbage_is_looked_for_again_once_all_is_loaded() -> None:
