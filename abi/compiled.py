@@ -56,10 +56,11 @@ if hasattr(os, "register_at_fork"):
 class Kernel(Generic[_P, _R]):
     """A function that numba compiles, callable before and after.
 
-    The compiled form stays in numba's cache (``NUMBA_CACHE_DIR``) until the function, or one that
-    is compiled with it, changes; see :func:`abi.compilation.kernel_stamp.stamp`. It releases the
-    interpreter's lock. It raises ``TypeError`` for arrays of another type, number of dimensions or
-    layout than those of the example, and for arrays that it would write but must not.
+    The compiled form is kept (:func:`abi.compilation.kernel_cache.kernel_folder`) until the
+    function, or one that is compiled with it, changes; see
+    :func:`abi.compilation.kernel_stamp.stamp`. It releases the interpreter's lock. It raises
+    ``TypeError`` for arrays of another type, number of dimensions or layout than those of the
+    example, and for arrays that it would write but must not.
 
     Attributes:
         name: module and name of the function.
@@ -119,7 +120,7 @@ class Kernel(Generic[_P, _R]):
 
     @property
     def cached(self) -> bool:
-        """Whether an earlier run cached the compiled form; False if numba does not say."""
+        """Whether an earlier run cached the compiled form."""
         with LOADING:
             return self.dispatcher.cached
 
@@ -131,7 +132,7 @@ class Kernel(Generic[_P, _R]):
         if is_off():
             return
         elsewhere = self.elsewhere
-        if elsewhere is not None:
+        if elsewhere is not None and not elsewhere.is_set():
             self._interpreted = math.inf
             elsewhere.wait()
         with LOADING:
@@ -182,6 +183,14 @@ def is_off() -> bool:
         from abi.compilation import dispatcher
 
         return dispatcher.is_off()
+
+
+def keeps() -> bool:
+    """Check whether compiled forms can be kept for other processes."""
+    with LOADING:
+        from abi.compilation.kernel_cache import kernel_folder
+
+        return kernel_folder() is not None
 
 
 def _plain(value: Any) -> Any:

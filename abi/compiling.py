@@ -19,7 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from abi.compiled import KERNELS, LOADING, Kernel, is_off
+from abi.compiled import KERNELS, LOADING, Kernel, is_off, keeps
 from abi.errors import AbiError
 
 _log = logging.getLogger(__name__)
@@ -93,7 +93,8 @@ class _Compilation:
             if not missing:
                 return
             self.loaded.set()
-            self._from_children(missing)
+            if keeps():
+                self._from_children(missing)
             for kernel in missing:
                 # where nothing can be kept, or no process started
                 if not self._ending:
@@ -146,7 +147,8 @@ class _Compilation:
                         return
                 finally:
                     kernel.elsewhere.set()
-                self._load(kernel)
+                if not self._load(kernel):  # it could not be cached, nor could others
+                    return
 
     def _next(self, waiting: list[Kernel[..., Any]]) -> Kernel[..., Any] | None:
         """Take the kernel that has run longest as Python for its size; None if none is left."""

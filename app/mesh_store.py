@@ -25,6 +25,7 @@ import numpy as np
 
 from abi.arrays import read_only
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.user_cache import user_cache
 
 MAX_STORED = 500_000_000
 """Bytes of all files; no more than half of a smaller disk."""
@@ -37,8 +38,7 @@ def folder() -> Path:
     """Folder of the files."""
     if named := os.environ.get("ABI_STORE"):
         return Path(named)
-    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(cache) / "abi-visualiser" / "uploads"
+    return user_cache() / "uploads"
 
 
 def keys(files: Mapping[str, bytes | Surface]) -> dict[str, str]:

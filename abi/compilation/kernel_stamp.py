@@ -2,13 +2,17 @@
 
 numba's own stamp is that of the kernel's file. But the functions that a kernel calls are compiled
 into it, and many of them are in other files; and most changes to its own file do not affect it.
-So this stamp is made from the function and everything that is compiled with it.
+So this stamp is made from the function and everything that is compiled with it, and from the
+compiler: its version, and what this package adds to it.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
 from types import CodeType
 from typing import Any
 
@@ -27,7 +31,7 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
         function: a Python function.
         options: text of further options on which the compiled form depends.
     """
-    digest = hashlib.sha256(options.encode())
+    digest = hashlib.sha256(options.encode() + compiler_stamp())
     for current in compiled_with(function):
         digest.update(f"{current.__module__}.{current.__qualname__}".encode())
         digest.update(repr(sorted(options_of(current).items())).encode())
@@ -46,8 +50,20 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
     return digest.hexdigest()
 
 
+@cache
+def compiler_stamp() -> bytes:
+    """Hash of the compiler's version, and of the code of this package."""
+    digest = hashlib.sha256()
+    for name in ("numba", "llvmlite"):
+        digest.update(version(name).encode())
+    for file in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(file.read_bytes())
+    return digest.digest()
+
+
 def fields_of(example: Any) -> str:
-    """Names of the fields of named tuples among arguments, which compiled code knows by number."""
+    """Kinds and fields of named tuples among arguments; compiled code has fields by number."""
     if not isinstance(example, tuple):
         return ""
-    return repr((getattr(example, "_fields", ""), *map(fields_of, example)))
+    kind = f"{type(example).__module__}.{type(example).__qualname__}"
+    return repr((kind, getattr(example, "_fields", ""), *map(fields_of, example)))

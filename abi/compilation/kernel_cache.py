@@ -1,0 +1,149 @@
+"""Where the compiled forms of kernels are kept, for all clones and environments of a user."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+
+from abi.user_cache import temporary_cache, user_cache
+
+_log = logging.getLogger(__name__)
+
+_KEPT = 30 * 24 * 3600.0
+"""Seconds after which a file that nobody has used is removed: another clone may use it."""
+
+_BROKEN = (OSError, EOFError, ValueError, AttributeError, ImportError, pickle.UnpicklingError)
+"""What reading a file raises that was cut off, or that something else has written."""
+
+_ADVICE = "NUMBA_CACHE_DIR can name a folder"
+
+_DAY = 24 * 3600.0
+"""Seconds after which the use of a file is noted anew."""
+
+
+@cache
+def kernel_folder() -> Path | None:
+    """Folder of the compiled forms: in ``$NUMBA_CACHE_DIR`` or the user's cache.
+
+    Where that cannot be written it is in the temporary directory, and a line in the log says so.
+    None if that is not possible either.
+    """
+    named = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+    usual = partial(Path, named, "abi-visualiser") if named else _in_user_cache
+    refused = ""
+    for place in (usual, _in_temporary_cache):
+        try:
+            folder = place()
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError as error:
+            refused = refused or str(error)
+            continue
+        if refused:
+            _log.warning(f"compiled kernels are kept in {folder}: {refused}; {_ADVICE}")
+        return folder
+    _log.warning(f"compiled kernels are not kept: {refused}; {_ADVICE}")
+    return None
+
+
+def _in_user_cache() -> Path:
+    return user_cache() / "kernels"
+
+
+def _in_temporary_cache() -> Path:
+    return temporary_cache() / "kernels"
+
+
+class KernelCache(FunctionCache):
+    """Numba's cache of one function, in that folder, in files named by a stamp."""
+
+    def __init__(self, function: Callable[..., Any], folder: Path, stamp: str) -> None:
+        self._impl_class: Any = partial(_Implementation, folder, stamp)
+        self._folder, self._stamp = folder, stamp
+        super().__init__(function)  # type: ignore[no-untyped-call]
+
+    def has(self, signature: tuple[Any, ...], codegen: Any) -> bool:
+        """Check whether the compiled form for these types is kept."""
+        file: Any = self._cache_file
+        try:
+            name = file._load_index().get(self._index_key(signature, codegen))  # type: ignore[no-untyped-call]
+        except _BROKEN:
+            self._remove()
+            return False
+        return name is not None and (self._folder / name).exists()
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Load a compiled form; None if it is not kept, or its file is damaged."""
+        try:
+            return super().load_overload(signature, context)  # type: ignore[no-untyped-call]
+        except _BROKEN:
+            self._remove()
+            return None
+
+    def note_use(self) -> None:
+        """Keep the function's files for another while."""
+        for file in self._files():
+            with suppress(OSError):
+                if _age(file) > _DAY:
+                    file.touch()
+
+    def remove_unused(self) -> None:
+        """Remove files of any kernel that nobody has used for long."""
+        for file in self._folder.glob("*.nb?"):
+            with suppress(OSError):
+                if _age(file) > _KEPT:
+                    file.unlink()
+
+    def _files(self) -> Iterator[Path]:
+        return self._folder.glob(f"*-{self._stamp[:16]}.*.nb?")
+
+    def _remove(self) -> None:
+        for file in self._files():
+            with suppress(OSError):
+                file.unlink()
+
+
+def _age(file: Path) -> float:
+    """Seconds since a file was written, or its use was noted."""
+    return time.time() - file.stat().st_mtime
+
+
+class _Implementation(CompileResultCacheImpl):
+    def __init__(self, folder: Path, stamp: str, function: Callable[..., Any]) -> None:
+        self._locator_classes: list[Any] = [_Locator(folder, stamp)]
+        super().__init__(function)  # type: ignore[no-untyped-call]
+
+
+class _Locator:
+    """What numba asks for the place of a function's files."""
+
+    def __init__(self, folder: Path, stamp: str) -> None:
+        self._folder, self._stamp = folder, stamp
+        self._py_file = ""
+
+    def from_function(self, _function: Callable[..., Any], file: str) -> _Locator:
+        self._py_file = file  # numba's warnings name it
+        return self
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def ensure_cache_path(self) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_source_stamp(self) -> str:
+        return self._stamp
+
+    def get_disambiguator(self) -> str:
+        """Part of the files' names: in an index of other sources may be classes that are gone."""
+        return self._stamp[:16]

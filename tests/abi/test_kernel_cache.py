@@ -1,0 +1,140 @@
+"""The cache of compiled kernels: shared by clones, cleared of what is old, and always somewhere."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+import abi
+from abi import compiling
+from abi.compilation.dispatcher import Dispatcher
+from abi.compilation.kernel_cache import KernelCache, kernel_folder
+from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
+from tests.abi.test_compiled import CACHED, run
+
+
+def halved(numbers: Any, found: Any) -> float:
+    for i in range(len(numbers)):
+        found[i] = numbers[i] / 2
+    return 0.0
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    kernel_folder.cache_clear()
+    yield tmp_path / "cache" / "abi-visualiser"
+    kernel_folder.cache_clear()
+
+
+def dispatcher() -> Dispatcher:
+    return Dispatcher(halved, (FLOATS, NEW_FLOATS), {})
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_a_damaged_file_is_compiled_anew(folder: Path, ending: str) -> None:
+    dispatcher().compile()
+    [file] = folder.glob(f"*.{ending}")
+    file.write_bytes(file.read_bytes()[:-20])
+    other = dispatcher()
+    other.compile()
+    other.of_numba(np.ones(2), found := np.zeros(2))
+    assert found.tolist() == [0.5, 0.5]
+    assert dispatcher().cached
+
+
+def test_what_nobody_has_used_for_long_is_removed(folder: Path) -> None:
+    used, unused = (KernelCache(halved, folder, letter * 16) for letter in "ab")
+    folder.mkdir(parents=True)
+    month_ago = time.time() - 31 * 24 * 3600
+    for letter in "abc":
+        file = folder / f"test.halved-{letter * 16}.py311.nbi"
+        file.write_bytes(b"")
+        os.utime(file, (month_ago, month_ago) if letter != "c" else None)
+    used.note_use()
+    unused.remove_unused()
+    assert sorted(file.name.split("-")[1][0] for file in folder.iterdir()) == ["a", "c"]
+
+
+def test_what_cannot_be_kept_where_it_should_is_kept_for_a_while_and_logged(
+    folder: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder.parent.write_text("a file in the way")
+    with caplog.at_level(logging.WARNING):
+        dispatcher().compile()
+        assert dispatcher().cached
+    [line] = caplog.messages
+    chosen = kernel_folder()
+    assert chosen is not None
+    assert chosen.is_relative_to(folder.parents[1])
+    assert str(chosen) in line
+    assert "NUMBA_CACHE_DIR" in line
+
+
+def test_where_nothing_can_be_kept_each_kernel_is_compiled_once(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder.parent.write_text("a file in the way")
+    user = f"-{os.getuid()}" if hasattr(os, "getuid") else ""
+    (folder.parents[1] / f"abi-visualiser{user}").write_text("and another")
+    kernel: Kernel[..., Any] = compiled(example=(FLOATS, NEW_FLOATS))(halved)
+    del KERNELS[kernel.name]
+
+    def start(_: bool) -> subprocess.Popen[str]:
+        raise AssertionError("another process could not hand over what it compiles")
+
+    monkeypatch.setattr(compiling, "all_kernels", lambda: [kernel])
+    monkeypatch.setattr(compiling, "_start_child", start)
+    with caplog.at_level(logging.WARNING):
+        compiling._Compilation()._work()
+    assert kernel.compiled
+    assert not kernel.cached
+    [line] = caplog.messages
+    assert "not kept" in line
+    assert "NUMBA_CACHE_DIR" in line
+
+
+@pytest.mark.slow
+def test_clones_share_what_they_compile_and_an_edit_affects_what_depends_on_it(
+    tmp_path: Path,
+) -> None:
+    package, ignored = Path(abi.__file__).parent, shutil.ignore_patterns("__pycache__")
+    first, second = (
+        shutil.copytree(package, tmp_path / name / "abi", ignore=ignored) for name in "ab"
+    )
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    of_first, of_second = (cache | {"PYTHONPATH": str(clone.parent)} for clone in (first, second))
+    assert run(CACHED, **of_first).split() == ["0", "0"]
+    assert run(CACHED, **of_second).split() == ["1", "1"]
+
+    # a comment, and lines that move
+    source = first / "tet_mesh" / "exclusion_kernels.py"
+    source.write_text(source.read_text().replace("@compiled", "# a comment\n\n@compiled"))
+    assert run(CACHED, **of_first).split() == ["1", "1"]
+
+    # in a file that one of the kernels takes functions from
+    helper = first / "obstacles" / "primitive_kernels.py"
+    before = helper.read_text()
+    helper.write_text(
+        before.replace("return most - core.radius", "return most - 1.0 * core.radius")
+    )
+    assert helper.read_text() != before
+    assert run(CACHED, **of_first).split() == ["1", "0"]
+    assert run(CACHED, **of_second).split() == ["1", "1"]
+
+    # in the compiler
+    source = second / "compilation" / "borrowing.py"
+    source.write_text(source.read_text() + "\n_ANOTHER = 1\n")
+    assert run(CACHED, **of_second).split() == ["0", "0"]
