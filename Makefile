@@ -14,6 +14,7 @@
 #   make fuzz ARGS="--files 200"             hostile meshes, arms and scenes to the reader of files
 #   make soak ARGS="--minutes 1"             thirty tabs that drag and play, one of them frozen
 #   make restarts ARGS="--kills 20"          kill and start the server under a tab, lose nothing
+#   make poses ARGS="--steps 300"            choose scenes and arms at random: all is where it is planned
 #   make format                              format the code and mend what the linter can mend
 #   make lock                                lock the dependencies (ARGS=--upgrade: the newest)
 #   make clean                               remove what make made
@@ -27,7 +28,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack fuzz soak restarts format lock clean
+.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -93,6 +94,10 @@ soak: $(DEV)
 restarts: $(DEV)
 	tools/chromium
 	@$(BIN)/python -m benchmarks.restarts $(ARGS)
+
+poses: $(DEV)
+	tools/chromium
+	@$(BIN)/python -m benchmarks.poses $(ARGS)
 
 format: $(DEV)
 	$(BIN)/ruff format

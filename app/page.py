@@ -19,7 +19,7 @@ from viser import _messages
 from viser._threadpool_exceptions import print_awaited_callback_error
 
 from abi import assets
-from app import viser_shortcuts
+from app import node_poses, viser_shortcuts
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
 
@@ -52,12 +52,15 @@ _SLOTS: dict[Function, str] = {
     "play": "motion",
     "remember": "remember",
     "seek": "moment",
-    "stand": "motion",
+    "stand": "end of motion",
 }
-"""Calls of one slot replace each other while unsent; so do those of ``show`` for one part."""
+"""Calls of one slot replace each other while unsent; so do those of ``show`` for one part.
+
+A motion does not replace the end of the one before: that comes before the nodes of another arm."""
 _COMMENT = re.compile(r"(//.*|/\*[^*]*\*/)?")
 
 viser_shortcuts.install()
+node_poses.install()
 
 
 class _AtOnce(Executor):

@@ -58,13 +58,14 @@ class ArmLayer(Layer):
         arm = frame.plan.arm
         shown = "arm" in frame.shown
         if arm is not None and shown and arm is not self._arm:
+            # the page would move the nodes of the next arm as those of the last
+            self._stand(frame.time)
             self._place(arm)
         started = False
         if plays := frame.playing and frame.plan.motion is not None:
             started = self._play(frame, frame.plan.motion)
         else:
-            if self._playback.stop(frame.time):
-                self._posed, self._traced = None, (None, -1)
+            self._stand(frame.time)
             self._pose(frame.plan, frame.time)
         clearance = frame.plan.arm_clearance
         links = frozenset[str]() if clearance is None else clearance.touching(frame.time)
@@ -80,6 +81,11 @@ class ArmLayer(Layer):
         self._arm, self._posed = arm, None
         self._nodes = self._kinds[type(arm)]
         self._nodes.place(arm)
+
+    def _stand(self, time: float) -> None:
+        """Have a motion that plays end at ``time`` [s]."""
+        if self._playback.stop(time):
+            self._posed, self._traced = None, (None, -1)
 
     def _play(self, frame: Frame, motion: ArmMotion) -> bool:
         """Have the page move the arm and lengthen the trace of a motion; whether that is new."""

@@ -13,6 +13,7 @@ import viser.transforms
 from abi.arm.any_arm import AnyArm
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
+from app import node_poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +48,19 @@ class JointNode:
             "prismatic": self.prismatic,
         }
 
+    def forget_pose(self) -> None:
+        """Have the next move sent, as the page has moved the node by itself."""
+        node_poses.forget(self.frame)
+
     def move(self, positions: FloatArray) -> None:
         """Pose the node at the positions (m,) of all joints, [rad] and [unit]."""
         value = float(positions[self.column])
+        place, rotation = self.origin.translation(), self.origin.rotation()
         if self.prismatic:
-            self.frame.position = self.origin @ (self.axis * value)
+            place = self.origin @ (self.axis * value)
         else:
-            rotation = viser.transforms.SO3.exp(self.axis * value)
-            self.frame.wxyz = (self.origin.rotation() @ rotation).wxyz
+            rotation = rotation @ viser.transforms.SO3.exp(self.axis * value)
+        self.frame.position, self.frame.wxyz = place, rotation.wxyz
 
 
 class LinkBody:

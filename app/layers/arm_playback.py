@@ -83,6 +83,8 @@ class ArmPlayback:
             return False
         self._playing = None
         page.call(self._client, "stand", time)
+        for joint in self._joints or ():
+            joint.forget_pose()
         return True
 
 

@@ -15,7 +15,7 @@ from viser.transforms import SO3
 
 from abi.arrays import FloatArray
 from abi.obstacles.revolution import quarter_circles, revolved
-from app import page, style
+from app import node_poses, page, style
 
 _SIDES = 14
 _PLACE = 7
@@ -63,6 +63,8 @@ class GhostBodies:
         self._following = places
         if places is None:
             page.call(self._client, "follow", None)
+            for node in self._nodes:
+                node_poses.forget(node)
             return
         table = base64.b64encode(places.astype("<f4").tobytes()).decode()
         page.call(self._client, "follow", {"names": names, "places": table})

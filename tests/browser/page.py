@@ -172,6 +172,15 @@ _POSITION = """name => {
   return world.worldToLocal(origin).toArray();
 }"""
 
+# Pose of every node in the world, as a matrix, column by column.
+_POSES = """() => {
+  const nodes = window.__viserMutable.nodeRefFromName, world = nodes[""];
+  world.updateWorldMatrix(true, true);
+  const inverse = world.matrixWorld.clone().invert();
+  return Object.entries(nodes).filter(([name, node]) => name && node)
+    .map(([name, node]) => [name, inverse.clone().multiply(node.matrixWorld).toArray()]);
+}"""
+
 
 class Page:
     """One tab with its own storage, 1280x720 unless told otherwise, connected when built.
@@ -292,6 +301,11 @@ class Page:
         assert position is not None, f"no node {name}"
         x, y, z = position
         return (x, y, z)
+
+    def poses(self) -> dict[str, NDArray[np.float64]]:
+        """Pose of every node in the world, (4, 4), [unit]."""
+        found = self.tab.evaluate(_POSES)
+        return {name: np.reshape(numbers, (4, 4)).T for name, numbers in found}
 
     def pixel(self, name: str, point: Sequence[float] = (0.0, 0.0, 0.0)) -> Point:
         """Place on the page, [px], of ``point`` in the frame of the node, [unit]."""

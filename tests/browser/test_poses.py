@@ -1,0 +1,40 @@
+"""The page's own poses of links, obstacles and ends are those of the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser
+
+from app.address import Address
+from app.look import PLAIN
+from app.server import Server, start
+from benchmarks.poses import Step, Walker, misplaced, walk
+from tests.browser.page import Page
+
+_KITCHEN = ("scene", "kitchen-ur5e")
+_ORDERS: dict[str, list[Step]] = {
+    "another unit": [("arm", "UR5e"), _KITCHEN, ("scene", "paper"), ("arm", "UR5e")],
+    "another arm, and back": [("arm", "Franka Panda"), ("arm", "UR5e"), ("button", "undo")],
+    "under way": [_KITCHEN, ("play", ""), ("arm", "xArm7"), ("play", ""), ("arm", "UR5e")],
+    "again": [("arm", "UR5e"), _KITCHEN, ("reload", ""), ("arm", "UR5e")],
+}
+
+
+@pytest.fixture
+def walker(chromium: Browser, server: Server) -> Iterator[Walker]:
+    """A tab of a server of its own, so that it can tell its sessions apart."""
+    own = start(Address(port=0), look=PLAIN)  # after the shared one, which has all compiled
+    page = Page(chromium, own.url)
+    yield Walker(page, own)
+    page.close()
+    own.stop()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", _ORDERS.values(), ids=list(_ORDERS))
+def test_the_arm_stands_where_it_is_planned(walker: Walker, order: list[Step]) -> None:
+    assert not misplaced(walker.page, walker.session)
+    assert not walk(walker, order)
+    assert not walker.page.errors
