@@ -2,6 +2,7 @@
 # when it is there and by pip otherwise; what is installed already is not installed again.
 #
 #   make run ARGS="--port 8123 --no-open"    start the visualiser
+#   make install                             what the tests need, into .venv
 #   make test                                every check and every test, the browser's too
 #   make check                               the same without the browser
 #   make quick ARGS=tests/abi/test_kernels.py    some tests at once; without ARGS, most of them
@@ -28,7 +29,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack fuzz soak restarts poses format lock clean
+.PHONY: run install test check quick coverage test-wheel lint docs pictures bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -45,6 +46,8 @@ $(DOCS): requirements-docs.lock pyproject.toml tools/install
 
 run: $(RUN)
 	@$(BIN)/abi serve $(ARGS)
+
+install: $(DEV)
 
 test: lint
 	tools/chromium
@@ -105,7 +108,7 @@ format: $(DEV)
 
 lock: $(DEV)
 	$(COMPILE) --group build $(ARGS) --output-file requirements.lock
-	$(COMPILE) --group dev --extra sweep --constraint requirements.lock $(ARGS) --output-file requirements-dev.lock
+	$(COMPILE) --group dev --extra notebook --extra sweep --constraint requirements.lock $(ARGS) --output-file requirements-dev.lock
 	$(COMPILE) --group docs --constraint requirements-dev.lock $(ARGS) --output-file requirements-docs.lock
 	@! grep -nE '://|^ *-[^-]|^--' requirements*.lock || \
 		{ echo "A lock file names a place; it may only hold names, versions and hashes." >&2; exit 1; }
