@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import mesh_reader, stl, trimesh_formats
+from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.parts import Parts
 
 MAX_TRIANGLES = 500_000
@@ -66,12 +67,12 @@ class MeshLookup:
             SceneError: it is not there, or there are several.
         """
         path = (self._folder / name).as_posix()
-        for found in (path, path + _PLAIN):
-            if found in self._files:
+        for wanted in (path, path + _PLAIN):
+            if (found := same_name(wanted, self._files)) is not None:
                 return found
         last = PurePosixPath(name).name
-        wanted = (last, last + _PLAIN)
-        same = [file for file in self._files if PurePosixPath(file).name in wanted]
+        ends = (last, last + _PLAIN)
+        same = [file for file in self._files if same_name(PurePosixPath(file).name, ends)]
         if len(same) != 1:
             raise SceneError("arm.urdf mesh", name, "a file that came with the URDF")
         return same[0]

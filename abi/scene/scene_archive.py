@@ -15,6 +15,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -97,7 +98,10 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
     contents: dict[str, bytes | Surface] = {}
     for file, original in names.items():
         contents[original] = clean(*read(stored.pop(file), file), file)
-    return _renamed(data, names), {**stored, **contents}
+    data = _renamed(data, names)
+    given = {**stored, **contents}
+    found = {name: same_name(name, given) for name in _named(data)}
+    return data, {**given, **{name: given[one] for name, one in found.items() if one is not None}}
 
 
 def _stored_names(files: Sequence[str]) -> dict[str, str]:
@@ -137,6 +141,16 @@ def _renamed(data: Any, names: Mapping[str, str]) -> Any:
         for one in data["obstacles"]
     ]
     return {**data, "obstacles": obstacles}
+
+
+def _named(data: Any) -> set[str]:
+    """Names of files in plain data of a scene, which need not be right."""
+    if not isinstance(data, Mapping):
+        return set()
+    entries = data["obstacles"] if isinstance(data.get("obstacles"), list) else []
+    names = [one.get("file") for one in entries if isinstance(one, dict)]
+    names += [data["arm"].get("urdf")] if isinstance(data.get("arm"), dict) else []
+    return {name for name in names if isinstance(name, str)}
 
 
 def _obj(surface: Surface) -> str:

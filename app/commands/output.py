@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import errno
+import io
 import os
 import sys
 from pathlib import Path
@@ -11,6 +13,32 @@ import click
 
 _NOT_WRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """Errors of writing into a file that is open, which do not name it."""
+
+
+_SPELLED = "abi.spelled"
+"""Name of our way to encode letters that the output does not have."""
+_SYSTEMS = ("strict", "surrogateescape", "backslashreplace")
+"""Ways to encode them that the system takes unless somebody asks for another."""
+_SPELLINGS = {
+    "✓": "+",
+    "✗": "x",
+    "≈": "~",
+    "×": "x",
+    "·": ".",
+    "°": " deg",
+    "²": "2",
+    "³": "3",
+    "…": "...",
+    "½": "1/2",
+    "≤": "<=",
+    "≥": ">=",
+    "→": "->",
+    "±": "+-",
+    "π": "pi",
+    "σ": "sigma",
+    **dict.fromkeys("−–—", "-"),
+}
+"""How signs of ours are written where the output has only others."""
 
 
 def print_text(text: str) -> None:
@@ -26,10 +54,28 @@ def print_text(text: str) -> None:
 
 
 def ensure_streams() -> None:
-    """Give closed standard streams a place to write to; whoever must print checks it."""
+    """Make standard streams take whatever is printed.
+
+    A closed one gets a place to write to; whoever must print checks it. One of another encoding
+    than UTF-8 gets signs that it does not have spelled, and other letters as their numbers.
+    """
+    codecs.register_error(_SPELLED, _spelled)
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
+        stream = getattr(sys, name)
+        if stream is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper) and stream.errors in _SYSTEMS:
+            stream.reconfigure(errors=_SPELLED)
+
+
+def _spelled(error: UnicodeError) -> tuple[str | bytes, int]:
+    """What stands for the first letter that cannot be encoded, and where to go on."""
+    assert isinstance(error, UnicodeEncodeError)
+    letter = error.object[error.start]
+    if "\udc80" <= letter <= "\udcff":  # stands for a byte of a file's name that is no text
+        return letter.encode("utf-8", "surrogateescape"), error.start + 1
+    spelling = _SPELLINGS.get(letter) or letter.encode("ascii", "backslashreplace").decode()
+    return spelling, error.start + 1
 
 
 def lost_output(error: OSError) -> str:

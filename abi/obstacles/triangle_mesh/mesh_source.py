@@ -7,6 +7,7 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from abi.errors import SceneError, short
+from abi.obstacles.triangle_mesh.file_names import same_name, same_path
 from abi.obstacles.triangle_mesh.mesh_reader import MAX_BYTES, SUFFIXES, read
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -46,7 +47,7 @@ class MeshSource:
         _check_name(name)
         if PurePosixPath(name).suffix.lower() not in SUFFIXES:
             raise SceneError("file", name, f"a file that ends in {', '.join(SUFFIXES)}")
-        content = self.files.get(name)
+        content = self._given(name)
         if isinstance(content, Surface):
             return content
         if not isinstance(content, bytes | None):
@@ -60,8 +61,13 @@ class MeshSource:
             SceneError: there is no such file, or it is outside the folder.
         """
         _check_name(name)
-        content = self.files.get(name)
+        content = self._given(name)
         return content if isinstance(content, bytes) else self._content(name)
+
+    def _given(self, name: str) -> bytes | Surface | None:
+        """What was given under a name, or under one that reads the same."""
+        same = same_name(name, self.files)
+        return None if same is None else self.files[same]
 
     def _content(self, name: str) -> bytes:
         if self.folder is None:
@@ -74,7 +80,7 @@ class MeshSource:
             raise SceneError("file", name, expected)
         try:
             folder = self.folder.resolve(strict=True)
-            path = (folder / name).resolve(strict=True)
+            path = same_path(folder, name).resolve(strict=True)
             if not path.is_relative_to(folder):
                 raise SceneError("file", name, "a file in the scene's folder, not a link out of it")
             if not path.is_file():
