@@ -13,7 +13,7 @@ from websockets.protocol import Event
 from websockets.typing import Data
 
 from app.guard import request_line, responses
-from app.guard.messages import GizmoUpdate, Message, UploadPart, UploadStart, WidgetUpdate
+from app.guard.messages import Camera, GizmoUpdate, Message, UploadPart, UploadStart, WidgetUpdate
 from app.guard.messages import decode as decode_message
 from app.guard.porter import LONGEST_HEAD
 from app.guard.rate import Rate
@@ -97,7 +97,8 @@ class GuardedConnection(ServerConnection):
             return
         self._head = b""
         if not self.transport.is_closing():
-            self._guard.note_refusal(self, status, line.decode("ascii", "replace"))
+            asked, reason = line.decode("ascii", "replace"), responses.odd_reason(status)
+            self._guard.refusals.note(status, asked, self.remote_address, reason)
             answer = self._guard.secured(responses.misunderstood(status))
             self.transport.write(answer.serialize())
             self.transport.close()
@@ -172,6 +173,8 @@ class GuardedConnection(ServerConnection):
         """Reason why a message may not be read; None where it may."""
         if message is None:
             return "malformed"
+        if isinstance(message, Camera):
+            return None if message.looks_somewhere else "camera"
         if isinstance(message, UploadPart):
             return None if self._uploads.continues(message) else "unannounced"
         if isinstance(message, WidgetUpdate):

@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 import http
-import logging
 import weakref
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
+from urllib.parse import parse_qs, urlsplit
 
 from websockets.asyncio.server import ServerConnection
+from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from app import page
-from app.guard import request_line, responses, token
-from app.guard.host_check import is_known_host, is_own_origin, single
+from app.guard import responses, token
+from app.guard.host_check import host_fault, origin_fault, single
 from app.guard.messages import GizmoUpdate
+from app.guard.page_file import page_response
 from app.guard.policy import Policy
 from app.guard.porter import Entrance
+from app.guard.refusals import Refusals, RefusedError
 from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
 
 if TYPE_CHECKING:
     import viser
 
-_log = logging.getLogger("abi.web")
-
 Pages: TypeAlias = Callable[[ServerConnection, Request], Response | None]
 """viser's own answers: the page's files."""
 
 _PAGES = ("/", "/index.html")
+_CONNECTION = "/connection"
+"""Where a page asks why it gets no connection; its script is ``assets/page/connecting.js``."""
 
 
 class Guard:
@@ -40,6 +43,7 @@ class Guard:
         tabs: those of them that are tabs.
         seats: tabs of all processes behind the same address; None where this one is alone.
         entrance: by which its connections come in then.
+        refusals: requests that were not granted.
         viser: the server, once it is built.
         ready: whether plans can be made.
     """
@@ -54,6 +58,7 @@ class Guard:
         self.tabs: set[ServerConnection] = set()
         self.viser: viser.ViserServer | None = None
         self.ready = False
+        self.refusals = Refusals()
         self._headers = security_headers(policy)
 
     @property
@@ -86,9 +91,15 @@ class Guard:
         self, pages: Pages, connection: ServerConnection, request: Request
     ) -> Response | None:
         """Answer to a request; None opens a websocket."""
-        response = self._answer(pages, connection, request)
+        try:
+            response = self._answer(pages, connection, request)
+        except RefusedError as refused:
+            response, reason = responses.text(refused.status, f"{refused}\n"), str(refused)
+        else:
+            reason = ""
         if response is not None and response.status_code >= http.HTTPStatus.BAD_REQUEST:
-            self.note_refusal(connection, http.HTTPStatus(response.status_code), request.path)
+            status = http.HTTPStatus(response.status_code)
+            self.refusals.note(status, request.path, connection.remote_address, reason)
         return response
 
     def secured(self, response: Response) -> Response:
@@ -106,22 +117,6 @@ class Guard:
             return False
         return page.move_gizmo(tab, update.name, update.owner, update.wxyz, update.position)
 
-    def note_refusal(
-        self, connection: ServerConnection, status: http.HTTPStatus, asked: str
-    ) -> None:
-        """Count it, and tell the log in one line without its query, which may have the token."""
-        from app import metrics  # takes a tenth of a second to load, and the page is waiting
-
-        metrics.REFUSED_REQUESTS.labels(status.value).inc()
-        _log.info(
-            "request refused",
-            extra={
-                "status": status.value,
-                "asked": request_line.without_query(asked)[:80],
-                "address": str(connection.remote_address),
-            },
-        )
-
     def _answer(
         self, pages: Pages, connection: ServerConnection, request: Request
     ) -> Response | None:
@@ -132,8 +127,8 @@ class Guard:
         trusted = self.policy.token is not None and token.is_bearer(
             request.headers, self.policy.token
         )
-        if not trusted and not is_known_host(self.policy, request.headers):
-            return _unknown_host(single(request.headers, "Host"))
+        if not trusted and (fault := host_fault(self.policy, request.headers)):
+            raise RefusedError(http.HTTPStatus.FORBIDDEN, fault)
         if (response := self._check_token(connection, request, path in _PAGES)) is not None:
             return response
         if path == "/metrics":
@@ -147,13 +142,23 @@ class Guard:
             query = request.path.partition("?")[2]
             return responses.see_other(f"./index.html?{query}" if query else "./index.html")
         if upgrade == "websocket":
-            if not trusted and not is_own_origin(self.policy, request.headers):
-                sentence = "Only this server's own page may open a connection here.\n"
-                return responses.text(http.HTTPStatus.FORBIDDEN, sentence)
+            if not trusted and (fault := origin_fault(self.policy, request.headers)):
+                raise RefusedError(http.HTTPStatus.FORBIDDEN, fault)
             return responses.full(self.policy.max_tabs) if self.is_full else None
-        if path in _PAGES and self.is_full:
-            return responses.full(self.policy.max_tabs)
+        if path == _CONNECTION:
+            return responses.text(http.HTTPStatus.OK, "" if trusted else self._lack_of(request))
+        if path in _PAGES:
+            full = self.is_full
+            return responses.full(self.policy.max_tabs) if full else page_response(request)
         return _file(pages, connection, request)
+
+    def _lack_of(self, request: Request) -> str:
+        """Reason why a page that names its Origin gets no connection; empty for none known here."""
+        if self.is_full:
+            return responses.full_sentence(self.policy.max_tabs)
+        query = parse_qs(urlsplit(request.path).query)
+        host = single(request.headers, "Host") or ""
+        return origin_fault(self.policy, Headers(Host=host, Origin=query.get("origin", [""])[0]))
 
     def _health(self) -> Response:
         if self.ready:
@@ -177,15 +182,6 @@ class Guard:
         if token.in_headers(request.headers, secret, port):
             return None
         return responses.token_needed()
-
-
-def _unknown_host(host: str | None) -> Response:
-    name = "" if host is None else f" {host[:80]!r}"
-    sentence = (
-        f"This server does not go by the name{name}. "
-        "If it should, start it with --origin and the whole URL, such as https://abi.example.org\n"
-    )
-    return responses.text(http.HTTPStatus.FORBIDDEN, sentence)
 
 
 def _file(pages: Pages, connection: ServerConnection, request: Request) -> Response:

@@ -9,11 +9,17 @@ not from a page, and a program could send any Origin.
 from __future__ import annotations
 
 import ipaddress
+import re
 from urllib.parse import urlsplit
 
 from websockets.datastructures import Headers
 
 from app.guard.policy import Policy
+
+_LONGEST = 80
+"""Characters of a header that are told."""
+_ORIGIN = re.compile(r"https?://[\w.:\[\]-]{1,200}", re.ASCII)
+"""An origin that can be told as it is."""
 
 
 def is_known_host(policy: Policy, headers: Headers) -> bool:
@@ -36,6 +42,34 @@ def is_own_origin(policy: Policy, headers: Headers) -> bool:
         return True
     scheme, _, place = origin.partition("://")
     return scheme in ("http", "https") and place != "" and place == single(headers, "Host")
+
+
+def host_fault(policy: Policy, headers: Headers) -> str:
+    """Sentence on a Host that is none of the server's; empty for one that is."""
+    if is_known_host(policy, headers):
+        return ""
+    host = single(headers, "Host")
+    name = "" if host is None else f" {host[:_LONGEST]!r}"
+    return (
+        f"This server does not go by the name{name}. "
+        "If it should, start it with --origin and the whole URL, such as https://abi.example.org"
+    )
+
+
+def origin_fault(policy: Policy, headers: Headers) -> str:
+    """Sentence on a websocket's Origin that is not the server's own; empty for one that is."""
+    if is_own_origin(policy, headers):
+        return ""
+    origin, host = single(headers, "Origin"), single(headers, "Host")
+    sentence = "Only this server's own page may open a connection here."
+    if origin is None or _ORIGIN.fullmatch(origin) is None or host is None:
+        return sentence
+    return (
+        f"{sentence} This one has the Origin {origin} and the Host {host[:_LONGEST]!r}, which must "
+        "be the same. If that page is the server's behind a proxy, let the proxy pass on the whole "
+        "Host, its port too (in nginx: proxy_set_header Host $http_host), or start the server with "
+        f"--origin {origin}"
+    )
 
 
 def single(headers: Headers, name: str) -> str | None:

@@ -1,11 +1,12 @@
 """Messages that a tab may send, with the exact fields of each.
 
-Fields are those of viser 1.1.1. Here a number must only be a number; whether it makes sense is
-checked by the panel that reads it.
+Fields are those of viser 1.1.1. Here a number must only be a number, but for the camera's; whether
+it makes sense is checked by the panel that reads it.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, TypeAlias
 
 import msgspec
@@ -13,6 +14,8 @@ import msgspec
 MAX_UPLOAD = 50_000_000
 """Bytes of one file."""
 MAX_PARTS = 4096
+_SHORTEST = 1e-9
+"""Least length of a direction that a camera tells of."""
 
 _Id: TypeAlias = Annotated[str, msgspec.Meta(max_length=64)]
 _Name: TypeAlias = Annotated[str, msgspec.Meta(max_length=256)]
@@ -20,6 +23,10 @@ _Text: TypeAlias = Annotated[str, msgspec.Meta(max_length=1_000_000)]
 _Pixels: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=100_000)]
 _Instance: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000_000)] | None
 _Modifier: TypeAlias = Annotated[str, msgspec.Meta(max_length=32)] | None
+_Coordinate: TypeAlias = Annotated[float, msgspec.Meta(ge=-1e15, le=1e15)]
+_Place: TypeAlias = tuple[_Coordinate, _Coordinate, _Coordinate]
+_Distance: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=1e15)]
+_Turn: TypeAlias = Annotated[float, msgspec.Meta(ge=-1.01, le=1.01)]
 _Vec2: TypeAlias = tuple[float, float]
 _Vec3: TypeAlias = tuple[float, float, float]
 _Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -37,17 +44,26 @@ class _NodeMessage(_Message, frozen=True):
 
 
 class Camera(_Message, frozen=True, tag="ViewerCameraMessage"):
-    """The camera has moved."""
+    """The camera has moved.
 
-    wxyz: _Quaternion
-    position: _Vec3
-    fov: float
-    near: float
-    far: float
+    What it sees is computed from these numbers at once, so they must make sense.
+    """
+
+    wxyz: tuple[_Turn, _Turn, _Turn, _Turn]
+    position: _Place
+    fov: Annotated[float, msgspec.Meta(ge=0.01, le=3.1)]
+    near: _Distance
+    far: _Distance
     image_height: _Pixels
     image_width: _Pixels
-    look_at: _Vec3
-    up_direction: _Vec3
+    look_at: _Place
+    up_direction: _Place
+
+    @property
+    def looks_somewhere(self) -> bool:
+        """Whether there is a direction to look in, and one that is up."""
+        distance = math.dist(self.position, self.look_at)
+        return distance >= _SHORTEST and math.hypot(*self.up_direction) >= _SHORTEST
 
 
 class Value(msgspec.Struct, forbid_unknown_fields=True, frozen=True):

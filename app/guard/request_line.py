@@ -9,7 +9,7 @@ MAX_LINE = 8000
 """Characters of the line; a link to a tab's state has most of them."""
 _MAX_SEGMENT = 200
 _MAX_SEGMENTS = 20
-_LINE = re.compile(rb"([A-Z]{1,16}) ([\x21-\x7e]+) HTTP/1\.1\r?")
+_LINE = re.compile(rb"([A-Z]{1,16}) ([\x21-\x7e]+) HTTP/1\.([01])\r?")
 
 
 def problem(line: bytes) -> http.HTTPStatus | None:
@@ -19,7 +19,9 @@ def problem(line: bytes) -> http.HTTPStatus | None:
     match = _LINE.fullmatch(line)
     if match is None:
         return http.HTTPStatus.BAD_REQUEST
-    method, path = match[1], match[2]
+    method, path, version = match[1], match[2], match[3]
+    if version == b"0":
+        return http.HTTPStatus.HTTP_VERSION_NOT_SUPPORTED
     if method != b"GET":
         return http.HTTPStatus.METHOD_NOT_ALLOWED
     segments = path.partition(b"?")[0].split(b"/")

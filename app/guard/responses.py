@@ -15,6 +15,17 @@ _STYLE = (
 _RELOAD = 15
 """Seconds after which the page of a full server looks again."""
 
+_ODD = {
+    http.HTTPStatus.BAD_REQUEST: "The first line of the request is not one of HTTP/1.1.",
+    http.HTTPStatus.METHOD_NOT_ALLOWED: "This server answers GET alone.",
+    http.HTTPStatus.REQUEST_URI_TOO_LONG: "The address is too long.",
+    http.HTTPStatus.HTTP_VERSION_NOT_SUPPORTED: (
+        "The request is one of HTTP/1.0, which has no websockets. Let the proxy speak HTTP/1.1 "
+        "(in nginx: proxy_http_version 1.1)."
+    ),
+}
+"""What is wrong with a request's first line."""
+
 
 def text(status: http.HTTPStatus, body: str, kind: str = "text/plain; charset=utf-8") -> Response:
     """A short text."""
@@ -29,10 +40,15 @@ def text(status: http.HTTPStatus, body: str, kind: str = "text/plain; charset=ut
 
 def misunderstood(status: http.HTTPStatus) -> Response:
     """Answer to a request whose first line is odd."""
-    response = text(status, f"{status.phrase}\n")
+    response = text(status, f"{_ODD.get(status, status.phrase)}\n")
     if status is http.HTTPStatus.METHOD_NOT_ALLOWED:
         response.headers["Allow"] = "GET"
     return response
+
+
+def odd_reason(status: http.HTTPStatus) -> str:
+    """What whoever runs the server should know of an odd first line; empty for nothing."""
+    return _ODD[status] if status is http.HTTPStatus.HTTP_VERSION_NOT_SUPPORTED else ""
 
 
 def full(tabs: int) -> Response:
@@ -40,12 +56,16 @@ def full(tabs: int) -> Response:
     response = _page(
         http.HTTPStatus.SERVICE_UNAVAILABLE,
         "All places are taken",
-        f"This visualiser is shown in {tabs} tabs at once, and all of them are in use. "
-        f"The page looks again every {_RELOAD} seconds.",
+        f"{full_sentence(tabs)} The page looks again every {_RELOAD} seconds.",
         f'<meta http-equiv="refresh" content="{_RELOAD}">',
     )
     response.headers["Retry-After"] = str(_RELOAD)
     return response
+
+
+def full_sentence(tabs: int) -> str:
+    """Why nobody else is let in."""
+    return f"This visualiser is shown in {tabs} tabs at once, and all of them are in use."
 
 
 def token_needed() -> Response:

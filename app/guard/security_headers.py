@@ -5,11 +5,10 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from pathlib import Path
 
-import viser
 from websockets.http11 import Response
 
+from app.guard.page_file import page_text
 from app.guard.policy import Policy
 
 _CLIENT = "sha256-o/BTEGoB4UnTxqb+3RxwUFQZkWXpqUxouHkbDNrAkqE="
@@ -41,8 +40,7 @@ def secure(response: Response, headers: dict[str, str]) -> None:
 
 
 def _content_policy(policy: Policy) -> str:
-    page = Path(viser.__file__).parent / "client" / "build" / "index.html"
-    scripts = _SCRIPT.findall(page.read_text(encoding="utf-8"))
+    scripts = _SCRIPT.findall(page_text())
     digests = " ".join(f"'{digest}'" for digest in (*map(_digest, scripts), _CLIENT))
     return "; ".join(
         (

@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, expect
 
 from app.address import Address
 from app.guard.policy import policy_for
@@ -29,21 +29,45 @@ SAMPLE = Path(__file__).parents[2] / "hosting" / "nginx.conf"
 TOKEN = "a secret"
 
 
+USUAL = """
+events {{}}
+http {{
+  access_log off;
+  server {{
+    listen 127.0.0.1:{port};
+    location / {{
+      proxy_pass http://127.0.0.1:{replica};
+      {rules}
+    }}
+  }}
+}}
+"""
+"""What people write for any site: it drops the port from Host, or speaks HTTP/1.0."""
+UPGRADE = 'proxy_set_header Upgrade $http_upgrade; proxy_set_header Connection "upgrade";'
+
+
 @contextmanager
 def _nginx(folder: Path, port: int, replicas: Sequence[int]) -> Iterator[None]:
     """nginx with the sample's rules on ``port``, before replicas on the ports of this machine."""
-    # Debian keeps it where only root's PATH leads
-    program = shutil.which("nginx", path=f"{os.environ['PATH']}:/usr/sbin")
-    if program is None:
-        pytest.fail("No nginx: 'make test' installs Debian's; 'make check' leaves it out.", False)
     text = SAMPLE.read_text(encoding="utf-8")
     servers = " ".join(f"server 127.0.0.1:{replica};" for replica in replicas)
     assert "server abi:8080;" in text
     text = text.replace("server abi:8080;", servers)
     text = text.replace("listen 8000;", f"listen 127.0.0.1:{port};")
     assert "/var/log/nginx/access.log" in text
-    config = folder / "nginx.conf"
     text = text.replace("/var/log/nginx/access.log", f"{folder}/requests")
+    with _running_nginx(folder, port, text):
+        yield
+
+
+@contextmanager
+def _running_nginx(folder: Path, port: int, text: str) -> Iterator[None]:
+    """nginx with the rules of a text, which has it listen on ``port``."""
+    # Debian keeps it where only root's PATH leads
+    program = shutil.which("nginx", path=f"{os.environ['PATH']}:/usr/sbin")
+    if program is None:
+        pytest.fail("No nginx: 'make test' installs Debian's; 'make check' leaves it out.", False)
+    config = folder / "nginx.conf"
     config.write_text(text, encoding="utf-8")
     rules = f"daemon off; pid {folder}/pid; error_log {folder}/errors;"
     process = subprocess.Popen([program, "-p", folder, "-c", config, "-g", rules])
@@ -104,6 +128,41 @@ def test_nginx_shows_the_page_below_a_path(
     requests = (tmp_path / "requests").read_text(encoding="utf-8")
     assert '"GET /abi/" 303' in requests
     assert "secret" not in requests
+
+
+@pytest.mark.parametrize(
+    ("rules", "words"),
+    [
+        (f"proxy_http_version 1.1; proxy_set_header Host $host; {UPGRADE}", "--origin {url}"),
+        ("proxy_http_version 1.1; proxy_set_header Host $http_host;", "Upgrade and Connection"),
+    ],
+)
+def test_the_page_says_why_nothing_comes_through_a_proxy(
+    rules: str, words: str, chromium: Browser, server: Server, tmp_path: Path
+) -> None:
+    port = free_port()
+    url = f"http://localhost:{port}"
+    text = USUAL.format(port=port, replica=server.viser.get_port(), rules=rules)
+    with _running_nginx(tmp_path, port, text):
+        tab = chromium.new_page()
+        tab.goto(url)
+        card = tab.locator("#abi-connecting")
+        expect(card).to_contain_text(words.format(url=url), timeout=60_000)
+        # as the first word through a websocket does
+        tab.evaluate("window.abi = {}")
+        expect(card).to_have_count(0, timeout=60_000)
+        tab.close()
+
+
+def test_a_proxy_of_http_1_0_shows_what_it_has_to_do(server: Server, tmp_path: Path) -> None:
+    port = free_port()
+    rules = "proxy_http_version 1.0;"
+    text = USUAL.format(port=port, replica=server.viser.get_port(), rules=rules)
+    with _running_nginx(tmp_path, port, text):
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=30)
+        connection.request("GET", "/")
+        assert "Let the proxy speak HTTP/1.1" in connection.getresponse().read().decode()
+        connection.close()
 
 
 class _Replica(http.server.ThreadingHTTPServer):

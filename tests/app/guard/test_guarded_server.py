@@ -106,7 +106,7 @@ def test_no_log_has_the_token(locked: Server, level: str, caplog: pytest.LogCapt
     assert ask(locked, f"/?{query}", Host="evil.example")[0] == 403
     assert ask(locked, f"/none?{query}", Authorization=f"Bearer {TOKEN}", Cookie=cookie)[0] == 404
     # as a proxy asks that was not told to speak HTTP/1.1
-    assert b"400" in say(locked, f"GET /?{query} HTTP/1.0\r\n\r\n".encode())
+    assert b"505" in say(locked, f"GET /?{query} HTTP/1.0\r\n\r\n".encode())
     text = "\n".join(f"{record.getMessage()} {vars(record)}" for record in caplog.records)
     assert "request refused" in text
     assert ("GET /none" in text) is (level == "DEBUG")
@@ -123,6 +123,42 @@ def test_a_foreign_host_or_origin_is_refused_and_the_page_s_own_is_not(server: S
     until(lambda: not server.sessions)
 
 
+def test_why_a_page_gets_no_connection_is_told_to_it_and_to_the_log_once(
+    server: Server, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As behind a proxy that leaves the port out of the Host."""
+    port = server.viser.get_port()
+    page, headers = f"http://localhost:{port + 1}", {"Host": "localhost"}
+    request = f"GET / HTTP/1.1\r\nHost: localhost\r\nOrigin: {page}\r\nUpgrade: websocket\r\n\r\n"
+    with caplog.at_level(logging.INFO, "abi.web"):
+        answers = [say(server, request.encode()).decode() for _ in range(3)]
+    assert all(answer.startswith("HTTP/1.1 403 ") for answer in answers)
+    body = answers[0].partition("\r\n\r\n")[2]
+    for words in (f"Origin {page} ", "Host 'localhost'", f"--origin {page}", "$http_host"):
+        assert words in body
+    (record,) = (each for each in caplog.records if each.name == "abi.web")
+    assert record.levelno == logging.WARNING
+    assert vars(record)["why"] == body.strip()
+
+    query = f"/connection?origin={page}"
+    assert ask(server, query, **headers)[::2] == (200, body.strip())
+    assert ask(server, query, Host=f"localhost:{port + 1}")[::2] == (200, "")
+    assert (
+        ask(server, "/connection?origin=<b>x</b>", **headers)[2] == body.partition(" This one")[0]
+    )
+    assert ask(server, query, Host="evil.example")[0] == 403
+
+
+def test_http_1_0_is_answered_with_what_the_proxy_has_to_do(
+    server: Server, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.INFO, "abi.web"):
+        answers = [say(server, b"GET / HTTP/1.0\r\nHost: localhost\r\n\r\n") for _ in range(3)]
+    assert all(b"proxy_http_version 1.1" in answer for answer in answers)
+    (record,) = caplog.records
+    assert "proxy_http_version 1.1" in vars(record)["why"]
+
+
 def test_one_tab_too_many_is_told_so_kindly(locked: Server) -> None:
     cookie = {"Cookie": token.cookie(TOKEN, locked.viser.get_port(), False).partition(";")[0]}
     until(lambda: not locked.sessions)
@@ -134,6 +170,7 @@ def test_one_tab_too_many_is_told_so_kindly(locked: Server) -> None:
     assert all(name in headers for name in HEADERS)
     with pytest.raises(InvalidStatus, match="503"):
         FakeTab(locked.url, cookie)
+    assert "2 tabs at once" in ask(locked, f"/connection?origin={locked.url}", **cookie)[2]
     tabs[0].close()
     until(lambda: len(locked.guard.tabs) == 1)
     assert ask(locked, "/", **cookie)[0] == 200
@@ -148,7 +185,7 @@ def test_one_tab_too_many_is_told_so_kindly(locked: Server) -> None:
         (b"HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n", 405),
         (b"GET /" + b"a" * 300 + b" HTTP/1.1\r\nHost: localhost\r\n\r\n", 414),
         (b"GET /" + b"a/" * 5000 + b" HTTP/1.1\r\nHost: localhost\r\n\r\n", 414),
-        (b"GET / HTTP/1.0\r\n\r\n", 400),
+        (b"GET / HTTP/1.0\r\n\r\n", 505),
         (b"GET  / HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),
         (b"GET http://evil.example/ HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),
         (b"GET /%00 HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),

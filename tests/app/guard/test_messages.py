@@ -122,6 +122,43 @@ def test_what_passes_with_any_field_replaced_viser_can_read(
         _messages.Message.deserialize(frame)
 
 
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("position", [1e30, 0, 0]),
+        ("position", [float("nan"), 0, 0]),
+        ("look_at", [0, 0, float("-inf")]),
+        ("up_direction", [0, 1e16, 0]),
+        ("wxyz", [2, 0, 0, 0]),
+        ("fov", 0.0),
+        ("fov", float("nan")),
+        ("fov", 3.2),
+        ("near", float("nan")),
+        ("far", float("inf")),
+    ],
+)
+def test_a_camera_that_sees_nothing_is_refused(field: str, value: object) -> None:
+    assert messages.decode(msgspec.msgpack.encode({**CAMERA, field: value})) is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "somewhere"),
+    [
+        ({}, True),
+        ({"position": CAMERA["look_at"]}, False),
+        ({"up_direction": [0, 0, 1e-320]}, False),
+        ({"up_direction": [0, 0, 0]}, False),
+        ({"position": [0, 0, 1e-300], "look_at": [0, 0, 0]}, False),
+    ],
+)
+def test_a_camera_has_a_direction_and_an_upward_one(
+    changes: dict[str, Any], somewhere: bool
+) -> None:
+    camera = messages.decode(msgspec.msgpack.encode({**CAMERA, **changes}))
+    assert isinstance(camera, messages.Camera)
+    assert camera.looks_somewhere is somewhere
+
+
 @given(st.binary(max_size=60) | st.builds(msgspec.msgpack.encode, PLAIN))
 def test_noise_is_refused(frame: bytes) -> None:
     assert messages.decode(frame) is None

@@ -1,0 +1,48 @@
+"""The page's file: viser's, with a script that says why no connection to the server comes about.
+
+viser's page goes on connecting for ever, and no page can read why its websocket was refused.
+"""
+
+from __future__ import annotations
+
+import functools
+import gzip
+import http
+from pathlib import Path
+
+import viser
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from abi import assets
+
+_END = "</head>"
+
+
+@functools.cache
+def page_text() -> str:
+    """The whole page, as HTML."""
+    file = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    script = assets.path("page", "connecting.js").read_text(encoding="utf-8")
+    head, end, body = file.read_text(encoding="utf-8").rpartition(_END)
+    assert end, "viser's page has no head"
+    return f"{head}<script>{script}</script>{end}{body}"
+
+
+def page_response(request: Request) -> Response:
+    """Answer with the page, compressed where the browser takes that."""
+    is_small = "gzip" in request.headers.get("Accept-Encoding", "")
+    content = _compressed() if is_small else page_text().encode()
+    headers = Headers()
+    headers["Content-Type"] = "text/html; charset=utf-8"
+    headers["Content-Length"] = str(len(content))
+    if is_small:
+        headers["Content-Encoding"] = "gzip"
+    headers["Cache-Control"] = "no-cache"
+    headers["Vary"] = "Accept-Encoding"
+    return Response(http.HTTPStatus.OK.value, http.HTTPStatus.OK.phrase, headers, content)
+
+
+@functools.cache
+def _compressed() -> bytes:
+    return gzip.compress(page_text().encode())

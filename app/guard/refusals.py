@@ -1,0 +1,59 @@
+"""Requests that were refused: counted, and told to the log."""
+
+from __future__ import annotations
+
+import http
+import logging
+
+from app.guard import request_line
+
+_log = logging.getLogger("abi.web")
+_MOST = 100
+"""Reasons that are told; anybody can cause more."""
+_LONGEST = 80
+"""Characters of a request that are told."""
+
+
+class RefusedError(Exception):
+    """Raised where a request is refused for a reason that whoever runs the server should know."""
+
+    def __init__(self, status: http.HTTPStatus, sentence: str) -> None:
+        super().__init__(sentence)
+        self.status = status
+
+
+class Refusals:
+    """Refused requests of one server.
+
+    A page that is refused asks again every second, so each reason is told once. None of the log's
+    lines has a request's query, which may have the token.
+    """
+
+    def __init__(self) -> None:
+        self._told: set[str] = set()
+
+    def note(self, status: http.HTTPStatus, asked: str, address: object, reason: str = "") -> None:
+        """Count a refusal, and tell the log of it.
+
+        Args:
+            status: that is answered.
+            asked: the request's path or first line.
+            address: of whoever asks.
+            reason: a sentence for whoever runs the server; empty where the status says it all.
+        """
+        from app import metrics  # takes a tenth of a second to load, and the page is waiting
+
+        metrics.REFUSED_REQUESTS.labels(status.value).inc()
+        fields = {
+            "status": status.value,
+            "asked": request_line.without_query(asked)[:_LONGEST],
+            "address": str(address),
+        }
+        level = logging.INFO
+        if reason:
+            is_new = reason not in self._told and len(self._told) < _MOST
+            level = logging.WARNING if is_new else logging.DEBUG
+            fields["why"] = reason
+            if is_new:
+                self._told.add(reason)
+        _log.log(level, "request refused", extra=fields)
