@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass, replace
 
@@ -33,6 +34,13 @@ _FOOT = 0.07
 """Radius of the arm's foot and column, as a part of the scene's size."""
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
+_FARTHEST = 1e8
+"""Largest coordinate of a camera that is kept, [unit]: a hundred times that of a scene."""
+_NEAREST = 1e-7
+"""Least distance of its position and target, [unit]; about that between two numbers of that size,
+so that neither is rounded to the other while a camera moves there."""
+_LONGEST_UP = 1e6
+"""Length of an upward direction, and the inverse of the least."""
 _REMEMBERED = 8
 """Number of our last places for the camera that the page may still tell of."""
 
@@ -47,14 +55,17 @@ class View:
 
     @classmethod
     def of(cls, numbers: object) -> View | None:
-        """The view of nine finite numbers; None for anything else."""
+        """The view of nine numbers from which something can be seen; None for anything else."""
         try:
             position, target, up = np.asarray(numbers, dtype=float).reshape(3, 3)
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, OverflowError):
             return None
-        if not np.isfinite([position, target, up]).all():
+        # not a number passes no comparison
+        if not np.abs([position, target]).max() <= _FARTHEST:
             return None
-        if not (position - target).any() or not up.any():
+        if not np.linalg.norm(position - target) >= _NEAREST:
+            return None
+        if not 1 / _LONGEST_UP <= math.hypot(*up) <= _LONGEST_UP:
             return None
         return cls(_rounded(position), _rounded(target), _rounded(up))
 

@@ -273,6 +273,10 @@ class Session:
             return False
         if state.missing:
             notices.notify_missing(self.client, state.missing)
+        if state.faults:
+            notices.notify_warning(
+                self.client, "Part of the link is left out", " ".join(state.faults)
+            )
         self._view.restore(state)
         self._scene = state.scene
         return True

@@ -26,6 +26,10 @@ MAX_PROGRESS = 10_000
 _VERSION = 1
 _ZLIB_HEADER = b"\x78\x9c"
 _FIELD = "link"
+_NO_VIEW = (
+    "Its camera stands where nothing can be seen, so the scene is shown as when it is opened by "
+    "its name."
+)
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,7 @@ class TabState:
         lessons: where the student is in which lesson, as the player writes it; empty for nowhere.
         theatre: the search that is stepped through, as its panel writes it; empty for none.
         missing: names of mesh files that this server has not; the scene is without them.
+        faults: sentences on what else is left out, because it is damaged.
         before: the state to which the end of a lesson or of the paper's figures leads; itself
             without one. No link has it.
         figure: number of the paper's figure that is shown since; 0 for none.
@@ -60,6 +65,7 @@ class TabState:
     challenge: str = ""
     theatre: str = ""
     missing: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
     before: TabState | None = None
     figure: int = 0
 
@@ -173,11 +179,13 @@ def _state(data: dict[str, Any], meshes: MeshSource) -> TabState:
     """The state of plain data, without the one before."""
     dark, shown = data.get("dark"), data.get("shown")
     scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
+    view = View.of(data.get("view"))
     return TabState(
         name=str(data.get("name", ""))[:200],
         scene=scene,
         missing=missing,
-        view=View.of(data.get("view")),
+        faults=() if view is not None or data.get("view") is None else (_NO_VIEW,),
+        view=view,
         time=_time(data.get("time")),
         playing=data.get("playing") is not False,
         shown=frozenset(map(str, shown)) if isinstance(shown, list) else None,

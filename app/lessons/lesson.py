@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -18,6 +19,9 @@ from abi.scene.scene_file import parse
 from abi.search.compare import COMPARED
 from app.frame import Frame
 from app.lessons.measures import MEASURES, names_in
+
+_NEAREST = 1e-3
+"""Least distance of a camera from what it looks at, [unit]."""
 
 
 class _Part(BaseModel):
@@ -62,6 +66,12 @@ class Camera(_Part):
 
     position: Vec3
     target: Vec3
+
+    @model_validator(mode="after")
+    def _looks_somewhere(self) -> Self:
+        if math.dist(self.position, self.target) < _NEAREST:
+            raise ValueError("a target apart from the position")
+        return self
 
 
 class SearchCue(_Part):

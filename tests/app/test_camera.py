@@ -1,10 +1,15 @@
 from __future__ import annotations
 
-from typing import Any
+import time
+from typing import Any, cast
 
 import numpy as np
 import pytest
+import viser
+from hypothesis import given
+from hypothesis import strategies as st
 
+from app.camera import View
 from app.extent import extent
 from app.framing import Window, axes, holds
 from app.page_area import PageArea
@@ -176,3 +181,65 @@ def _sees_all(session: Session) -> bool:
     camera = session.client.camera
     window = Window(camera.fov, camera.aspect)
     return holds(extent(session.plan), camera.position, camera.look_at, window)
+
+
+class Page:
+    """Client of a camera, which sends nothing."""
+
+    @property
+    def _websock_connection(self) -> Page:
+        return self
+
+    def queue_message(self, message: object) -> None:
+        """Drop it."""
+
+
+def camera_at(view: View) -> viser.CameraHandle:
+    """Camera of a page that stands where the view says."""
+    camera = viser.CameraHandle(cast(viser.ClientHandle, Page()))
+    state = camera._state
+    state.position, state.look_at, state.up_direction = map(
+        np.array, (view.position, view.target, view.up)
+    )
+    state.wxyz, state.update_timestamp = np.array([1.0, 0.0, 0.0, 0.0]), time.time()
+    return camera
+
+
+_NUMBERS = st.floats() | st.sampled_from([0.0, 1.0, 3.0, 1e8, 1e30, 1e-300, 1e-320, -1e8, 1e-7])
+_VIEWS = st.lists(_NUMBERS, min_size=9, max_size=9)
+USUAL = View((3.0, -3.0, 4.0), (3.0, 3.0, 3.0), (0.0, 0.0, 1.0))
+
+
+@given(_VIEWS, _VIEWS)
+def test_every_view_that_is_kept_can_be_shown_from_wherever_one_looks(
+    numbers: list[float], before: list[float]
+) -> None:
+    view = View.of(numbers)
+    if view is None:
+        return
+    camera = camera_at(View.of(before) or USUAL)
+    view.show(camera)
+    shown = View.of_camera(camera)
+    assert shown is not None
+    np.testing.assert_allclose(shown.position, view.position, rtol=1e-5, atol=1e-7)
+    assert np.isfinite(camera.wxyz).all()
+    assert np.linalg.norm(camera.wxyz) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        None,
+        "nine",
+        [1.0] * 8,
+        [1e30, 0, 0, 0, 0, 0, 0, 0, 1],
+        [1e-300, 0, 0, 0, 0, 0, 0, 0, 1],
+        [3, 3, 3, 0, 0, 0, 0, 0, 1e-320],
+        [3, 3, 3, 0, 0, 0, 0, 0, 1e300],
+        [3, 3, 3, 3, 3, 3, 0, 0, 1],
+        [float("nan"), 3, 3, 0, 0, 0, 0, 0, 1],
+        [10**400, 3, 3, 0, 0, 0, 0, 0, 1],
+    ],
+)
+def test_a_view_of_nothing_is_none(numbers: object) -> None:
+    assert View.of(numbers) is None

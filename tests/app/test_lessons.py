@@ -183,6 +183,11 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
         ("scene: mine.yaml", "scene: other.yaml", "other.yaml"),
         ("set: {scene: mine.yaml}", "set: {change: {mesh: {pitch: -1}}}", "mesh.pitch"),
         ("set: {scene: mine.yaml}", "set: {search: {algorithm: magic}}", "a_star"),
+        (
+            "set: {scene: mine.yaml}",
+            "set: {camera: {position: [1, 2, 3], target: [1, 2, 3]}}",
+            "a target apart from the position",
+        ),
         ("text: Why?", "txt: Why?", "steps.0.question.text"),
         ("title: Mine", "title: [", "own.yaml"),
         ("title: Mine", "title: Mine\nversion: 1", "version"),

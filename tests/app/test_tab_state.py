@@ -15,7 +15,7 @@ from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import load_scene, scene_names
-from app import tab_state
+from app import notices, tab_state
 from app.camera import View
 from app.server import Server
 from app.session import Session
@@ -212,6 +212,34 @@ def test_a_state_before_that_is_too_much_is_left_out(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(tab_state, "MAX_JSON_BYTES", room)
     back = TabState.decode(state.encode(), MESHES)
     assert back == state.alone()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "view",
+    [
+        [1e30, 1e30, 1e30, 0, 0, 0, 0, 0, 1],
+        [1e-300, 0, 0, 0, 0, 0, 0, 0, 1],
+        [9, -9, 9, 3, 3, 3, 0, 0, 1e-320],
+        "somewhere",
+    ],
+)
+def test_a_link_with_a_camera_that_sees_nothing_says_so_and_shows_its_scene(
+    view: object, server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = load_scene("two-boxes").replace(spline={"degree": 3})
+    data = {"version": 1, "name": "two-boxes", "scene": scene.to_dict(), "view": view}
+    text = base64.urlsafe_b64encode(zlib.compress(json.dumps(data).encode())).decode()
+    told: list[str] = []
+    monkeypatch.setattr(notices, "notify_warning", lambda client, *words: told.extend(words))
+    fake, session = _reloaded(server, text)
+    until(lambda: session.plan is not None and session.plan.scene == scene and session.resting)
+    assert told[0] == "Part of the link is left out"
+    assert "nothing can be seen" in told[1]
+    assert session._fault is None
+    assert View.of_camera(session.client.camera) is not None
+    fake.close()
+    until(lambda: not server.sessions)
 
 
 def _reloaded(server: Server, text: str) -> tuple[FakeTab, Session]:
