@@ -33,6 +33,9 @@ class Poll:
 class Classroom:
     """State that the sessions of a server share; every method may be called from any thread.
 
+    All tabs of a student's browser have one answer. Whose a tab is, its page says: whoever writes
+    pages of his own, or opens another browser, can still answer more than once.
+
     Attributes:
         secret: what a teacher's address has and no other: ``?teach=…``.
         plans: of what the teacher shows; one tab makes them for all.
@@ -48,7 +51,8 @@ class Classroom:
         self._wakes: dict[int, Callable[[], None]] = {}
         self.view: tuple[int, TabState | None] = (0, None)
         self.poll: Poll | None = None
-        self._answers: dict[int, int] = {}
+        self._answers: dict[str, int] = {}
+        self._students: dict[int, str] = {}
         self._teachers: set[int] = set()
 
     def is_teacher(self, secret: str) -> bool:
@@ -58,7 +62,14 @@ class Classroom:
     def join(self, tab: int, wake: Callable[[], None]) -> None:
         """Have ``wake`` called whenever there is something new."""
         with self._lock:
-            self._wakes[tab] = wake
+            self._wakes[tab], self._students[tab] = wake, f"tab {tab}"
+
+    def recognise(self, tab: int, student: str) -> None:
+        """Count a tab among those of a student; an answer that it gave before is forgotten."""
+        with self._lock:
+            if tab in self._students and student:
+                self._answers.pop(f"tab {tab}", None)
+                self._students[tab] = f"student {student}"
 
     def teach(self, tab: int) -> None:
         """Count a tab among the teacher's: answers wake it."""
@@ -66,11 +77,13 @@ class Classroom:
             self._teachers.add(tab)
 
     def leave(self, tab: int) -> None:
-        """Forget a tab and its answer."""
+        """Forget a tab, and its student's answer with the last of them."""
         with self._lock:
             self._wakes.pop(tab, None)
             self._teachers.discard(tab)
-            self._answers.pop(tab, None)
+            student = self._students.pop(tab, "")
+            if student not in self._students.values():
+                self._answers.pop(student, None)
 
     def show(self, view: TabState) -> None:
         """Send a view to all tabs; one that has not taken the last yet goes on to this."""
@@ -90,22 +103,26 @@ class Classroom:
         return True
 
     def answer(self, tab: int, number: int, choice: int) -> None:
-        """Count a tab's answer, its last one, if the question is still the one asked."""
+        """Count a student's answer, the last one, if the question is still the one asked."""
         with self._lock:
             poll = self.poll
             if poll is None or poll.number != number or not 0 <= choice < len(poll.choices):
                 return
-            self._answers[tab] = choice
-            wakes = [wake for other, wake in self._wakes.items() if other in self._teachers]
+            student = self._students.get(tab)
+            if student is None:
+                return
+            self._answers[student] = choice
+            own = {other for other, whose in self._students.items() if whose == student} - {tab}
+            wakes = [wake for other, wake in self._wakes.items() if other in self._teachers | own]
         for wake in wakes:
             wake()
 
     def answer_of(self, tab: int) -> int:
-        """Answer of a tab; -1 for none."""
-        return self._answers.get(tab, -1)
+        """Answer of a tab's student; -1 for none."""
+        return self._answers.get(self._students.get(tab, ""), -1)
 
     def counts(self) -> tuple[int, ...]:
-        """Number of tabs for each answer of the present question."""
+        """Number of students for each answer of the present question."""
         with self._lock:
             if self.poll is None:
                 return ()
@@ -113,9 +130,11 @@ class Classroom:
             return tuple(given.count(choice) for choice in range(len(self.poll.choices)))
 
     @property
-    def tabs(self) -> int:
-        """Number of tabs, the teacher's included."""
-        return len(self._wakes)
+    def students(self) -> int:
+        """Number of students; tabs that are the teacher's are none's."""
+        with self._lock:
+            tabs = self._students.items()
+            return len({student for tab, student in tabs if tab not in self._teachers})
 
     def _wake_all(self) -> None:
         with self._lock:

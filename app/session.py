@@ -214,7 +214,7 @@ class Session:
         restored = report is not None and self._restore(report)
         if self._class is not None:
             if report is not None:
-                self._class.recognise(report.query.get("teach", ""))
+                self._class.recognise(report.query.get("teach", ""), report.student)
             restored |= self._mirror(self._class)
         if (cue := self.panels.cue(self._scene)) is not None:
             restored |= self._follow(cue)
@@ -262,6 +262,12 @@ class Session:
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""
         self._view.take(report, self._look.dark)
+        if report.oversize:
+            reason = (
+                f"What this tab remembers has {report.oversize:,} letters, more than the server "
+                "takes. Open the scene from its file."
+            )
+            notices.notify_refusal(self.client, "Not brought back", reason)
         if not report.state:
             self._pause.demo.wanted = self._look.demo and report.query.get("demo") != "0"
             return False

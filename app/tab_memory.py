@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from dataclasses import dataclass, field, replace
+from typing import Annotated
 
 import msgspec
 import viser
@@ -25,12 +26,16 @@ class Report:
 
     Attributes:
         state: a :class:`TabState` as text; empty for none.
+        oversize: letters of one that is too long to be sent; 0 for none.
+        student: a name that the browser made up, the same in all of its tabs; empty for none.
         query: parameters of its address.
         lessons: progress in the lessons that the browser keeps, whatever the tab.
         dark: whether the system prefers dark pages.
     """
 
     state: str = ""
+    oversize: int = 0
+    student: Annotated[str, msgspec.Meta(max_length=64)] = ""
     query: dict[str, str] = field(default_factory=dict)
     lessons: str = ""
     dark: bool = False

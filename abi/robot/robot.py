@@ -140,6 +140,19 @@ class Robot(ShortRepr):
         return {**vars(self), "links": dict(self.links)}
 
 
+def require_motion(robot: Robot) -> None:
+    """Refuse a robot none of whose joints can move.
+
+    Raises:
+        SceneError: every joint is fixed, or has but one position; or there is none.
+    """
+    if not any(joint.kind != "fixed" and joint.high > joint.low for joint in robot.joints):
+        value = f"{len(robot.links)} links and {len(robot.joints)} joints that all stand still"
+        raise SceneError(
+            "arm.urdf", value, "a robot with a joint that moves, of a range to move in"
+        )
+
+
 def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
     """Joints from the root to a link, fixed ones too.
 

@@ -15,7 +15,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.robot.mesh_lookup import MeshLookup, is_plain
-from abi.robot.robot import Robot
+from abi.robot.robot import Robot, require_motion
 from abi.robot.urdf_meshes import mesh_names
 from abi.robot.urdf_reader import read_srdf, read_urdf
 
@@ -69,10 +69,12 @@ def robot_from_archive(content: bytes) -> Robot:
     """Read the robot in a zip archive of one URDF, its meshes and optionally an SRDF.
 
     Raises:
-        SceneError: it is no such file, it is too large packed or unpacked, or
-            :func:`abi.robot.urdf_reader.read_urdf` refuses it.
+        SceneError: it is no such file, it is too large packed or unpacked,
+            :func:`abi.robot.urdf_reader.read_urdf` refuses it, or nothing of it can move.
     """
-    return _read(content)[0]
+    robot = _read(content)[0]
+    require_motion(robot)
+    return robot
 
 
 def packed(files: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, TypeGuard
 
-_MAX_TEXT = 1_000_000
-"""Letters; a page reports its state, a whole scene, as a text."""
+MAX_TEXT = 3_500_000
+"""Letters; a page reports its state, a whole scene as :meth:`app.tab_state.TabState.encode` writes
+it, as a text."""
 _MAX_INTEGER = 1e15
 
 
@@ -41,7 +42,7 @@ def _like(held: object, value: object) -> bool:
         return _is_number(value) and math.isfinite(value) and abs(value) < _MAX_INTEGER
     if isinstance(held, float):
         return _is_number(value)
-    return isinstance(held, str) and isinstance(value, str) and len(value) <= _MAX_TEXT
+    return isinstance(held, str) and isinstance(value, str) and len(value) <= MAX_TEXT
 
 
 def _is_number(value: object) -> TypeGuard[float]:

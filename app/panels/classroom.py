@@ -73,8 +73,14 @@ class ClassroomPanel:
         """Leave the class."""
         self._classroom.leave(self._tab)
 
-    def recognise(self, secret: str) -> None:
-        """Give the tab the teacher's controls if its address has the secret."""
+    def recognise(self, secret: str, student: str) -> None:
+        """Give the tab the teacher's controls if its address has the secret.
+
+        Args:
+            secret: what the address has; empty for none.
+            student: whose tab it is, as its browser says; empty for nobody known.
+        """
+        self._classroom.recognise(self._tab, student)
         if secret and self._classroom.is_teacher(secret):
             self.teaches = True
             self._classroom.teach(self._tab)
@@ -117,7 +123,7 @@ class ClassroomPanel:
             counts = self._classroom.counts()
         own = self._classroom.answer_of(self._tab)
         told = counts if self.teaches else ()
-        state = (poll, told, own, self._classroom.tabs, self.teaches, frame.lecture)
+        state = (poll, told, own, self._classroom.students, self.teaches, frame.lecture)
         if state == self._drawn:
             return
         self._drawn = state
@@ -126,7 +132,7 @@ class ClassroomPanel:
             return
         text = style.paragraph(f"<b>{html.escape(poll.text)}</b>")
         if self.teaches:
-            text += bars(poll.choices, counts, self._classroom.tabs - 1)
+            text += bars(poll.choices, counts, self._classroom.students)
         self._text.content = text
         for number, widget in enumerate(self.answers):
             widget.visible = not self.teaches and number < len(poll.choices)

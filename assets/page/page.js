@@ -5,6 +5,8 @@ window.abi = {
   KEY: "abi-tab",
   LESSONS: "abi-lessons",
   TEACH: "abi-teach",
+  STUDENT: "abi-student",
+  LONGEST: 3_000_000,  // letters of a state that the server takes
 
   // Set a widget as a hand would.
   send(uuid, value) {
@@ -18,19 +20,25 @@ window.abi = {
     const url = new URL(location.href), link = url.searchParams.get("state");
     const query = Object.fromEntries(url.searchParams);
     delete query.state;
-    let state = null, lessons = null;
+    let state = null, lessons = null, student = "";
     try {
       state = sessionStorage.getItem(this.KEY);
       lessons = localStorage.getItem(this.LESSONS);
       query.teach ??= sessionStorage.getItem(this.TEACH) ?? "";
       sessionStorage.setItem(this.TEACH, query.teach);
+      student = localStorage.getItem(this.STUDENT) ??
+        Array.from(crypto.getRandomValues(new Uint32Array(4)), part => part.toString(36)).join("");
+      localStorage.setItem(this.STUDENT, student);
       url.searchParams.delete("teach");
     } catch {}
     url.searchParams.delete("state");
     if (url.href !== location.href) history.replaceState(history.state, "", url);
     if (link !== null) this.remember(link);
+    const kept = link ?? state ?? "", fits = kept.length <= this.LONGEST;
     this.send(uuid, JSON.stringify({
-      state: link ?? state ?? "",
+      state: fits ? kept : "",
+      oversize: fits ? 0 : kept.length,
+      student,
       lessons: lessons ?? "",
       query,
       dark: matchMedia("(prefers-color-scheme: dark)").matches,

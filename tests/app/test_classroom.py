@@ -54,7 +54,7 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     students = [open_tab(server) for _ in range(3)]
     until(lambda: panel(taught).teaches)
     assert not any(panel(session).teaches for _, session in students)
-    assert classroom.tabs == 4
+    assert classroom.students == 3
 
     # followed, unless a student works on his own
     alone, free = students[2]
@@ -91,7 +91,7 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
 
     for fake, _ in (*students, (teacher, taught)):
         fake.close()
-    until(lambda: classroom.tabs == 0)
+    until(lambda: classroom.students == 0)
     assert classroom.counts() == (0, 0)
 
 
@@ -133,7 +133,7 @@ def test_a_student_takes_the_teachers_plan_and_undo_brings_back_the_own_work(
     until(lambda: session.frame.plan.scene.mesh.pitch == 1.2)
     for fake in (teacher, student):
         fake.close()
-    until(lambda: classroom.tabs == 0)
+    until(lambda: classroom.students == 0)
 
 
 def test_a_teachers_secret_can_outlast_the_server() -> None:
@@ -164,6 +164,34 @@ def test_a_question_needs_two_answers_and_counts_its_own() -> None:
     # students need not know how the others answer
     assert len(woken) == 2
     assert "width:100%" in bars(("a", "b"), (0, 2), 2)
+
+
+def test_all_tabs_of_a_student_have_one_answer() -> None:
+    classroom = Classroom()
+    woken: list[int] = []
+    for tab, student in enumerate(("a", "a", "b", "", "")):
+        classroom.join(tab, lambda tab=tab: woken.append(tab))  # type: ignore[misc]
+        classroom.recognise(tab, student)
+    classroom.teach(4)
+    assert classroom.ask("Why?", ("one", "two"))
+    woken.clear()
+    for tab, choice in ((0, 0), (2, 0), (1, 1), (3, 1)):
+        classroom.answer(tab, 1, choice)
+    # a's last answer in either tab, b's, and that of a tab which says no name
+    assert classroom.counts() == (1, 2)
+    assert [classroom.answer_of(tab) for tab in range(4)] == [1, 1, 0, 1]
+    assert classroom.students == 3
+    # the teacher sees each, and a student's other tab what was answered in this one
+    assert sorted(woken) == [0, 1, 4, 4, 4, 4]
+    classroom.leave(0)
+    assert classroom.counts() == (1, 2)
+    classroom.leave(1)
+    assert classroom.counts() == (1, 1)
+    # one that says only later who it is does not count twice
+    classroom.recognise(3, "b")
+    assert classroom.counts() == (1, 0)
+    classroom.recognise(9, "b")
+    assert classroom.students == 1
 
 
 @pytest.mark.slow

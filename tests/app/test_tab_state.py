@@ -3,6 +3,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import re
 import zlib
 from dataclasses import replace
 from typing import Any
@@ -15,12 +16,15 @@ from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import load_scene, scene_names
+from abi.scene.scene_file import MAX_JSON_BYTES
 from app import notices, tab_state
 from app.camera import View
+from app.guard.guarded_server import MAX_MESSAGE
+from app.guard.values import MAX_TEXT
 from app.server import Server
 from app.session import Session
 from app.tab_memory import TabMemory
-from app.tab_state import LONGEST_LINK, StateEncoder, TabState
+from app.tab_state import LONGEST_LINK, MAX_PROGRESS, StateEncoder, TabState
 from tests.app.fake_tab import FakeTab, heard, opened, until
 
 MESHES = MeshSource(folder=assets.path("scenes"))
@@ -133,6 +137,30 @@ def test_a_report_of_nonsense_changes_nothing(tab: tuple[FakeTab, Session], repo
     until(lambda: session.plan.scene.spline.degree == 3)  # type: ignore[union-attr]
     assert session.plan is not None
     assert session.plan.scene.obstacles == load_scene("paper").obstacles
+
+
+def test_every_state_that_is_written_can_be_reported() -> None:
+    """One too long would be lost at a reload; the page says how long one is that it cannot send."""
+    script = assets.path("page", "page.js").read_text(encoding="utf-8")
+    found = re.search(r"LONGEST: ([0-9_]+),", script)
+    assert found is not None
+    longest = int(found[1])
+    # as base64 of what no packing makes shorter
+    assert longest >= (MAX_JSON_BYTES + 10_000) * 4 / 3
+    assert longest + 4 * MAX_PROGRESS < MAX_TEXT < MAX_MESSAGE / 2
+
+
+def test_a_state_that_is_too_long_to_come_back_is_told(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    told: list[str] = []
+    monkeypatch.setattr(notices, "notify_refusal", lambda client, *words: told.extend(words))
+    fake.set(session._memory._box, json.dumps({"state": "", "oversize": 3_100_000}))
+    until(lambda: len(told) == 2)
+    assert told[0] == "Not brought back"
+    assert "3,100,000 letters" in told[1]
+    assert session._fault is None
 
 
 def test_only_what_changed_is_kept(

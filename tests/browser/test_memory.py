@@ -50,6 +50,17 @@ def _is_back(page: Page, session: Session, scene: abi.Scene, camera: drawn.Point
     np.testing.assert_allclose(session.client.camera.position, camera, rtol=1e-4)
 
 
+def test_what_is_too_long_to_be_remembered_is_told(tabs: Tabs, server: Server) -> None:
+    page = tabs()
+    page.tab.evaluate("sessionStorage.setItem('abi-tab', 'x'.repeat(abi.LONGEST + 1))")
+    student = page.tab.evaluate("localStorage.getItem('abi-student')")
+    assert len(student) >= 16
+    tabs.reload(page)
+    page.tab.get_by_text("Not brought back").wait_for()
+    assert page.tab.evaluate("localStorage.getItem('abi-student')") == student
+    assert server.sessions[page.client]._fault is None
+
+
 def test_reload_and_back_and_a_link_bring_everything_back(tabs: Tabs, server: Server) -> None:
     page = tabs()
     session = server.sessions[page.client]

@@ -63,6 +63,9 @@ HOSTILE: dict[str, str | bytes] = {
     "path as a name": arm(('link name="b"', 'link name="../b"')),
     "mimic of nothing": arm(('effort="9"/>', 'effort="9"/><mimic joint="none"/>')),
     "mimic of itself": arm(('effort="9"/>', 'effort="9"/><mimic joint="p"/>')),
+    "nothing that moves": urdf(link("a"), link("b"), joint("p", "a", "b", "fixed")),
+    "no joint": urdf(link("a")),
+    "no range": urdf(link("a"), link("b"), joint("p", "a", "b")).replace('upper="2"', 'upper="-2"'),
     "many shapes": urdf(link("a").replace("</link>", SPHERE * 60 + "</link>")),
     "many links": urdf(*(link(f"l{k}") for k in range(200))),
     **{

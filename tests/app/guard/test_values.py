@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from app.guard.messages import UploadPart, UploadStart
 from app.guard.rate import Rate
 from app.guard.uploads import MAX_TRANSFERS, Uploads
-from app.guard.values import fits
+from app.guard.values import MAX_TEXT, fits
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from app.guard.values import fits
         (True, [False], [1, 0.0, None, "x"]),
         (3, [4, 4.0, -1], [math.nan, math.inf, 1e300, True, "4", [4], None]),
         (1.5, [2, -1e308, math.nan], [True, "2", None, [2]]),
-        ("a", ["", "b" * 10_000], ["b" * 1_000_001, 1, None, ["b"]]),
+        ("a", ["", "b" * 10_000], ["b" * (MAX_TEXT + 1), 1, None, ["b"]]),
         ((1.0, 2.0), [[3, 4.5]], [[1], [1, 2, 3], [1, "2"], [1, None], 1, "12", {}]),
         (b"an uploaded file", [], [b"x", "x", None, 1]),
     ],
