@@ -84,6 +84,7 @@ def _found(path: Path) -> bytes | Surface:
             read_only(data["faces"]),
             bool(data["closed"]),
             tuple(map(str, data["notes"])),
+            next(iter(data["metres"].tolist()), None) if "metres" in data else None,
         )
     if surface.digest != path.name:
         raise ValueError(path.name)
@@ -113,6 +114,7 @@ def _packed(surface: Surface) -> bytes:
         faces=surface.faces,
         closed=np.array(surface.closed),
         notes=np.array(surface.notes, dtype=np.str_),
+        metres=np.array([] if surface.metres is None else [surface.metres]),
     )
     return packed.getvalue()
 

@@ -27,13 +27,18 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, Surfac
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500
 """Sizes of a mesh, as multiples of the workspace's longest side, that suggest another unit."""
+_UNITS = {
+    **{1.0: "metres", 0.01: "centimetres", 0.001: "millimetres", 1e-6: "micrometres"},
+    **{0.0254: "inches", 0.3048: "feet"},
+}
 
 
 class MeshShape(Posed):
     """A triangle mesh from a file; ``file`` is relative to the scene's folder, with "/".
 
-    Coordinates in the file count in ``unit`` (None: the scene's unit), times ``scale``. Two shapes
-    are equal when their fields, the scene's unit and the content of their files are.
+    Coordinates in the file count in ``unit``, times ``scale``; without ``unit`` in the unit that
+    the file gives, or else in the scene's. They are not turned, whichever axis the file says points
+    up. Two shapes are equal when their fields, the scene's unit and the content of their files are.
 
     Every distance rests on the signed distance being 1-Lipschitz: over a distance l it changes by
     no more than l. That holds for any shape, for the open ones too.
@@ -86,6 +91,18 @@ class MeshShape(Posed):
         return self._factor
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on the file: what is left out, repaired or not flat, and its unit."""
+        declared = self.surface.metres
+        if declared is None:
+            return self.surface.notes
+        name = _UNITS.get(declared, f"units of {declared:g} m")
+        unit = f"Its numbers count in {name}, as the file says."
+        if self.unit and not math.isclose(METRES[self.unit], declared, rel_tol=1e-6):
+            unit = f"The file counts in {name}; the scene says {self.unit}, and that is taken."
+        return (unit, *self.surface.notes)
+
+    @property
     def closed(self) -> bool:
         """Whether the mesh has an inside."""
         return self.surface.closed
@@ -97,7 +114,7 @@ class MeshShape(Posed):
             SceneError: larger than 1e6 or smaller than 1e-6 [unit], or further than 1e6 [unit] from
                 the world's origin; names the field of the shape.
         """
-        factor = self.scale * (METRES[self.unit] / METRES[unit] if self.unit else 1.0)
+        factor = self.scale * file_factor(self.surface, self.unit, unit)
         if not 1e-6 <= factor * self.surface.extent <= LARGEST:
             raise SceneError("scale", self.scale, _size_limits(factor * self.surface.extent))
         placed = self
@@ -229,13 +246,25 @@ def _size_limits(size: float) -> str:
     return f"a mesh between 0.000001 and {LARGEST:,.0f} large, it would be {size:,.6g}"
 
 
-def suggest_unit(extent: float, workspace: Sequence[float], unit: str) -> str | None:
+def file_factor(surface: Surface, unit: str | None, scene_unit: str) -> float:
+    """Scene's [unit] that a number in a mesh file stands for, at scale 1.
+
+    Args:
+        surface: of the file.
+        unit: that the scene gives for the file; None for the file's own, or else the scene's.
+        scene_unit: of the scene.
+    """
+    metres = METRES[unit] if unit else surface.metres or METRES[scene_unit]
+    return metres / METRES[scene_unit]
+
+
+def suggest_unit(extent: float, workspace: Sequence[float], metres: float) -> str | None:
     """Likely unit of a mesh whose size does not fit the workspace.
 
     Args:
-        extent: longest side of the mesh's bounding box, read in ``unit``.
+        extent: longest side of the mesh's bounding box, [unit].
         workspace: edge lengths of the workspace, [unit].
-        unit: the scene's unit, or the one given for the mesh.
+        metres: length that a number in the file stands for, [m].
 
     Returns:
         The unit that brings the mesh nearest to the workspace's size, where the mesh is over 20
@@ -245,8 +274,8 @@ def suggest_unit(extent: float, workspace: Sequence[float], unit: str) -> str | 
     if TOO_SMALL <= ratio <= TOO_LARGE:
         return None
     fitting = {
-        other: abs(math.log(ratio * METRES[other] / METRES[unit]))
+        other: abs(math.log(ratio * METRES[other] / metres))
         for other in METRES
-        if TOO_SMALL <= ratio * METRES[other] / METRES[unit] <= TOO_LARGE
+        if TOO_SMALL <= ratio * METRES[other] / metres <= TOO_LARGE
     }
     return min(fitting, key=lambda other: fitting[other], default=None)

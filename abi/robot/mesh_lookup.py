@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh import mesh_reader, stl, trimesh_formats
+from abi.obstacles.mesh_files import stl
+from abi.obstacles.mesh_files.parts import Parts
+from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.file_names import same_name
-from abi.obstacles.triangle_mesh.parts import Parts
 
 MAX_TRIANGLES = 500_000
 """Largest number of triangles of all shapes of a robot; a shape used twice counts twice."""
 _PLAIN = ".plain.stl"
 """Added to the name of a file that has been turned into an STL."""
-_LARGEST_UNIT = 1e4
-_UNIT = re.compile(rb"""<unit\b[^>]{0,200}?\bmeter\s*=\s*["']\s*([0-9.eE+-]{1,40})\s*["']""")
+_SIMPLE = (".stl", ".obj", ".glb")
 
 
 class MeshLookup:
@@ -42,16 +41,16 @@ class MeshLookup:
         found = self.path(name)
         if found not in self._read:
             self._read[found] = _mesh(self._files[found], PurePosixPath(found).name)
-        vertices, faces, colours = self._read[found]
-        if self._triangles + len(faces) > MAX_TRIANGLES:
+        mesh = self._read[found]
+        if self._triangles + len(mesh.faces) > MAX_TRIANGLES:
             expected = f"meshes of at most {MAX_TRIANGLES:,} triangles in all"
             raise SceneError("arm.urdf mesh", name, expected)
-        self._triangles += len(faces)
+        self._triangles += len(mesh.faces)
         self._taken.add(found)
-        return vertices, faces, colours
+        return mesh
 
     def plain(self) -> dict[str, bytes]:
-        """Files of the meshes that were used; those that need trimesh are converted to STL."""
+        """Files of the meshes that were used, those that are not simple converted to STL."""
         plain = {}
         for path in sorted(self._taken):
             if is_plain(path):
@@ -79,29 +78,19 @@ class MeshLookup:
 
 
 def is_plain(path: str) -> bool:
-    """Check whether a file can be read without trimesh."""
-    return PurePosixPath(path).suffix.lower() not in trimesh_formats.SUFFIXES
+    """Check whether a file is no mesh that has to be parsed as XML, or otherwise at length."""
+    suffix = PurePosixPath(path).suffix.lower()
+    return suffix in _SIMPLE or suffix not in mesh_reader.SUFFIXES
 
 
 def _mesh(content: bytes, name: str) -> Parts:
+    """A mesh in metres, which a file without a unit has, and in the axes of its file."""
     suffix = PurePosixPath(name).suffix.lower()
     if suffix not in mesh_reader.SUFFIXES:
         expected = f"a mesh that ends in {', '.join(mesh_reader.SUFFIXES)}"
         raise SceneError("arm.urdf mesh", name, expected)
     try:
-        vertices, faces, colours = mesh_reader.read_coloured(content, name)
+        file = mesh_reader.read_file(content, name)
     except SceneError as error:
         raise SceneError("arm.urdf mesh", error.value, error.expected) from None
-    return (vertices * _unit(content, name) if suffix == ".dae" else vertices), faces, colours
-
-
-def _unit(content: bytes, name: str) -> float:
-    """Metres of a DAE's unit, which other programs that show a URDF go by, too."""
-    found = _UNIT.search(content)
-    try:
-        unit = float(found[1]) if found else 1.0
-    except ValueError:
-        unit = 0.0
-    if not 0 < unit <= _LARGEST_UNIT:
-        raise SceneError("arm.urdf mesh", name, "a DAE whose unit is a length")
-    return unit
+    return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))

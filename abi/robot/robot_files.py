@@ -12,8 +12,8 @@ from pathlib import PurePosixPath
 
 from abi import assets
 from abi.errors import SceneError
+from abi.obstacles.mesh_files.threemf import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.robot import Robot, require_motion
 from abi.robot.urdf_meshes import mesh_names

@@ -14,7 +14,7 @@ from lxml import etree
 
 from abi.arrays import ByteArray, FloatArray, read_only
 from abi.errors import Missing, SceneError
-from abi.obstacles.triangle_mesh.parts import NO_COLOURS, Parts
+from abi.obstacles.mesh_files.parts import NO_COLOURS, Parts
 from abi.robot.robot import Link, Shape
 from abi.robot.strict_xml import Element
 from abi.robot.urdf_meshes import file_name

@@ -15,11 +15,11 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from abi.errors import SceneError
+from abi.obstacles.mesh_files.obj import write_unit
+from abi.obstacles.mesh_files.threemf import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.file_names import same_name
-from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read
-from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.scene.scene_file import parse_bytes, text_of
 
 SUFFIX = ".zip"
@@ -97,7 +97,7 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
     names = _original_names(files)
     contents: dict[str, bytes | Surface] = {}
     for file, original in names.items():
-        contents[original] = clean(*read(stored.pop(file), file), file)
+        contents[original] = read_surface(stored.pop(file), file)
     data = _renamed(data, names)
     given = {**stored, **contents}
     found = {name: same_name(name, given) for name in _named(data)}
@@ -156,4 +156,5 @@ def _named(data: Any) -> set[str]:
 def _obj(surface: Surface) -> str:
     vertices = [f"v {x!r} {y!r} {z!r}" for x, y, z in surface.vertices.tolist()]
     faces = [f"f {a} {b} {c}" for a, b, c in (surface.faces + 1).tolist()]
-    return "\n".join([*vertices, *faces, ""])
+    unit = [] if surface.metres is None else [write_unit(surface.metres)]
+    return "\n".join([*unit, *vertices, *faces, ""])

@@ -17,7 +17,6 @@ from abi.arrays import read_only
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
@@ -49,19 +48,21 @@ class Triangles(msgspec.Struct):
     faces: bytes
     closed: bool
     notes: tuple[str, ...]
+    metres: float | None
 
     @classmethod
     def of(cls, surface: Surface) -> Triangles:
         """The bytes of a surface."""
         vertices = surface.vertices.astype("<f8").tobytes()
         faces = surface.faces.astype("<i4").tobytes()
-        return cls(vertices, faces, surface.closed, surface.notes)
+        return cls(vertices, faces, surface.closed, surface.notes, surface.metres)
 
     def surface(self) -> Surface:
         """The surface of the bytes."""
         vertices = np.frombuffer(self.vertices, "<f8").reshape(-1, 3).astype(np.float64)
         faces = np.frombuffer(self.faces, "<i4").reshape(-1, 3).astype(np.int32)
-        return Surface(read_only(vertices), read_only(faces), self.closed, self.notes)
+        arrays = read_only(vertices), read_only(faces)
+        return Surface(*arrays, self.closed, self.notes, self.metres)
 
 
 class Refusal(msgspec.Struct):
@@ -126,7 +127,7 @@ def rehearse() -> None:
 
 
 def _mesh(name: str, content: bytes) -> Answer:
-    surface = clean(*mesh_reader.read(content, name), name)
+    surface = mesh_reader.read_surface(content, name)
     return Answer(surfaces={name: Triangles.of(surface)})
 
 

@@ -6,7 +6,7 @@ import html
 
 import viser
 
-from abi.obstacles.mesh_shape import MeshShape, suggest_unit
+from abi.obstacles.mesh_shape import MeshShape, file_factor, suggest_unit
 from abi.obstacles.pose import METRES
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
@@ -25,7 +25,7 @@ def fitted_scale(surface: Surface, scene: Scene, unit: str | None = None) -> flo
     Args:
         surface: of the mesh.
         scene: whose workspace it is to fit.
-        unit: of the file; None for the scene's.
+        unit: of the file; None for the one that the file gives, or else the scene's.
     """
     largest, extent = max(scene.workspace.size), _own_extent(surface, scene, unit)
     if _LEAST <= extent / largest <= _MOST:
@@ -35,7 +35,7 @@ def fitted_scale(surface: Surface, scene: Scene, unit: str | None = None) -> flo
 
 def _own_extent(surface: Surface, scene: Scene, unit: str | None) -> float:
     """Longest side of a file's bounds at scale 1, [unit]."""
-    return surface.extent * (METRES[unit] / METRES[scene.unit] if unit else 1.0)
+    return surface.extent * file_factor(surface, unit, scene.unit)
 
 
 class MeshNote:
@@ -72,11 +72,11 @@ class MeshNote:
         self._edges.visible = mesh is not None
         if mesh is not None:
             extent = mesh.surface.extent * mesh.factor
-            unit = mesh.unit or scene.unit
-            self._suggested = suggest_unit(extent, scene.workspace.size, unit) or ""
+            metres = METRES[scene.unit] * file_factor(mesh.surface, mesh.unit, scene.unit)
+            self._suggested = suggest_unit(extent, scene.workspace.size, metres) or ""
             count = len(mesh.surface.faces)
             notes = [f"{mesh.file}: {count:,} triangles, {_length(extent, scene)} wide."]
-            notes += mesh.surface.notes
+            notes += mesh.notes
             if count > MOST_DRAWN:
                 notes.append("Planning uses all of them; the picture shows fewer.")
             notes += self._offer_size(mesh, scene)

@@ -14,9 +14,9 @@ from viser.transforms import SO3
 
 from abi.arrays import FloatArray
 from abi.errors import SceneError
-from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.mesh_shape import MeshShape, file_factor
 from abi.obstacles.obstacle_set import Obstacle
-from abi.obstacles.pose import METRES, Vec3
+from abi.obstacles.pose import Vec3
 from abi.obstacles.primitives import PRIMITIVES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -172,13 +172,16 @@ class ObstacleEditor:
         foreseen = self._obstacles.foreseen
         if foreseen is not None and foreseen.mesh.surface == surface:
             pose: dict[str, Any] = {"position": foreseen.mesh.position}
-            return MeshShape.of(surface, file=name, scale=foreseen.mesh.scale, **pose)
+            mesh = MeshShape.of(surface, file=name, scale=foreseen.mesh.scale, **pose)
+            return mesh.in_unit(scene.unit)
         scale = fitted_scale(surface, scene)
-        half = scale * np.ptp(surface.vertices, axis=0) / 2
+        factor = scale * file_factor(surface, None, scene.unit)
+        half = factor * np.ptp(surface.vertices, axis=0) / 2
         wanted = np.add(scene.workspace.min, scene.workspace.max) / 2
         place = free_place(half, wanted, scene, self._occupied(scene))
-        x, y, z = (place - scale * _middle(surface)).tolist()
-        return MeshShape.of(surface, file=name, position=(x, y, z), scale=scale)
+        x, y, z = (place - factor * _middle(surface)).tolist()
+        mesh = MeshShape.of(surface, file=name, position=(x, y, z), scale=scale)
+        return mesh.in_unit(scene.unit)
 
     def _occupied(self, scene: Scene) -> list[Bounds]:
         """Bounds of the obstacles of the last valid scene, and of those added since."""
@@ -316,8 +319,9 @@ class ObstacleEditor:
         scene: Scene,
     ) -> None:
         """Keep a mesh's middle in place as its size changes; its file's origin may be anywhere."""
-        middle = _middle(self.meshes(scene).surface(data["file"]))
-        growth = _factor(data, scene) - _factor(before, scene)
+        surface = self.meshes(scene).surface(data["file"])
+        middle = _middle(surface)
+        growth = _factor(data, surface, scene) - _factor(before, surface, scene)
         position = np.asarray(gizmo.position)
         position = position - growth * SO3(np.asarray(gizmo.wxyz)).apply(middle)
         if np.isfinite(position).all():
@@ -347,10 +351,9 @@ def _middle(surface: Surface) -> FloatArray:
     return np.asarray((surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2)
 
 
-def _factor(data: dict[str, Any], scene: Scene) -> float:
+def _factor(data: dict[str, Any], surface: Surface, scene: Scene) -> float:
     """Lengths of the scene, [unit], per length of a mesh file."""
-    unit = data["unit"]
-    return float(data["scale"] * (METRES[unit] / METRES[scene.unit] if unit else 1.0))
+    return float(data["scale"] * file_factor(surface, data["unit"], scene.unit))
 
 
 def _new_obstacle(kind: str, scene: Scene) -> Obstacle:

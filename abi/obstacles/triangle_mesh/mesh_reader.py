@@ -1,28 +1,30 @@
 """Strict reader of triangle meshes from the bytes of a file: STL, OBJ, GLB and others.
 
 Common loaders turn a file that is truncated, or no mesh at all, into an empty mesh, and a missing
-obstacle is the worst mistake a planner can make. So here lengths must match to the byte. Nothing
-but the given bytes is ever opened: textures, materials and other files that a mesh may name are
-not looked for.
+obstacle is the worst mistake a planner can make. So here lengths must match to the byte, what is
+left out is named in a note, and the number of triangles must be the one that
+:mod:`abi.obstacles.mesh_files.census` counts. Nothing but the given bytes is ever opened: textures,
+materials and other files that a mesh may name are not looked for.
+
+Coordinates are in the axes of the file, whichever of them points up.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from pathlib import PurePosixPath
 
 import numpy as np
 
-from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.arrays import FloatArray, IntArray
 from abi.errors import SceneError
-from abi.obstacles.pose import LARGEST
-from abi.obstacles.triangle_mesh import glb, obj, stl, trimesh_formats
-from abi.obstacles.triangle_mesh.parts import Parts, check_count
+from abi.obstacles.mesh_files import census, dae, glb, obj, off, ply, stl, threemf
+from abi.obstacles.mesh_files.parts import MeshFile, check_count, check_points
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
 
 MAX_BYTES = 50_000_000
 MAX_FACES = 500_000
-SUFFIXES = (".stl", ".obj", ".glb", *trimesh_formats.SUFFIXES)
 
 _OTHER_FORMATS = (
     (b"version https://git-lfs", "the mesh itself, but this is its Git LFS pointer (git lfs pull)"),
@@ -40,7 +42,23 @@ _OWN = {b"PK\x03\x04": ".3mf", b"<": ".dae", b"ply": ".ply"}
 
 
 def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
-    """Vertices (n, 3) and triangles (m, 3) of a mesh file, as the file has them.
+    """Vertices (n, 3) and triangles (m, 3) of a mesh file, as from :func:`read_file`."""
+    parts = read_file(data, name).parts
+    return parts.vertices, parts.faces
+
+
+def read_surface(data: bytes, name: str) -> Surface:
+    """The repaired surface of a mesh file, as from :func:`read_file`.
+
+    Raises:
+        SceneError: it cannot be read, or no triangle has an area.
+    """
+    file = read_file(data, name)
+    return clean(file.parts.vertices, file.parts.faces, name).of_file(file.metres, file.notes)
+
+
+def read_file(data: bytes, name: str) -> MeshFile:
+    """Triangles of a mesh file with their colours, its unit, and notes on what is left out.
 
     Args:
         data: the whole content, at most 50 MB and 500,000 triangles.
@@ -48,16 +66,6 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
 
     Raises:
         SceneError: empty, cut off, damaged, too large or not a mesh; says which.
-    """
-    vertices, faces, _ = read_coloured(data, name)
-    return vertices, faces
-
-
-def read_coloured(data: bytes, name: str) -> tuple[FloatArray, IntArray, ByteArray]:
-    """Vertices and triangles as from :func:`read`, and colours (m, 3) of the triangles.
-
-    Only :mod:`abi.obstacles.triangle_mesh.trimesh_formats` and the STL files of
-    :func:`abi.obstacles.triangle_mesh.stl.write` give colours; otherwise they are (0, 3).
     """
     if len(data) > MAX_BYTES:
         raise SceneError("file", name, f"a file of at most {MAX_BYTES // 1_000_000} MB")
@@ -70,25 +78,22 @@ def read_coloured(data: bytes, name: str) -> tuple[FloatArray, IntArray, ByteArr
             raise SceneError("file", name, expected)
     try:
         with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are looked for below
-            vertices, faces, colours = _READERS[suffix](data)
+            file = _READERS[suffix](data, MAX_FACES)
+        found = len(file.parts.faces)
+        check_count(found, MAX_FACES)
+        check_points(file.parts.vertices)
+        if (announced := census.count(data, suffix)) != found:
+            raise ValueError(
+                f"a whole {suffix[1:].upper()} file, it announces {announced:,} triangles and "
+                f"{found:,} are there"
+            )
     except ValueError as error:
         raise SceneError("file", name, str(error)) from None
-    if not np.isfinite(vertices).all():
-        raise SceneError("file", name, "finite coordinates, but some are NaN or infinite")
-    if np.abs(vertices).max() > LARGEST:
-        raise SceneError("file", name, f"coordinates of at most {LARGEST:g}")
-    return vertices, faces, colours
+    return file
 
 
-def _read_other(data: bytes, suffix: str) -> Parts:
-    vertices, faces, colours = trimesh_formats.read(data, suffix)
-    check_count(len(faces), MAX_FACES)
-    return vertices, faces, colours
-
-
-_READERS: dict[str, Callable[[bytes], Parts]] = {
-    ".stl": lambda data: stl.read(data, MAX_FACES),
-    ".obj": lambda data: obj.read(data, MAX_FACES),
-    ".glb": lambda data: glb.read(data, MAX_FACES),
-    **{suffix: partial(_read_other, suffix=suffix) for suffix in trimesh_formats.SUFFIXES},
+_READERS: dict[str, Callable[[bytes, int], MeshFile]] = {
+    **{".stl": stl.read, ".obj": obj.read, ".glb": glb.read, ".ply": ply.read, ".off": off.read},
+    **{".3mf": threemf.read, ".dae": dae.read},
 }
+SUFFIXES = tuple(_READERS)

@@ -8,8 +8,7 @@ from pathlib import Path, PurePosixPath
 
 from abi.errors import SceneError, short
 from abi.obstacles.triangle_mesh.file_names import same_name, same_path
-from abi.obstacles.triangle_mesh.mesh_reader import MAX_BYTES, SUFFIXES, read
-from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.mesh_reader import MAX_BYTES, SUFFIXES, read_surface
 from abi.obstacles.triangle_mesh.surface import Surface
 
 
@@ -103,4 +102,4 @@ def _check_name(name: str) -> None:
 
 @lru_cache(maxsize=8)
 def _surface(content: bytes, name: str) -> Surface:
-    return clean(*read(content, name), name)
+    return read_surface(content, name)

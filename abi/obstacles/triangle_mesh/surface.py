@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,18 +20,21 @@ class Surface(ShortRepr):
         vertices: (n, 3), each used by a triangle.
         faces: (m, 3) ids of the corners; counter-clockwise seen from outside where closed.
         closed: whether it bounds a solid: a point is inside where it winds around it.
-        notes: sentences about its repair.
+        notes: sentences about its repair, and on what of the file is left out.
+        metres: length of the file's unit, [m]; None if it does not say.
     """
 
     vertices: FloatArray
     faces: IntArray
     closed: bool
     notes: tuple[str, ...] = ()
+    metres: float | None = None
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
         content = hashlib.sha256(self.vertices.tobytes() + self.faces.tobytes())
         content.update(bytes([self.closed]))
+        content.update(b"" if self.metres is None else repr(self.metres).encode())
         object.__setattr__(self, "digest", content.hexdigest())
 
     def __eq__(self, other: object) -> bool:
@@ -39,6 +42,10 @@ class Surface(ShortRepr):
 
     def __hash__(self) -> int:
         return hash(self.digest)
+
+    def of_file(self, metres: float | None, notes: tuple[str, ...]) -> Surface:
+        """The surface with the unit of its file, [m], and with notes on the file before its own."""
+        return replace(self, metres=metres, notes=(*notes, *self.notes))
 
     @cached_property
     def extent(self) -> float:

@@ -17,6 +17,7 @@ from abi.curves.fit_bspline import fit
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape, suggest_unit
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import METRES
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -521,7 +522,7 @@ def test_what_a_scene_accepts_can_be_planned_however_far_or_large(seed: int) -> 
 def test_a_mesh_out_of_scale_suggests_its_unit(
     extent: float, unit: str, suggested: str | None
 ) -> None:
-    assert suggest_unit(extent, (6.0, 5.0, 4.0), unit) == suggested
+    assert suggest_unit(extent, (6.0, 5.0, 4.0), METRES[unit]) == suggested
 
 
 def test_shapes_from_a_surface_compare_by_content() -> None:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from abi.obstacles.triangle_mesh import mesh_reader, stl
+from abi.obstacles.mesh_files import stl
+from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot
 from abi.robot.robot_files import SHIPPED, load_robot
@@ -96,11 +97,11 @@ def test_parts_of_a_mesh_keep_their_colours_where_no_dae_may_be_left() -> None:
 def test_an_stl_of_another_program_has_no_colours() -> None:
     mesh = trimesh.creation.box()
     content = bytearray(stl.write(mesh.vertices, mesh.faces.astype(np.int32)))
-    assert len(mesh_reader.read_coloured(bytes(content), "a.stl")[2]) == 0
+    assert len(mesh_reader.read_file(bytes(content), "a.stl").parts.colours) == 0
     content[:80] = b"other".ljust(80)
     content[84 + 48 :: 50] = b"\xff" * 12
     content[84 + 49 :: 50] = b"\xff" * 12
-    assert len(mesh_reader.read_coloured(bytes(content), "a.stl")[2]) == 0
+    assert len(mesh_reader.read_file(bytes(content), "a.stl").parts.colours) == 0
 
 
 @pytest.mark.parametrize("name", SHIPPED)

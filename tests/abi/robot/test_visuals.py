@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from abi.obstacles.triangle_mesh import trimesh_formats
+from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot import mesh_lookup
 from abi.robot.bounding_capsules import bounding_capsules
@@ -94,7 +94,7 @@ def test_no_dae_is_left_for_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
     with zipfile.ZipFile(io.BytesIO(plain.archive)) as archive:
         assert not [name for name in archive.namelist() if name.endswith(".dae")]
     robot_from_archive.cache_clear()
-    monkeypatch.setattr(trimesh_formats, "read", None)
+    monkeypatch.setitem(mesh_reader._READERS, ".dae", None)
     again = load_robot("r.zip", MeshSource({"r.zip": plain.archive}), plain=True)
     assert again.archive == plain.archive
     for kind in ("shapes", "drawn"):

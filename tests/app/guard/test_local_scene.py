@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh import trimesh_formats
+from abi.obstacles.triangle_mesh import mesh_reader
 from abi.robot.robot_files import robot_from_archive
 from abi.scene.scene import Scene, load_scene
 from app.guard.local_scene import load_local
@@ -45,7 +45,7 @@ def test_no_dae_is_read_in_this_process(
     path = written(tmp_path, dae(0.3), arm)
     wanted = load_scene(path)
     robot_from_archive.cache_clear()
-    monkeypatch.setattr(trimesh_formats, "read", refuse)
+    monkeypatch.setitem(mesh_reader._READERS, ".dae", refuse)
     scene = load_local(str(path))
 
     assert scene.to_dict() == wanted.to_dict()

@@ -13,7 +13,8 @@ import trimesh
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import read
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.trimesh_formats import SUFFIXES
+
+SUFFIXES = (".ply", ".off", ".3mf", ".dae")
 
 ENTITY = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><a>&b;</a>'
 
@@ -70,7 +71,7 @@ def test_a_model_in_an_archive_that_is_meant_to_harm_is_refused(
         ("a.dae", ENTITY, "without a document type"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nend_header\n", "vertices and faces"),
         ("a.off", b"OFF\n3 999999999 0\n0 0 0\n", "simplify"),
-        ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "OFF file"),
+        ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "line 6 has '7'"),
         ("a.stl", b"ply\n", "a PLY file"),
     ],
 )

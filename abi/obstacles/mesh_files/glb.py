@@ -1,10 +1,8 @@
 """Reader of binary glTF 2.0 files (Khronos, glTF 2.0 specification, sections 3 and 4.4).
 
 It reads the positions and triangles of the default scene, placed by its nodes. Everything must lie
-in the file's own binary part; materials, textures, cameras and lights are ignored.
-
-trimesh reads GLB too, but every check below would be needed first, and it leaves out meshes at a
-node with a camera.
+in the file's own binary part; materials, textures, cameras and lights are ignored. What else is
+left out is in the notes, and what would move or multiply the surface is refused.
 """
 
 from __future__ import annotations
@@ -12,46 +10,59 @@ from __future__ import annotations
 import json
 import math
 import struct
+from collections import Counter
 from typing import Any
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray
+from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
+from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.pose import rotation
-from abi.obstacles.triangle_mesh.parts import NO_COLOURS, Parts, check_count
 
 _TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_LOOKS = {"KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual"}
+_HARMLESS = {
+    *("KHR_materials_unlit", "KHR_materials_variants", "KHR_texture_transform"),
+    *("KHR_lights_punctual", "KHR_texture_basisu", "EXT_texture_webp", "KHR_xmp_json_ld"),
+    *("KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability"),
+}
+"""Extensions that change no surface; a node that is not to be seen still is an obstacle."""
+_MULTIPLYING = {
+    *("EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression", "KHR_gaussian_splatting"),
+    *("EXT_meshopt_compression", "KHR_meshopt_compression"),
+}
+"""Extensions that stand for triangles which the rest of the file does not have."""
 _MOST_JSON = 8_000_000
 _MOST_NODES = 10_000
 _LARGEST = 1e9
+_NO_AREA = {0: "point", 1: "line", 2: "line", 3: "line"}
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_Y_UP = "Its y axis points up, as in every GLB file, and it is not turned."
 
 
-def read(data: bytes, most_faces: int) -> Parts:
-    """Vertices (n, 3) and triangles (m, 3) of a GLB file in its own axes.
+def read(data: bytes, most_faces: int) -> MeshFile:
+    """Triangles of a GLB file in its own axes, in metres.
 
     Raises:
         ValueError: it is no such file; the message ends a sentence "expected …".
     """
     document, binary = _chunks(data)
     required = document.get("extensionsRequired", [])
-    if not isinstance(required, list) or not all(name in _LOOKS for name in required):
+    if not isinstance(required, list) or not all(name in _HARMLESS for name in required):
         raise ValueError(f"a GLB without compression or extensions, it needs {str(required)[:60]}")
     file = _File(document, binary, most_faces)
-    vertices: list[FloatArray] = []
-    faces: list[IntArray] = []
+    parts: list[Parts] = []
     corners_read, faces_read = 0, 0
-    for mesh, pose in _placed_meshes(file):
-        for corners, triangles in file.triangles(mesh):
-            turned = triangles[:, ::-1] if np.linalg.det(pose[:3, :3]) < 0 else triangles
-            faces.append(turned + np.int32(corners_read))
-            vertices.append(corners @ pose[:3, :3].T + pose[:3, 3])
-            corners_read += len(corners)
-            faces_read += len(triangles)
+    meshes = _placed_meshes(file)
+    for mesh, pose, weights in meshes:
+        for triangles in file.triangles(mesh, weights):
+            corners_read += len(triangles.vertices)
+            faces_read += len(triangles.faces)
             if faces_read > most_faces or corners_read > 3 * most_faces:
                 raise ValueError(f"at most {most_faces:,} triangles, simplify the mesh first")
+            parts.append(placed(triangles, pose))
     check_count(faces_read, most_faces)
-    return np.concatenate(vertices), np.concatenate(faces), NO_COLOURS
+    return MeshFile(joined(parts), 1.0, (_Y_UP, *file.left_out(len(meshes))))
 
 
 def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
@@ -94,39 +105,109 @@ class _File:
         self.document = document
         self._binary = binary
         self._most = 3 * most_faces
+        self._no_area: Counter[str] = Counter()
+        self._unknown: set[str] = set()
+        self._morphs = False
 
     def item(self, kind: str, index: object) -> dict[str, Any]:
-        """Entry ``index`` of the list ``kind``."""
+        """Entry ``index`` of the list ``kind``, without extensions that change surfaces."""
         entries = self.document.get(kind)
         if isinstance(entries, list) and type(index) is int and 0 <= index < len(entries):
             entry = entries[index]
             if isinstance(entry, dict):
+                self._check_extensions(entry, f"{kind}[{index}]")
                 return entry
         raise ValueError(f"a whole GLB file, {kind}[{str(index)[:12]}] is missing")
 
-    def triangles(self, index: object) -> list[tuple[FloatArray, IntArray]]:
-        """Vertices and triangles of each primitive of a mesh."""
-        primitives = self.item("meshes", index).get("primitives")
+    def triangles(self, index: object, weights: object = None) -> list[Parts]:
+        """Vertices and triangles of each primitive of a mesh, whose morphs must weigh nothing."""
+        mesh = self.item("meshes", index)
+        primitives = mesh.get("primitives")
         if not isinstance(primitives, list):
             raise ValueError("a GLB file whose meshes have primitives")
         parts = []
         for primitive in primitives:
-            if not isinstance(primitive, dict) or primitive.get("mode", 4) != 4:
-                raise ValueError("a GLB of plain triangles, without points, lines or strips")
-            if primitive.get("extensions") or primitive.get("targets"):
-                raise ValueError("a GLB of plain triangles, without compression or morphing")
-            attributes = primitive.get("attributes")
-            if not isinstance(attributes, dict):
-                raise ValueError("a GLB file whose triangles have positions")
-            vertices = self._numbers(attributes.get("POSITION"), "VEC3").astype(np.float64)
-            if "indices" in primitive:
-                ids = self._numbers(primitive["indices"], "SCALAR").ravel().astype(np.int64)
-            else:
-                ids = np.arange(len(vertices), dtype=np.int64)
-            if len(ids) % 3 or ids.max() >= len(vertices):
-                raise ValueError("a GLB file whose triangles use the vertices there are")
-            parts.append((vertices, ids.astype(np.int32).reshape(-1, 3)))
+            mode = primitive.get("mode", _TRIANGLES) if isinstance(primitive, dict) else None
+            if type(mode) is not int or not 0 <= mode <= _FAN:
+                raise ValueError("a GLB file whose meshes have primitives of the kinds 0 to 6")
+            if mode in _NO_AREA:
+                self._no_area[_NO_AREA[mode]] += 1
+                continue
+            self._check_extensions(primitive, f"meshes[{index}]")
+            if primitive.get("targets"):
+                self._morphs = True
+                if any(weights if isinstance(weights, list) else mesh.get("weights", [])):
+                    raise ValueError(
+                        f"a GLB whose morph targets have no weight, those of meshes[{index}] "
+                        "have: apply them in the program that wrote it"
+                    )
+            parts.append(self._primitive(primitive, mode))
         return parts
+
+    def left_out(self, placed_meshes: int) -> tuple[str, ...]:
+        """Sentences on what of the file is not read, after its placed meshes are.
+
+        Args:
+            placed_meshes: number of nodes of the default scene that have a mesh.
+        """
+        notes = [
+            f"{counted(number, f'set of {noun}s', f'sets of {noun}s')} left out: no surface."
+            for noun, number in self._no_area.items()
+        ]
+        if self._morphs:
+            notes.append("Its morph targets are left out, as they have no weight.")
+        nodes, meshes, scenes = (self._entries(kind) for kind in ("nodes", "meshes", "scenes"))
+        if elsewhere := sum("mesh" in node for node in nodes) - placed_meshes:
+            notes.append(f"{counted(elsewhere, 'node')} left out: not in its default scene.")
+        used = {str(node.get("mesh")) for node in nodes}
+        if unused := sum(str(k) not in used for k in range(len(meshes))):
+            notes.append(f"{counted(unused, 'mesh', 'meshes')} left out: no node places it.")
+        if others := len(scenes) - 1:
+            notes.append(f"{counted(others, 'scene')} left out: only the default one is read.")
+        if self.document.get("animations"):
+            notes.append("Its animations are left out.")
+        if self._unknown:
+            names = ", ".join(sorted(map(shown, self._unknown))[:3])
+            notes.append(f"What its extensions {names} say is left out.")
+        return tuple(notes)
+
+    def _entries(self, kind: str) -> list[dict[str, Any]]:
+        entries = self.document.get(kind)
+        listed = entries if isinstance(entries, list) else []
+        return [one for one in listed if isinstance(one, dict)]
+
+    def _check_extensions(self, entry: dict[str, Any], name: str) -> None:
+        """Refuse extensions that multiply or pack triangles; note others that are not known."""
+        extensions = entry.get("extensions", {})
+        if not isinstance(extensions, dict):
+            raise ValueError(f"a GLB file whose extensions are mappings, that of {name} is not")
+        for one in extensions.keys() & _MULTIPLYING:
+            raise ValueError(
+                f"a GLB of plain triangles, {name} needs {one}: export it without compression "
+                "and instancing"
+            )
+        self._unknown |= extensions.keys() - _HARMLESS
+
+    def _primitive(self, primitive: dict[str, Any], mode: int) -> Parts:
+        attributes = primitive.get("attributes")
+        if not isinstance(attributes, dict):
+            raise ValueError("a GLB file whose triangles have positions")
+        vertices = self._numbers(attributes.get("POSITION"), "VEC3").astype(np.float64)
+        if "indices" in primitive:
+            ids = self._numbers(primitive["indices"], "SCALAR").ravel().astype(np.int64)
+        else:
+            ids = np.arange(len(vertices), dtype=np.int64)
+        if ids.max() >= len(vertices) or len(ids) < 3 or (mode == _TRIANGLES and len(ids) % 3):
+            raise ValueError("a GLB file whose triangles use the vertices there are")
+        corners = ids.astype(np.int32)
+        if mode == _TRIANGLES:
+            return Parts(vertices, corners.reshape(-1, 3))
+        if mode == _FAN:
+            first = np.full(len(corners) - 2, corners[0])
+            return Parts(vertices, np.stack([first, corners[1:-1], corners[2:]], axis=1))
+        faces = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
+        faces[1::2] = faces[1::2, [1, 0, 2]]
+        return Parts(vertices, faces)
 
     def _numbers(self, index: object, kind: str) -> np.ndarray[Any, Any]:
         """Values of an accessor, (n, 3) or (n, 1), copied out of the binary part."""
@@ -159,12 +240,15 @@ class _File:
         return values.copy()
 
 
-def _placed_meshes(file: _File) -> list[tuple[object, FloatArray]]:
-    """Meshes of the default scene and the pose (4, 4) each is placed by; nodes form a forest."""
+def _placed_meshes(file: _File) -> list[tuple[object, FloatArray, object]]:
+    """Meshes of the default scene, the pose (4, 4) of each, and the weights of its morphs.
+
+    Nodes form a forest.
+    """
     roots = file.item("scenes", file.document.get("scene", 0)).get("nodes", [])
     waiting: list[tuple[object, FloatArray]] = [(root, np.eye(4)) for root in _ids(roots)]
     seen: set[object] = set()
-    placed = []
+    found = []
     while waiting:
         index, outer = waiting.pop()
         node = file.item("nodes", index)
@@ -175,11 +259,14 @@ def _placed_meshes(file: _File) -> list[tuple[object, FloatArray]]:
         if not np.isfinite(pose).all() or np.abs(pose).max() > _LARGEST:
             raise ValueError("a GLB file whose nodes stay within 1e9")
         if "skin" in node:
-            raise ValueError("a GLB file without a skeleton")
+            raise ValueError(
+                f"a GLB file without a skeleton, nodes[{index}] has one: apply the pose in the "
+                "program that wrote it"
+            )
         if "mesh" in node:
-            placed.append((node["mesh"], pose))
+            found.append((node["mesh"], pose, node.get("weights")))
         waiting += [(child, pose) for child in _ids(node.get("children", []))]
-    return placed
+    return found
 
 
 def _ids(values: object) -> list[object]:

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
-from abi.obstacles.triangle_mesh.parts import NO_COLOURS, Parts, check_count
+from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count
 
 _HEADER = b"abi".ljust(80)
 _COLOURED = 1 << 15
@@ -28,7 +28,7 @@ def write(vertices: FloatArray, faces: IntArray, colours: ByteArray = NO_COLOURS
     return _HEADER + len(table).to_bytes(4, "little") + table.tobytes()
 
 
-def read(data: bytes, most_faces: int) -> Parts:
+def read(data: bytes, most_faces: int) -> MeshFile:
     """Triangles of an STL; binary when the length fits the count in its header.
 
     Args:
@@ -56,7 +56,8 @@ def read(data: bytes, most_faces: int) -> Parts:
             f"{state} at {len(data):,} bytes"
         )
     vertices = corners.reshape(-1, 3).astype(np.float64)
-    return vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3), colours
+    faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
+    return MeshFile(Parts(vertices, faces, colours))
 
 
 def _colours(data: bytes) -> ByteArray:
@@ -76,14 +77,16 @@ def _text_facets(data: bytes, most_faces: int) -> FloatArray:
     words = re.sub(rb"(?m)^[ \t]*(?:end)?solid\b[^\n]*$", b"", lines).split()
     pattern = _FACET.split()
     count, surplus = divmod(len(words), len(pattern))
-    if surplus or max(map(len, words), default=0) > 40:
-        raise ValueError("a whole STL text, a facet of it is not complete")
-    check_count(count, most_faces)
-    table = np.array(words, dtype="S40").reshape(count, len(pattern))
+    if max(map(len, words), default=0) > 40:
+        raise ValueError("a whole STL text, one of its words is too long")
+    table = np.array(words[: len(words) - surplus], dtype="S40").reshape(count, len(pattern))
     numbers = [k for k, word in enumerate(pattern) if word == b"_"]
     keywords = [k for k, word in enumerate(pattern) if word != b"_"]
-    if (table[:, keywords] != np.array(pattern)[keywords]).any():
-        raise ValueError("an STL text of facets with three vertices each")
+    wrong = (table[:, keywords] != np.array(pattern)[keywords]).any(axis=1)
+    if wrong.any() or surplus:
+        facet = int(wrong.argmax()) if wrong.any() else count
+        raise ValueError(f"an STL text of facets with three vertices, facet {facet + 1:,} is not")
+    check_count(count, most_faces)
     try:
         return table[:, numbers[3:]].astype(np.float64).reshape(-1, 3, 3)
     except ValueError:

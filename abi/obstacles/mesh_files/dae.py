@@ -1,0 +1,147 @@
+"""Reader of DAE files (Khronos, COLLADA 1.4.1 and 1.5 specifications).
+
+It reads what the visual scene places, in the file's own axes. Whatever is posed by a controller, or
+is a surface of another kind than polygons, is refused; lines, other scenes and what no node places
+are left out with a note.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+from lxml import etree
+
+from abi.arrays import FloatArray
+from abi.obstacles.mesh_files.dae_colours import Colours
+from abi.obstacles.mesh_files.dae_geometry import GeometryReader
+from abi.obstacles.mesh_files.dae_pose import node_pose
+from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
+from abi.obstacles.mesh_files.words import counted, shown
+from abi.obstacles.mesh_files.xml_document import child, children, name_of, parse, where
+
+_MOST_NODES, _DEEPEST = 10_000, 200
+_LARGEST_UNIT = 1e4
+_AXES = {"X_UP": "x", "Y_UP": "y"}
+
+
+def read(data: bytes, most_faces: int) -> MeshFile:
+    """Triangles of a DAE file where its scene places them, with the colours of their materials.
+
+    Raises:
+        ValueError: says what it ought to be.
+    """
+    document = _Document(parse(data, "COLLADA"))
+    geometry = GeometryReader(most_faces)
+    colours = Colours(document.root)
+    parts: list[Parts] = []
+    count = 0
+    for instance, pose in document.placed():
+        kind = name_of(instance)
+        if kind != "instance_geometry":
+            raise ValueError(
+                f"a DAE without skin and morph controllers, {where(instance)} is one: apply the "
+                "armature in the program that wrote it"
+            )
+        bound = colours.bound(instance)
+        for one in geometry.read(document.target(instance, "geometry")):
+            count += len(one.parts.faces)
+            if count > most_faces:
+                check_count(count, most_faces)
+            parts.append(placed(colours.painted(one, bound), pose))
+    check_count(count, most_faces)
+    notes = (*document.axis_note(), *geometry.left_out(), *document.left_out())
+    return MeshFile(joined(parts), document.metres(), notes)
+
+
+class _Document:
+    """A parsed file, with every reference checked before it is followed."""
+
+    def __init__(self, root: etree._Element) -> None:
+        self.root = root
+        self._ids: dict[tuple[str, str], etree._Element] = {}
+        self._repeated: set[tuple[str, str]] = set()
+        self._placed: Counter[str] = Counter()
+        for element in root.iter(etree.Element):
+            if (name := element.get("id")) is not None:
+                key = (name_of(element), str(name))
+                if key in self._ids:
+                    self._repeated.add(key)
+                self._ids.setdefault(key, element)
+
+    def metres(self) -> float:
+        """Length of the file's unit, [m]; a metre where it says nothing."""
+        units = [one for one in self.root.iter("{*}unit") if one.getparent() is not None]
+        lengths = {_metres(one) for one in units if name_of(one.getparent()) == "asset"}
+        if len(lengths) > 1:
+            raise ValueError("a DAE of one unit, its parts have several")
+        return lengths.pop() if lengths else 1.0
+
+    def axis_note(self) -> tuple[str, ...]:
+        """A sentence on the axis that points up in the file, unless it is z."""
+        asset = child(self.root, "asset")
+        axis = None if asset is None else child(asset, "up_axis")
+        up = "Y_UP" if axis is None else "".join(axis.itertext()).strip()
+        if up not in (*_AXES, "Z_UP"):
+            raise ValueError(f"a DAE whose up_axis is X_UP, Y_UP or Z_UP, not {shown(up)}")
+        return (f"Its {_AXES[up]} axis points up, and it is not turned.",) if up in _AXES else ()
+
+    def target(self, element: etree._Element, kind: str) -> etree._Element:
+        """What the url of an instance refers to."""
+        url = str(element.get("url", "")).strip()
+        key = (kind, url.removeprefix("#"))
+        if not url.startswith("#"):
+            raise ValueError(f"a mesh in one file, {where(element)} refers to {shown(url)}")
+        if key not in self._ids or key in self._repeated:
+            raise ValueError(f"one {kind} {shown(url)} for {where(element)}")
+        return self._ids[key]
+
+    def placed(self) -> Iterator[tuple[etree._Element, FloatArray]]:
+        """Instances of geometries and controllers, and their poses (4, 4) in the scene."""
+        waiting = [(node, np.eye(4), 0) for node in children(self._scene(), "node")]
+        steps = 0
+        while waiting:
+            node, outer, depth = waiting.pop()
+            steps += 1
+            if steps > _MOST_NODES or depth > _DEEPEST:
+                raise ValueError("a DAE of at most 10,000 nodes that do not contain themselves")
+            pose = outer @ node_pose(node)
+            for instance in children(node, "instance_geometry", "instance_controller"):
+                self._placed[str(instance.get("url", ""))] += 1
+                yield instance, pose
+            inner = children(node, "node")
+            inner += [self.target(one, "node") for one in children(node, "instance_node")]
+            waiting += [(one, pose, depth + 1) for one in inner]
+
+    def left_out(self) -> tuple[str, ...]:
+        """Sentences on what of the file no node places."""
+        geometries = [key for kind, key in self._ids if kind == "geometry"]
+        notes = []
+        if unused := sum(f"#{key}" not in self._placed for key in geometries):
+            noun = counted(unused, "geometry", "geometries")
+            notes.append(f"{noun} left out: the scene has no place for it.")
+        if others := sum(kind == "visual_scene" for kind, _ in self._ids) - 1:
+            notes.append(f"{counted(others, 'scene')} left out: the file opens with another.")
+        if any(name_of(one) == "instance_physics_scene" for one in self.root.iter(etree.Element)):
+            notes.append("Its physics scene is left out.")
+        if next(self.root.iter("{*}animation"), None) is not None:
+            notes.append("Its animations are left out.")
+        return tuple(notes)
+
+    def _scene(self) -> etree._Element:
+        scene = child(self.root, "scene")
+        instance = None if scene is None else child(scene, "instance_visual_scene")
+        if instance is None:
+            raise ValueError("a DAE with a scene, it places nothing")
+        return self.target(instance, "visual_scene")
+
+
+def _metres(element: etree._Element) -> float:
+    try:
+        metres = float(str(element.get("meter", "1")))
+    except ValueError:
+        metres = 0.0
+    if not 0 < metres <= _LARGEST_UNIT:
+        raise ValueError(f"a DAE whose unit is a length, {where(element)} is none")
+    return metres

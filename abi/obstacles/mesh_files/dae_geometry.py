@@ -1,0 +1,224 @@
+"""Polygons of the geometries of a DAE file."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from lxml import etree
+
+from abi.arrays import FloatArray, IntArray
+from abi.obstacles.mesh_files.parts import Parts, check_count, check_points
+from abi.obstacles.mesh_files.polygons import cut, triangulate
+from abi.obstacles.mesh_files.words import counted, shown
+from abi.obstacles.mesh_files.xml_document import (
+    child,
+    children,
+    floats,
+    integer,
+    name_of,
+    where,
+)
+
+_LINES = ("lines", "linestrips")
+_POLYGONS = ("triangles", "trifans", "tristrips", "polylist", "polygons")
+
+
+class Primitive(NamedTuple):
+    """Triangles of one element of a geometry, and the symbol of their material."""
+
+    parts: Parts
+    material: str
+
+
+class _Input(NamedTuple):
+    """Where the corners of a primitive stand in its numbers, and the positions they count."""
+
+    offset: int
+    stride: int
+    points: FloatArray
+
+
+class GeometryReader:
+    """Reader of geometries, each of which is read once; it counts what it leaves out."""
+
+    def __init__(self, most_faces: int) -> None:
+        self._most = most_faces
+        self._read: dict[str, tuple[Primitive, ...]] = {}
+        self._lines, self._bent = 0, 0
+
+    def read(self, geometry: etree._Element) -> tuple[Primitive, ...]:
+        """Triangles of a geometry.
+
+        Raises:
+            ValueError: it is damaged, or has surfaces that are no polygons.
+        """
+        name = str(geometry.get("id"))
+        if name not in self._read:
+            self._read[name] = self._primitives(geometry)
+        return self._read[name]
+
+    def left_out(self) -> tuple[str, ...]:
+        """Sentences on what of the geometries is not read, or not for certain."""
+        notes = []
+        if self._bent:
+            noun = counted(self._bent, "polygon")
+            notes.append(f"{noun} not flat: the triangles are one of several ways to fill them.")
+        if self._lines:
+            notes.append(f"{counted(self._lines, 'line')} left out: it has no surface.")
+        return tuple(notes)
+
+    def _primitives(self, geometry: etree._Element) -> tuple[Primitive, ...]:
+        mesh = child(geometry, "mesh")
+        if mesh is None:
+            if child(geometry, "spline") is not None:
+                self._lines += 1
+                return ()
+            raise ValueError(f"a DAE of polygons, {where(geometry)} has none: export a mesh")
+        found = []
+        for element in mesh:
+            kind = name_of(element)
+            if kind in _LINES:
+                self._lines += integer(element, "count")
+            elif kind in _POLYGONS:
+                found.append(self._primitive(mesh, element, kind))
+        check_count(sum(len(one.parts.faces) for one in found) or 1, self._most)
+        return tuple(found)
+
+    def _primitive(self, mesh: etree._Element, element: etree._Element, kind: str) -> Primitive:
+        corners = _input(mesh, element)
+        rows = [_corners(p, corners) for p in children(element, "p")]
+        if kind in ("triangles", "polylist"):
+            ids = np.concatenate(rows) if rows else np.empty(0, dtype=np.int32)
+            if kind == "triangles":
+                faces = _triples(ids, element)
+            else:
+                faces = self._polylist(ids, corners.points, element)
+        elif kind == "polygons":
+            faces = self._polygons(rows, corners, element)
+        else:
+            faces = np.concatenate([np.empty((0, 3), np.int32), *(_run(r, kind) for r in rows)])
+        return Primitive(Parts(corners.points, faces), str(element.get("material", "")))
+
+    def _polylist(self, ids: IntArray, points: FloatArray, element: etree._Element) -> IntArray:
+        lengths = child(element, "vcount")
+        counts = np.empty(0, dtype=np.int32)
+        if lengths is not None:
+            counts = _whole(floats(lengths), element)
+        if counts.sum() != len(ids):
+            raise ValueError(f"as many corners as vcount says in {where(element)}")
+        is_area = counts >= 3
+        self._lines += int((~is_area).sum())
+        kept = ids[np.repeat(is_area, counts)]
+        rows = np.flatnonzero(is_area)
+        found = triangulate(
+            points, kept, counts[is_area], lambda k: f"polygon {rows[k] + 1:,} of {where(element)}"
+        )
+        self._bent += found.bent
+        return found.faces
+
+    def _polygons(self, rows: list[IntArray], corners: _Input, element: etree._Element) -> IntArray:
+        """Triangles of polygons, first those without holes."""
+        sizes = np.array([len(row) for row in rows], dtype=np.int32)
+        self._lines += int((sizes < 3).sum())
+        whole = [row for row in rows if len(row) >= 3]
+        ids = np.concatenate(whole) if whole else np.empty(0, dtype=np.int32)
+        numbers = np.flatnonzero(sizes >= 3)
+        found = triangulate(
+            corners.points,
+            ids,
+            sizes[sizes >= 3],
+            lambda k: f"polygon {numbers[k] + 1:,} of {where(element)}",
+        )
+        self._bent += found.bent
+        faces = [found.faces]
+        for holed in children(element, "ph"):
+            rings = [_corners(one, corners) for one in children(holed, "p", "h")]
+            if not rings or min(map(len, rings)) < 3 or name_of(holed[0]) != "p":
+                raise ValueError(f"rings of three corners or more in {where(holed)}")
+            triangles = cut([corners.points[ring] for ring in rings], where(holed))
+            faces.append(np.concatenate(rings)[triangles])
+        return np.concatenate(faces)
+
+
+def _input(mesh: etree._Element, element: etree._Element) -> _Input:
+    """The input of a primitive that counts positions."""
+    inputs = children(element, "input")
+    offsets = [integer(one, "offset", "0") for one in inputs]
+    found = [k for k, one in enumerate(inputs) if one.get("semantic") == "VERTEX"]
+    if len(found) != 1:
+        raise ValueError(f"one input VERTEX in {where(element)}")
+    vertices = _local(mesh, inputs[found[0]], "vertices")
+    positions = [one for one in children(vertices, "input") if one.get("semantic") == "POSITION"]
+    if len(positions) != 1:
+        raise ValueError(f"one input POSITION in {where(vertices)}")
+    points = _points(_local(mesh, positions[0], "source"))
+    return _Input(offsets[found[0]], max(offsets) + 1, points)
+
+
+def _local(mesh: etree._Element, element: etree._Element, kind: str) -> etree._Element:
+    """The child of a mesh that the source of an input names."""
+    url = str(element.get("source", "")).strip()
+    found = [one for one in children(mesh, kind) if f"#{one.get('id')}" == url]
+    if len(found) != 1:
+        raise ValueError(f"one {kind} {shown(url)} for {where(element)}")
+    return found[0]
+
+
+def _points(source: etree._Element) -> FloatArray:
+    """Positions (n, 3) of a source, by the accessor of its array."""
+    common = child(source, "technique_common")
+    accessor = None if common is None else child(common, "accessor")
+    if accessor is None:
+        raise ValueError(f"an accessor in {where(source)}")
+    array = next((one for one in source if f"#{one.get('id')}" == accessor.get("source")), None)
+    if array is None or name_of(array) not in ("float_array", "int_array"):
+        raise ValueError(f"numbers in the file itself for {where(accessor)}")
+    numbers = floats(array)
+    columns = [k for k, one in enumerate(children(accessor, "param")) if one.get("name")]
+    count, stride = integer(accessor, "count"), integer(accessor, "stride", "1")
+    offset = integer(accessor, "offset", "0")
+    if len(columns) != 3 or columns[-1] >= stride:
+        raise ValueError(f"positions of three numbers in {where(accessor)}")
+    if offset + count * stride > len(numbers) or integer(array, "count") != len(numbers):
+        raise ValueError(f"as many numbers as {where(array)} announces, it has {len(numbers):,}")
+    rows = numbers[offset : offset + count * stride].reshape(count, stride)
+    points = np.ascontiguousarray(rows[:, columns])
+    check_points(points)
+    return points
+
+
+def _corners(element: etree._Element, corners: _Input) -> IntArray:
+    """Ids of the positions in a list of numbers, of which each corner has several."""
+    numbers = _whole(floats(element), element)
+    if len(numbers) % corners.stride:
+        raise ValueError(f"{corners.stride} numbers for each corner in {where(element)}")
+    ids = numbers[corners.offset :: corners.stride]
+    if len(ids) and ids.max() >= len(corners.points):
+        raise ValueError(
+            f"corners of the {len(corners.points):,} vertices, {where(element)} has {ids.max():,}"
+        )
+    return ids
+
+
+def _whole(numbers: FloatArray, element: etree._Element) -> IntArray:
+    if not ((numbers >= 0) & (numbers < 2**31) & (numbers % 1 == 0)).all():
+        raise ValueError(f"whole numbers in {where(element)}")
+    return numbers.astype(np.int32)
+
+
+def _triples(ids: IntArray, element: etree._Element) -> IntArray:
+    if len(ids) % 3:
+        raise ValueError(f"three corners for each triangle in {where(element)}")
+    return ids.reshape(-1, 3)
+
+
+def _run(ids: IntArray, kind: str) -> IntArray:
+    """Triangles of a strip or a fan."""
+    if len(ids) < 3:
+        return np.empty((0, 3), dtype=np.int32)
+    if kind == "trifans":
+        return np.stack([np.full(len(ids) - 2, ids[0]), ids[1:-1], ids[2:]], axis=1)
+    faces = np.stack([ids[:-2], ids[1:-1], ids[2:]], axis=1)
+    faces[1::2] = faces[1::2, [1, 0, 2]]
+    return faces

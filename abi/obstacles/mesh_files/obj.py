@@ -1,0 +1,137 @@
+"""Reader of OBJ files: vertices and faces (Wavefront, Advanced Visualizer, appendix B1).
+
+Names of groups, objects, materials and their libraries are text of any kind that is not used.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count
+from abi.obstacles.mesh_files.polygons import triangulate
+from abi.obstacles.mesh_files.words import counted, shown
+
+_INDEX = re.compile(r"[+-]?[0-9]{1,9}").fullmatch
+_USUAL_FACE = re.compile("f" + 3 * r"\s+([0-9]{1,9})(?:/\S*)?" + r"\s*").fullmatch
+"""A triangle's line, in all but a few files; it takes a third of the time."""
+_LINE_END = re.compile(r"\r\n|\r|\n")
+_UNIT = re.compile(r"# abi unit (\S{1,40})")
+"""First line of a file that this package has written, of a mesh whose own file gives a unit."""
+_CURVED = {"surf", "bzp", "bsp", "cdp"}
+"""Statements of free-form surfaces, the last three from old versions of the format."""
+_LINES = {"l": "line", "p": "point", "curv": "curve", "cdc": "curve"}
+
+
+def write_unit(metres: float) -> str:
+    """First line of a file whose unit is so long, [m]."""
+    return f"# abi unit {metres!r}"
+
+
+def read(data: bytes, most_faces: int) -> MeshFile:
+    """Vertices and faces; lines and points are left out with a note.
+
+    Raises:
+        ValueError: says what it ought to be.
+    """
+    if b"\0" in data:
+        raise ValueError("an OBJ text, but this is a binary file")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:  # only names can be other than ASCII, and are not used
+        text = data.decode("latin-1")
+    vertices: list[list[float]] = []
+    corners: list[int] = []
+    counts: list[int] = []
+    numbers: list[int] = []
+    left_out: dict[str, int] = {}
+    for number, line in _lines(text):
+        if len(counts) > most_faces:
+            break
+        if usual := _USUAL_FACE(line):
+            a, b, c = int(usual[1]), int(usual[2]), int(usual[3])
+            if min(a, b, c) > 0:
+                corners += (a - 1, b - 1, c - 1)
+                counts.append(3)
+                numbers.append(number)
+                continue
+        words = line.split()
+        kind = words[0] if words else ""
+        if kind == "v":
+            vertices.append(_numbers(words[1:4], number))
+        elif kind in ("f", "fo"):
+            polygon = [_corner(word, len(vertices), number) for word in words[1:]]
+            if len(polygon) < 3:
+                left_out["line"] = left_out.get("line", 0) + 1
+                continue
+            corners += polygon
+            counts.append(len(polygon))
+            numbers.append(number)
+        elif kind in _LINES:
+            left_out[_LINES[kind]] = left_out.get(_LINES[kind], 0) + 1
+        elif kind in _CURVED:
+            raise ValueError(
+                f"an OBJ of polygons, line {number} has a curved surface ({kind}): convert it to a "
+                "mesh in the program that wrote it"
+            )
+        elif kind in ("call", "csh"):
+            raise ValueError(f"an OBJ on its own, line {number} calls another file")
+    check_count(len(counts), most_faces)
+    points = np.array(vertices, dtype=np.float64)
+    ids, sizes = np.array(corners, dtype=np.int32), np.array(counts, dtype=np.int32)
+    for late in np.flatnonzero(ids >= len(vertices))[:1]:
+        line = numbers[int(np.searchsorted(np.cumsum(sizes), late, side="right"))]
+        raise ValueError(
+            f"faces of the {len(vertices):,} vertices there are, line {line} has {ids[late] + 1:,}"
+        )
+    cut = triangulate(points, ids, sizes, lambda k: f"line {numbers[k]}")
+    check_count(len(cut.faces), most_faces)
+    notes = (f"{counted(n, noun)} left out: no surface." for noun, n in left_out.items())
+    return MeshFile(Parts(points, cut.faces), _unit(text), (*cut.notes, *notes))
+
+
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    """Lines with their numbers; one that ends with a backslash goes on in the next."""
+    begun, start = "", 0
+    for number, line in enumerate(_LINE_END.split(text), 1):
+        start = start or number
+        if line.endswith("\\"):
+            begun += line[:-1] + " "
+            continue
+        yield start, begun + line if begun else line
+        begun, start = "", 0
+    if begun:
+        yield start, begun
+
+
+def _unit(text: str) -> float | None:
+    found = _UNIT.match(text)
+    try:
+        return float(found[1]) if found else None
+    except ValueError:
+        return None
+
+
+def _numbers(words: list[str], line: int) -> list[float]:
+    try:
+        if len(words) == 3 and max(map(len, words)) <= 40:
+            return [float(word) for word in words]
+    except ValueError:
+        pass
+    raise ValueError(f"vertices of three numbers, line {line} has {shown(' '.join(words))}")
+
+
+def _corner(word: str, vertices: int, line: int) -> int:
+    """Index from 0 of a corner such as ``7``, ``7/1/2`` or ``-1``, which counts from the end."""
+    index = word.partition("/")[0]
+    if _INDEX(index):
+        value = int(index)
+        if value >= 1:
+            return value - 1
+        if -vertices <= value <= -1:
+            return vertices + value
+    raise ValueError(
+        f"faces of vertices there are, line {line} has {word[:20]!r} where there are {vertices}"
+    )

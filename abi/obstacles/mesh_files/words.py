@@ -1,0 +1,43 @@
+"""Words of a mesh file's text: as numbers, and as they are shown in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from abi.arrays import FloatArray
+
+_LONGEST = 40
+
+
+def float_words(words: Sequence[bytes], what: str) -> FloatArray:
+    """Words as numbers, (n,).
+
+    Raises:
+        ValueError: one is none; says that ``what`` of numbers is expected.
+    """
+    if max(map(len, words), default=0) <= _LONGEST:
+        try:
+            return np.array(words, dtype=f"S{_LONGEST}").astype(np.float64)
+        except ValueError:
+            pass
+    wrong = next((word for word in words if not _is_number(word)), b"")
+    raise ValueError(f"{what}, one of them is {shown(wrong.decode('utf-8', 'replace'))}")
+
+
+def shown(text: str) -> str:
+    """A word of a file in quotes, shortened and without letters that do not print."""
+    return repr("".join(c if c.isprintable() else "?" for c in text[:_LONGEST]))
+
+
+def counted(number: int, noun: str, several: str = "") -> str:
+    """A number and what it counts: ``1 line is``, ``2 lines are``."""
+    return f"1 {noun} is" if number == 1 else f"{number:,} {several or f'{noun}s'} are"
+
+
+def _is_number(word: bytes) -> bool:
+    try:
+        return len(word) <= _LONGEST and bool(np.array([word]).astype(np.float64).size)
+    except ValueError:
+        return False

@@ -1,0 +1,111 @@
+"""Strict parser of the XML in mesh files: no document type, no entities, nothing from outside."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from lxml import etree
+
+from abi.arrays import FloatArray
+from abi.obstacles.mesh_files.words import float_words, shown
+
+_ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
+_ENCODING = re.compile(rb"""<\?xml[^>]{0,100}encoding\s*=\s*["']([^"']*)""")
+_ENCODINGS = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")
+
+
+def parse(data: bytes, root: str) -> etree._Element:
+    """The root element of an XML text.
+
+    Args:
+        data: the text in UTF-8, or in an encoding of one byte a letter.
+        root: name that the root element must have.
+
+    Raises:
+        ValueError: it is cut off, no XML, or may harm; says what is expected instead.
+    """
+    check_plain(data)
+    parser = etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=True,  # lists of numbers may be long
+        remove_comments=True,
+        remove_pis=True,
+    )
+    try:
+        found = etree.fromstring(data, parser)
+    except etree.XMLSyntaxError as error:
+        raise ValueError(f"a whole XML text, it breaks in line {error.lineno or 1}") from None
+    except ValueError:
+        raise ValueError("a whole XML text") from None
+    if name_of(found) != root:
+        raise ValueError(f"an XML text of <{root}>, this begins with <{name_of(found)[:40]}>")
+    return found
+
+
+def check_plain(data: bytes) -> None:
+    """Refuse entities, and encodings that would hide them.
+
+    Raises:
+        ValueError: says what is expected instead.
+    """
+    encoding = _ENCODING.search(data[:200])
+    if b"\0" in data or (encoding and encoding[1].lower() not in _ENCODINGS):
+        raise ValueError("an XML file in UTF-8")
+    if _ENTITIES.search(data):
+        raise ValueError("an XML file without a document type")
+
+
+def name_of(element: etree._Element) -> str:
+    """Name of an element without its namespace."""
+    return str(etree.QName(element).localname)
+
+
+def children(element: etree._Element, *names: str) -> list[etree._Element]:
+    """Children of those names, whatever their namespace."""
+    return list(element.iterchildren(*(f"{{*}}{name}" for name in names)))
+
+
+def child(element: etree._Element, *names: str) -> etree._Element | None:
+    """The first child of one of those names."""
+    return next(element.iterchildren(*(f"{{*}}{name}" for name in names)), None)
+
+
+def where(element: etree._Element) -> str:
+    """Name and line of an element, for a sentence."""
+    return f"<{name_of(element)}> in line {element.sourceline}"
+
+
+def floats(element: etree._Element) -> FloatArray:
+    """Numbers of an element's text, (n,).
+
+    Raises:
+        ValueError: one is none.
+    """
+    words = "".join(element.itertext()).encode().split()
+    return float_words(words, f"numbers in {where(element)}")
+
+
+def integer(element: etree._Element, attribute: str, default: str = "") -> int:
+    """An attribute that is a whole number, 0 or more.
+
+    Raises:
+        ValueError: it is none.
+    """
+    text = str(element.get(attribute, default)).strip()
+    if not re.fullmatch(r"[0-9]{1,9}", text):
+        raise ValueError(f"whole numbers, {attribute} of {where(element)} is {shown(text)}")
+    return int(text)
+
+
+def affine(numbers: FloatArray, name: str) -> FloatArray:
+    """A pose (4, 4) whose entries are within 1e9.
+
+    Raises:
+        ValueError: they are not.
+    """
+    if not (np.isfinite(numbers).all() and np.abs(numbers).max() <= 1e9):
+        raise ValueError(f"poses within 1e9, that of {name} is not")
+    return numbers
