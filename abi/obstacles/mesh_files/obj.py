@@ -82,9 +82,9 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     points = np.array(vertices, dtype=np.float64)
     ids, sizes = np.array(corners, dtype=np.int32), np.array(counts, dtype=np.int32)
     for late in np.flatnonzero(ids >= len(vertices))[:1]:
-        line = numbers[int(np.searchsorted(np.cumsum(sizes), late, side="right"))]
+        place = numbers[int(np.searchsorted(np.cumsum(sizes), late, side="right"))]
         raise ValueError(
-            f"faces of the {len(vertices):,} vertices there are, line {line} has {ids[late] + 1:,}"
+            f"faces of the {len(vertices):,} vertices there are, line {place} has {ids[late] + 1:,}"
         )
     cut = triangulate(points, ids, sizes, lambda k: f"line {numbers[k]}")
     check_count(len(cut.faces), most_faces)
