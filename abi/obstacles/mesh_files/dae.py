@@ -7,7 +7,6 @@ are left out with a note.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -62,7 +61,7 @@ class _Document:
         self.root = root
         self._ids: dict[tuple[str, str], etree._Element] = {}
         self._repeated: set[tuple[str, str]] = set()
-        self._placed: Counter[str] = Counter()
+        self._placed: set[etree._Element] = set()
         for element in root.iter(etree.Element):
             if (name := element.get("id")) is not None:
                 key = (name_of(element), str(name))
@@ -108,7 +107,7 @@ class _Document:
                 raise ValueError("a DAE of at most 10,000 nodes that do not contain themselves")
             pose = outer @ node_pose(node)
             for instance in children(node, "instance_geometry", "instance_controller"):
-                self._placed[str(instance.get("url", ""))] += 1
+                self._placed.add(instance)
                 yield instance, pose
             inner = children(node, "node")
             inner += [self.target(one, "node") for one in children(node, "instance_node")]
@@ -116,11 +115,15 @@ class _Document:
 
     def left_out(self) -> tuple[str, ...]:
         """Sentences on what of the file no node places."""
+        instances = list(self.root.iter("{*}instance_geometry", "{*}instance_controller"))
+        urls = {str(one.get("url", "")).strip() for one in instances}
         geometries = [key for kind, key in self._ids if kind == "geometry"]
         notes = []
-        if unused := sum(f"#{key}" not in self._placed for key in geometries):
+        if unused := sum(f"#{key}" not in urls for key in geometries):
             noun = counted(unused, "geometry", "geometries")
-            notes.append(f"{noun} left out: the scene has no place for it.")
+            notes.append(f"{noun} left out: no node places it.")
+        if elsewhere := sum(one not in self._placed for one in instances):
+            notes.append(f"{counted(elsewhere, 'instance')} left out: not in the file's scene.")
         if others := sum(kind == "visual_scene" for kind, _ in self._ids) - 1:
             notes.append(f"{counted(others, 'scene')} left out: the file opens with another.")
         if any(name_of(one) == "instance_physics_scene" for one in self.root.iter(etree.Element)):

@@ -1,0 +1,185 @@
+"""What is not read of a file is noted, or the file is refused; and what its numbers count in."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from typing import Any
+
+import numpy as np
+import pytest
+
+from abi import Scene, load_scene
+from abi.errors import SceneError
+from abi.obstacles.mesh_files import census
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh import mesh_reader
+from abi.obstacles.triangle_mesh.mesh_reader import read_file
+from tests.abi.obstacles.mesh_files.test_polygons import DOORWAY, files_of
+from tests.abi.obstacles.triangle_mesh.test_mesh_reader import OBJ, glb, primitive
+
+DAE = files_of(DOORWAY)["a.dae"].decode()
+NODE = '<node><instance_geometry url="#g"/></node>'
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+
+
+def model(build: str, unit: str = "", mesh: str = "", objects: str = "") -> bytes:
+    """A 3MF of one triangle, object 1, between 2 and 3 along x."""
+    corners = "".join(f'<vertex x="{x}" y="{y}" z="0"/>' for x, y in ((2, 0), (3, 0), (2, 1)))
+    body = f'<vertices>{corners}</vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles>'
+    text = f'<model {unit} xmlns="{CORE}"><resources><object id="1"><mesh>{body}{mesh}</mesh>'
+    text += f"</object>{objects}</resources><build>{build}</build></model>"
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr("3D/3dmodel.model", text)
+    return packed.getvalue()
+
+
+ITEM = '<item objectid="1"/>'
+
+
+def dae(change: str, to: str) -> bytes:
+    assert change in DAE
+    return DAE.replace(change, to, 1).encode()
+
+
+def controller(kind: str) -> bytes:
+    text = DAE.replace("instance_geometry", "instance_controller").replace('url="#g"', 'url="#c"')
+    library = f'<library_controllers><controller id="c"><{kind} source="#g"/></controller>'
+    return text.replace(
+        "<library_visual", f"{library}</library_controllers><library_visual"
+    ).encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "words"),
+    [
+        ("a.dae", controller("skin"), "skin and morph controllers, <instance_controller> in line"),
+        ("a.dae", controller("morph"), "skin and morph controllers"),
+        ("a.dae", dae("#g", "other.dae#g"), "refers to 'other.dae#g'"),
+        ("a.dae", dae("#g", "#h"), "one geometry '#h'"),
+        ("a.dae", dae("<mesh>", "<convex_mesh>"), "breaks in line"),
+        ("a.dae", DAE.replace("mesh>", "convex_mesh>").encode(), "<geometry> in line 1 has none"),
+        ("a.dae", dae(NODE, f'<node id="n">{NODE}<instance_node url="#n"/></node>'), "themselves"),
+        ("a.dae", dae("<vcount>8", "<vcount>7"), "as vcount says"),
+        ("a.dae", dae('<polylist count="1"', '<polylist count="2"'), "can be counted"),
+        ("a.dae", dae("<p>0 1", "<p>0 11"), "<p> in line"),
+        ("a.dae", dae("<asset/>", '<asset><unit meter="-1"/></asset>'), "unit is a length"),
+        ("a.dae", dae("<asset/>", "<asset><up_axis>UP</up_axis></asset>"), "'UP'"),
+        ("a.dae", dae("<node>", "<node><matrix>1 2 3</matrix>"), "16 numbers in <matrix>"),
+        ("a.dae", dae("<scene>", "<scena>").replace(b"</scene>", b"</scena>"), "with a scene"),
+        ("a.3mf", model(""), "no triangles"),
+        ("a.3mf", model('<item objectid="2"/>'), "object 2 is not in"),
+        ("a.3mf", model(ITEM, 'unit="cubit"'), "'cubit'"),
+        ("a.3mf", model(ITEM, mesh='<b:beamlattice xmlns:b="u"/>'), "<beamlattice> in line 1"),
+        ("a.3mf", model(ITEM, 'requiredextensions="b" xmlns:b="urn:b"'), "'urn:b'"),
+        ("a.glb", glb(skin=0), "skeleton, nodes[0]"),
+        ("a.glb", glb(extensions={"EXT_mesh_gpu_instancing": {}}), "EXT_mesh_gpu_instancing"),
+        ("a.glb", glb(primitive(targets=[{"POSITION": 0}]), weights=[0.5]), "morph targets"),
+        ("a.obj", OBJ + b"surf 0 1 0 1 1 2 3 4\n", "curved surface (surf)"),
+        ("a.off", b"OFF BINARY\n", "as text, or as PLY"),
+        ("a.ply", b"ply\nformat ascii 2.0 x\nend_header\n", "line 2"),
+    ],
+)
+def test_what_would_change_the_surface_is_refused(name: str, data: bytes, words: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        read_file(data, name)
+    assert words in caught.value.message
+    assert caught.value.message.count("\n") == 0
+
+
+MORPH = primitive(targets=[{"POSITION": 0}])
+SCENES: dict[str, Any] = {"scenes": [{"nodes": [0]}, {"nodes": [1]}], "nodes": [{"mesh": 0}] * 2}
+LINES = '<lines count="2"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 3</p></lines>'
+UNUSED = f"<library_nodes>{NODE}</library_nodes>"
+OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "note"),
+    [
+        ("a.dae", dae("</polylist>", f"</polylist>{LINES}"), "2 lines are left out"),
+        ("a.dae", dae("</visual_scene>", OTHER), "1 scene is left out"),
+        ("a.dae", dae("</geometry>", '</geometry><geometry id="h"><mesh/></geometry>'), "geometry"),
+        (
+            "a.dae",
+            dae("<library_v", f"<library_nodes>{NODE}</library_nodes><library_v"),
+            "instance",
+        ),
+        ("a.dae", DAE.encode(), "y axis points up"),
+        ("a.3mf", model(ITEM, objects='<object id="2"><mesh/></object>'), "1 object is left out"),
+        ("a.glb", glb(SCENES), "1 node is left out"),
+        ("a.glb", glb(SCENES), "1 scene is left out"),
+        ("a.glb", glb(MORPH), "morph targets are left out"),
+        ("a.glb", glb({"animations": [{}]}), "animations are left out"),
+        ("a.glb", glb(extensions={"ACME_lod": {}}), "'ACME_lod'"),
+        ("a.glb", glb(), "y axis points up"),
+        ("a.obj", OBJ + b"f 1 2\nl 1 2 3\n", "2 lines are left out"),
+        ("a.obj", OBJ + b"p 1\n", "1 point is left out"),
+    ],
+)
+def test_what_has_no_place_or_no_surface_is_noted(name: str, data: bytes, note: str) -> None:
+    file = read_file(data, name)
+    assert any(note in one for one in file.notes), file.notes
+    assert len(file.parts.faces) > 0
+
+
+def test_text_that_is_not_used_does_not_matter() -> None:
+    names = "mtllib C:\\Teile\\größe.mtl\ng Türgriff\nusemtl a:b\no ?\n".encode("latin-1")
+    wanted = read_file(OBJ, "a.obj").parts
+    for text in (names + OBJ, OBJ.replace(b"\n", b"\r\n"), OBJ.replace(b" ", b" \\\n ", 40)):
+        found = read_file(text, "a.obj")
+        np.testing.assert_array_equal(found.parts.vertices, wanted.vertices)
+        np.testing.assert_array_equal(found.parts.faces, wanted.faces)
+        assert found.notes == ()
+
+
+def test_a_reader_that_misses_triangles_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(census._COUNTS, ".obj", lambda data: 81)
+    with pytest.raises(SceneError, match="announces 81 triangles and 80 are there"):
+        mesh_reader.read(OBJ, "a.obj")
+
+
+def shape(name: str, data: bytes, unit: str | None, scene_unit: str = "mm") -> MeshShape:
+    mesh = {"shape": "mesh", "file": name, "unit": unit}
+    corner = {"version": 1, "unit": scene_unit, "goal": [1, 1, 1], "obstacles": [mesh]}
+    found = Scene.from_dict(corner, {name: data}).obstacles[0]
+    assert isinstance(found, MeshShape)
+    return found
+
+
+INCH = model(ITEM, 'unit="inch"')
+CM = dae("<asset/>", '<asset><unit name="u" meter="0.01"/></asset>')
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "unit", "wide", "note"),
+    [
+        ("a.3mf", INCH, None, 25.4, "count in inches"),
+        ("a.3mf", INCH, "mm", 1, "The file counts in inches; the scene says mm"),
+        ("a.3mf", model(ITEM), None, 1, "count in millimetres"),
+        ("a.3mf", model(ITEM), "mm", 1, "count in millimetres"),
+        ("a.dae", CM, None, 30, "count in centimetres"),
+        ("a.dae", CM, "m", 3000, "The file counts in centimetres; the scene says m,"),
+        ("a.dae", DAE.encode(), None, 3000, "count in metres"),
+        ("a.glb", glb(), None, 1000, "count in metres"),
+        ("a.glb", glb(), "cm", 10, "The file counts in metres; the scene says cm"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", None, 1, ""),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "cm", 10, ""),
+    ],
+)
+def test_numbers_count_in_the_unit_of_the_scene_or_of_the_file(
+    name: str, data: bytes, unit: str | None, wide: float, note: str
+) -> None:
+    found = shape(name, data, unit)
+    low, high = found.bounds()
+    assert high[0] - low[0] == pytest.approx(wide)
+    assert note in found.notes[0]
+    assert len([one for one in found.notes if "count" in one]) == bool(note)
+
+
+def test_a_scene_that_is_packed_keeps_the_unit_of_its_files(tmp_path: Any) -> None:
+    mesh = {"shape": "mesh", "file": "a.3mf"}
+    scene = Scene.from_dict({"version": 1, "obstacles": [mesh]}, {"a.3mf": INCH})
+    (tmp_path / "a.zip").write_bytes(scene.pack())
+    assert load_scene(tmp_path / "a.zip") == scene
