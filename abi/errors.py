@@ -3,7 +3,8 @@
 ::
 
     AbiError
-    ├── SceneError        the input is not a scene: names the field, the value and what would work
+    ├── ArgumentError     a function was called with what it does not take
+    │   └── SceneError    the input is not a scene: names the field, the value and what would work
     ├── ExportError       a format cannot hold the plan, or the file cannot be written
     └── StageError        the scene is valid but a stage has no result; ends the chain of stages
         ├── PointBlocked      start or goal lies inside an obstacle or its clearance
@@ -53,11 +54,11 @@ class Missing:
         return "missing"
 
 
-class SceneError(AbiError):
-    """Error for a wrong field of a scene.
+class ArgumentError(AbiError):
+    """Error for a wrong argument of a function.
 
     Args:
-        field: name of the field, e.g. ``obstacles[0].size``.
+        field: name of the argument, or of the part of it that is wrong.
         value: the value given.
         expected: end of the sentence "expected …", which says what would work.
     """
@@ -67,6 +68,10 @@ class SceneError(AbiError):
         self.field = field
         self.value = value
         self.expected = expected
+
+
+class SceneError(ArgumentError):
+    """Error for a wrong field of a scene; the name is, for example, ``obstacles[0].size``."""
 
 
 class ExportError(AbiError):

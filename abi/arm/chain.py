@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 import scipy
 
+from abi import arguments
 from abi.arm.chain_kernels import POSE, ChainTable, chain_poses
 from abi.arm.follow_path_kernels import Drift, follow_path
 from abi.arrays import FloatArray, ReadOnlyCopies, ShortRepr, flat, read_only
@@ -138,6 +139,7 @@ class Chain(ShortRepr):
         Returns:
             Shape (k, m + 1, 3, 4), [m].
         """
+        positions = arguments.numbers("positions", positions, (-1, len(self.names)))
         found = np.empty(len(positions) * POSE * (len(self.joints) + 1))
         chain_poses(self.table, flat(positions), len(self.names), found)
         packed = found.reshape(len(positions), -1, POSE)
@@ -159,10 +161,13 @@ class Chain(ShortRepr):
             divided by the reach, or the angle [rad] by which the tip's direction is off if larger.
         """
         count = len(self.names)
+        start = arguments.numbers("start", start, (count,))
+        home = start if home is None else arguments.numbers("home", home, (count,))
+        targets = arguments.points("targets", targets)
         joints, errors = np.empty(len(targets) * count), np.empty(len(targets))
-        drift = Drift(flat(start if home is None else home), PULL)
-        arguments = (self.table, flat(start), drift, flat(targets), _MOST_ITERATIONS)
-        follow_path(*arguments, joints, errors)
+        drift = Drift(flat(home), PULL)
+        path = self.table, flat(start), drift, flat(targets), _MOST_ITERATIONS
+        follow_path(*path, joints, errors)
         return joints.reshape(-1, count), errors
 
 

@@ -9,7 +9,11 @@ from typing import Protocol
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, ReadOnlyCopies, read_only
+from abi.errors import ArgumentError
+
+_ROUNDED = 1e-12
 
 
 class PolynomialCurve(Protocol):
@@ -34,6 +38,16 @@ class Bezier(ReadOnlyCopies):
     points: FloatArray
     size: float
 
+    def __post_init__(self) -> None:
+        breaks = arguments.increasing("breaks", self.breaks)
+        points = arguments.numbers("points", self.points, (len(breaks) - 1, -1, 3))
+        if points.shape[1] < 2:
+            raise ArgumentError("points of each polynomial", points.shape[1], "2 or more")
+        # the size may have been rounded otherwise than the points
+        least = (1 - _ROUNDED) * float(np.abs(points).max())
+        size = arguments.number("size", self.size, least)
+        arguments.keep(self, breaks=breaks, points=points, size=size)
+
     @property
     def degree(self) -> int:
         """Degree of each polynomial."""
@@ -54,6 +68,7 @@ class Bezier(ReadOnlyCopies):
             step h is at most h² max abs(B'') / 8 away, and B'' is within the second differences of
             the Bézier points, times degree (degree - 1).
         """
+        count = arguments.integer("count", count, 1, arguments.LARGEST_ID)
         p = self.degree
         bend = np.linalg.norm(np.diff(self.points, n=2, axis=1), axis=2).max(initial=0.0)
         return _bernstein(p, count) @ self.points, float(p * (p - 1) * bend / (8 * count**2))

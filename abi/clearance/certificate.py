@@ -28,6 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import Bezier, PolynomialCurve
 from abi.clearance.certify_mesh_kernels import separate_from_mesh
@@ -94,12 +95,14 @@ def certify(
         curve: continuous, a polynomial between its breaks.
         obstacles: primitives and meshes.
         margin: finite, [unit].
+
+    Raises:
+        ArgumentError: the margin is not finite.
     """
+    margin = arguments.number("margin", margin, infinite=not obstacles)
     pieces = curve.bezier()
-    assert np.isfinite(pieces.points).all()
     if not obstacles:
         return _certificate(math.inf, [])
-    assert math.isfinite(margin)
     tables: list[FloatArray] = []
     if obstacles.primitives:
         numbers = obstacles.primitive_numbers

@@ -10,9 +10,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, ShortRepr, clip, flat, read_only
 from abi.clearance.bezier import Bezier
 from abi.curves import bspline_kernels as kernels
+from abi.errors import ArgumentError
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,6 +34,23 @@ class BSpline(ShortRepr):
     knots: FloatArray
     added: BoolArray
     pushed: BoolArray
+
+    def __post_init__(self) -> None:
+        points = arguments.points("control_points", self.control_points)
+        count = len(points)
+        degree = arguments.integer("degree", self.degree, 1, max(count - 1, 1))
+        if count < 2:
+            raise ArgumentError("number of control points", count, "2 or more")
+        knots = arguments.numbers("knots", self.knots, (count + degree + 1,))
+        is_clamped = not knots[: degree + 1].any() and (knots[count:] == 1).all()
+        if not is_clamped or (knots[1:] < knots[:-1]).any():
+            wanted = f"numbers that do not fall, {degree + 1} zeros first, as many ones last"
+            raise ArgumentError("knots", knots.tolist(), wanted)
+        added = arguments.flags("added", self.added, (count,))
+        pushed = arguments.flags("pushed", self.pushed, (count,))
+        arguments.keep(
+            self, degree=degree, control_points=points, knots=knots, added=added, pushed=pushed
+        )
 
     @property
     def inserted(self) -> int:
@@ -80,11 +99,15 @@ class BSpline(ShortRepr):
 
     def influence(self, parameters: FloatArray) -> FloatArray:
         """Weights of the n control points in the points at ``parameters`` (m,), shape (m, n)."""
+        parameters = arguments.within("parameters", parameters, (-1,), 0.0, 1.0)
+        if not len(parameters):
+            return np.empty((0, len(self.control_points)))
         design = scipy.interpolate.BSpline.design_matrix(parameters, self.knots, self.degree)
         return np.asarray(design.toarray())
 
     def refined(self, edges: NDArray[np.integer[Any]]) -> BSpline:
         """Halve edges of the control polygon, given by index; an edge of length 0 stays."""
+        edges = arguments.ids("edges", edges, (-1,), len(self.control_points) - 1)
         ends = self.control_points[edges], self.control_points[edges + 1]
         long = np.linalg.norm(ends[1] - ends[0], axis=1) > 0
         edges, middles = edges[long], (ends[0] + ends[1])[long] / 2
@@ -106,11 +129,12 @@ class BSpline(ShortRepr):
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        t = clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
+        t = clip(arguments.number_or_numbers("parameter", parameter), 0.0, 1.0)
+        order = arguments.integer("order", order, 0, arguments.LARGEST_ID)
         if order > self.degree:
             return np.zeros((*t.shape, 3))
         points, local = np.empty(3 * t.size), np.empty(3 * (self.degree + 1))
-        spline = flat(self.knots), flat(self.control_points), self.degree
+        spline = self.knots, flat(self.control_points), self.degree
         kernels.spline(*spline, flat(t), order, local, points)
         return points.reshape(*t.shape, 3)
 
@@ -128,15 +152,19 @@ def clamped(
         degree: at least 1.
         added: which control points are not vertices of the path, shape (n,); None for none.
         pushed: which were pushed away from an obstacle, shape (n,); None for none.
+
+    Raises:
+        ArgumentError: control points or degree are not as stated.
     """
-    points = np.array(control_points, dtype=float)
+    points = arguments.points("control_points", control_points)
+    degree = arguments.integer("degree", degree, 1, max(len(points) - 1, 1))
     none = np.zeros(len(points), dtype=bool)
     return BSpline(
         degree,
-        read_only(points),
+        points,
         _uniform_knots(len(points), degree),
-        read_only(none if added is None else added),
-        read_only(none if pushed is None else pushed),
+        none if added is None else added,
+        none if pushed is None else pushed,
     )
 
 

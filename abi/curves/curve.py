@@ -9,6 +9,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
+from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.curves import arc_length_kernels as kernels
@@ -67,6 +68,19 @@ class ArcLength(ShortRepr):
     nodes: FloatArray
     weights: FloatArray
 
+    def __post_init__(self) -> None:
+        edges = arguments.increasing("edges", self.edges)
+        pieces = len(edges) - 1
+        arguments.keep(
+            self,
+            length=arguments.number("length", self.length, 0.0),
+            edges=edges,
+            travelled=arguments.numbers("travelled", self.travelled, (pieces + 1,)),
+            series=arguments.numbers("series", self.series, (pieces, _GAUSS + 1)),
+            nodes=arguments.numbers("nodes", self.nodes, (_GAUSS * pieces,)),
+            weights=arguments.numbers("weights", self.weights, (_GAUSS * pieces,)),
+        )
+
     @property
     def passed(self) -> FloatArray:
         """Arc length from the start to each Gauss point, [unit], shape (16 m,)."""
@@ -81,7 +95,7 @@ class ArcLength(ShortRepr):
         Returns:
             [unit], in the shape given.
         """
-        parameters = np.asarray(parameter, dtype=float)
+        parameters = arguments.number_or_numbers("parameter", parameter)
         distances = np.empty(parameters.size)
         kernels.arc_lengths(*self._table, flat(parameters), distances)
         return distances.reshape(parameters.shape)
@@ -98,7 +112,7 @@ class ArcLength(ShortRepr):
         Returns:
             Parameters in the shape given.
         """
-        distances = np.asarray(distance, dtype=float)
+        distances = arguments.number_or_numbers("distance", distance)
         parameters = np.empty(distances.size)
         gauss = self.nodes, self.weights
         kernels.parameters_at(*self._table, *gauss, flat(distances), parameters)

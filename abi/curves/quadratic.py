@@ -8,9 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, clip, read_only
 from abi.clearance.bezier import Bezier
 from abi.curves.curve import ArcLength, Curve
+from abi.errors import ArgumentError
 
 Piece = tuple[float, float, FloatArray]
 """First and last parameter, and rows c0, c1, c2 of c0 + c1·t + c2·t² between them (3, 3), [unit]"""
@@ -32,10 +34,18 @@ class Quadratic(ShortRepr):
     coefficients: FloatArray
     breaks: FloatArray
 
+    def __post_init__(self) -> None:
+        breaks = arguments.increasing("breaks", self.breaks)
+        if breaks[0] != 0 or breaks[-1] != 1:
+            raise ArgumentError("breaks", breaks.tolist(), "numbers from 0 to 1")
+        rows = arguments.numbers("coefficients", self.coefficients, (len(breaks) - 1, 3, 3))
+        arguments.keep(self, coefficients=rows, breaks=breaks)
+
     @classmethod
     def single(cls, coefficients: FloatArray) -> Quadratic:
         """The curve of one piece with the rows c0, c1, c2, shape (3, 3), [unit], world."""
-        return cls(read_only(np.array([coefficients], dtype=float)), read_only(np.arange(2.0)))
+        rows = arguments.numbers("coefficients", coefficients, (3, 3))
+        return cls(rows[None], np.arange(2.0))
 
     @classmethod
     def from_control_points(cls, control_points: FloatArray, breaks: FloatArray) -> Quadratic:
@@ -51,6 +61,8 @@ class Quadratic(ShortRepr):
                 last.
             breaks: from 0 to 1, increasing, shape (m + 1,).
         """
+        breaks = arguments.increasing("breaks", breaks)
+        control_points = arguments.numbers("control_points", control_points, (len(breaks) + 1, 3))
         spans = np.diff(breaks)[:, None]
         share = spans[:-1] / (spans[:-1] + spans[1:])
         inner = control_points[1:-2] * (1 - share) + control_points[2:-1] * share
@@ -60,7 +72,7 @@ class Quadratic(ShortRepr):
         b1, b2 = 2 * (middle - first) / spans, (first - 2 * middle + last) / spans**2
         t0 = breaks[:-1, None]
         coefficients = np.stack([first - b1 * t0 + b2 * t0**2, b1 - 2 * b2 * t0, b2], axis=1)
-        return cls(read_only(coefficients), read_only(breaks.copy()))
+        return cls(coefficients, breaks)
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -105,7 +117,8 @@ class Quadratic(ShortRepr):
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        t = clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
+        t = clip(arguments.number_or_numbers("parameter", parameter), 0.0, 1.0)
+        order = arguments.integer("order", order, 0, arguments.LARGEST_ID)
         piece = np.searchsorted(self.breaks[1:-1], t, side="right")
         rows = self.coefficients[piece]
         c0, c1, c2 = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]

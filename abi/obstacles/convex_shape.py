@@ -16,6 +16,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.pose import Posed, Quaternion, Vec3, rotation
@@ -69,6 +70,7 @@ class ConvexShape(Posed):
 
     def signed_distance(self, points: FloatArray) -> FloatArray:
         """Euclidean distance (n,) of points (n, 3) to the surface, [unit]; negative inside."""
+        points = arguments.points("points", points)
         distances = np.empty(len(points))
         kernels.signed_distances(flat(points), _alone(self), distances)
         return distances
@@ -79,6 +81,7 @@ class ConvexShape(Posed):
         The gradient has length 1. Where it is not unique (on the medial axis, at edges) it is one
         of the valid ones, hence always a subgradient: d(x) >= d(p) + g(p) . (x - p) for all x.
         """
+        points = arguments.points("points", points)
         gradients = np.empty(3 * len(points))
         nearest = read_only(np.zeros(len(points), dtype=np.int32))
         kernels.gradients(flat(points), _alone(self), nearest, gradients)

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import PrivateAttr, StringConstraints, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, METRES, Length, Posed, Quaternion, rotation
@@ -146,6 +147,7 @@ class MeshShape(Posed):
         It is exact or too small, by no more than rounding, or by less than 1e-7 of the mesh's size
         if triangles have no width. Inside a shell that crosses itself, all triangles count.
         """
+        points = arguments.points("points", points)
         distances = np.empty(len(points))
         kernels.signed_distances(*self.placed, flat(points), distances)
         return distances
@@ -157,6 +159,7 @@ class MeshShape(Posed):
         the surface it is the normal of a triangle there. As a mesh is not convex, it is no
         subgradient.
         """
+        points = arguments.points("points", points)
         distances, gradients = np.empty(len(points)), np.empty(3 * len(points))
         kernels.signed_distance_gradients(*self.placed, flat(points), distances, gradients)
         return distances, gradients.reshape(-1, 3)
@@ -172,7 +175,9 @@ class MeshShape(Posed):
         the mesh's size, and less unless triangles are thin. If a segment enters a closed mesh, the
         value is a lower bound, below the true one by at most 1/64 of the segment's length.
         """
-        distances = np.full(len(p), most)
+        p = arguments.points("p", p)
+        q = arguments.numbers("q", q, p.shape)
+        distances = arguments.one_or_each("most", most, len(p), infinite=True).copy()
         kernels.least_distances(*self.placed, flat(p), flat(q), distances)
         return distances
 
@@ -181,6 +186,7 @@ class MeshShape(Posed):
 
         They cost almost nothing, and differ by some hundredths of the mesh's size.
         """
+        points = arguments.points("points", points)
         lower, upper = np.empty(len(points)), np.empty(len(points))
         kernels.bounds_of_distances(*self.placed, flat(points), lower, upper)
         return lower, upper
@@ -190,6 +196,9 @@ class MeshShape(Posed):
 
         A segment that touches the surface is blocked even if its margin is 0 or less.
         """
+        p = arguments.points("p", p)
+        q = arguments.numbers("q", q, p.shape)
+        margins = arguments.numbers("margins", margins, p.shape[:1])
         blocked = np.empty(len(p), dtype=np.bool_)
         kernels.blocked_segments(*self.placed, flat(p), flat(q), flat(margins), blocked)
         return blocked

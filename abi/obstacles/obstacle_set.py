@@ -18,7 +18,9 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.errors import ArgumentError
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
@@ -134,6 +136,7 @@ class ObstacleSet(ShortRepr):
 
         The first obstacle counts on a tie; without obstacles the distance is inf, the number -1.
         """
+        points = arguments.points("points", points)
         distance, row = self._from_primitives(points)
         number = np.full(len(points), -1, dtype=np.int32)
         of_primitive = row >= 0
@@ -150,6 +153,8 @@ class ObstacleSet(ShortRepr):
 
         If the true value is at least ``enough``, the result may be any number from there on.
         """
+        points = arguments.points("points", points)
+        enough = arguments.number("enough", enough, infinite=True)
         distance, _ = self._from_primitives(points)
         for _, mesh, rows in self.near_meshes(points, points, np.minimum(distance, enough)):
             distance[rows] = np.minimum(distance[rows], mesh.signed_distance(points[rows]))
@@ -160,6 +165,8 @@ class ObstacleSet(ShortRepr):
 
         Exact below ``limit``; larger ones may be any distance from there on.
         """
+        points = arguments.points("points", points)
+        limit = arguments.number("limit", limit, infinite=True)
         distances = np.empty((len(points), len(self.obstacles)))
         of_primitives = np.empty(len(points) * len(self.primitives))
         kernels.signed_distances(flat(points), self.packed, of_primitives)
@@ -178,6 +185,7 @@ class ObstacleSet(ShortRepr):
         The gradient is a unit subgradient of a primitive's distance; without obstacles the distance
         is inf, the gradient 0.
         """
+        points = arguments.points("points", points)
         distance, row = self._from_primitives(points)
         gradient = np.zeros((len(points), 3))
         kernels.gradients(flat(points), self.packed, row, gradient.ravel())
@@ -199,8 +207,10 @@ class ObstacleSet(ShortRepr):
             ends: second ends (n, 3), [unit], world.
             margin: [unit], one for all or one for each segment (n,).
         """
+        starts = arguments.points("starts", starts)
+        ends = arguments.numbers("ends", ends, starts.shape)
+        margins = arguments.one_or_each("margin", margin, len(starts))
         blocked = np.zeros(len(starts), dtype=np.bool_)
-        margins = np.broadcast_to(np.asarray(margin, dtype=float), (len(starts),))
         packed = flat(starts), flat(ends), flat(margins)
         if self.primitives:
             kernels.blocked_segments(*packed, self.packed, blocked)
@@ -222,7 +232,7 @@ class ObstacleSet(ShortRepr):
         Args:
             points: vertices (k, 3), k >= 1, [unit], world.
         """
-        vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
+        vertices = _vertices(points)
         return float(self.polyline_clearances(vertices[None])[0])
 
     def polyline_clearances(self, polylines: FloatArray, enough: float = math.inf) -> FloatArray:
@@ -230,7 +240,11 @@ class ObstacleSet(ShortRepr):
 
         Except for the least of all, those of ``enough`` or more may be any number from there on.
         """
+        polylines = arguments.numbers("polylines", polylines, (-1, -1, 3))
+        enough = arguments.number("enough", enough, infinite=True)
         count, size, _ = polylines.shape
+        if size < 2:
+            raise ArgumentError("vertices of each polyline", size, "2 or more")
         clearances = np.empty(count)
         if self.meshes:
             polyline_distances.compile()  # as Python it would copy their triangles
@@ -245,9 +259,9 @@ class ObstacleSet(ShortRepr):
             points: vertices (k, 3), k >= 1, [unit], world; a single point counts as a segment.
             enough: as for :meth:`polyline_clearances`.
         """
-        if len(points) == 1:
-            points = np.concatenate([points, points])
-        return self.polyline_clearances(np.stack([points[:-1], points[1:]], axis=1), enough)
+        vertices = _vertices(points)
+        segments = np.stack([vertices[:-1], vertices[1:]], axis=1)
+        return self.polyline_clearances(segments, enough)
 
     def near_meshes(
         self, starts: FloatArray, ends: FloatArray, limits: FloatArray
@@ -261,6 +275,9 @@ class ObstacleSet(ShortRepr):
         Yields:
             Number of a mesh, the mesh, and rows (m,) of segments, m >= 1, ascending.
         """
+        starts = arguments.points("starts", starts)
+        ends = arguments.numbers("ends", ends, starts.shape)
+        limits = arguments.numbers("limits", limits, starts.shape[:1], infinite=True)
         if not self.meshes:
             return
         if len(self.meshes) == 1 and np.isinf(limits).all():
@@ -279,6 +296,9 @@ class ObstacleSet(ShortRepr):
 
     def most_to_mesh(self, points: FloatArray) -> FloatArray:
         """Upper bound (n,) of the distance of points (n, 3) to the nearest mesh, [unit]."""
+        points = arguments.points("points", points)
+        if not self.meshes:
+            return np.full(len(points), np.inf)
         distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
         kernels.nearest(flat(points), self.packed_mesh_boxes, distance, row)
         diagonals = np.array([math.hypot(*box.size) for box in self._mesh_boxes])
@@ -306,6 +326,14 @@ class ObstacleSet(ShortRepr):
 
 
 NO_OBSTACLES = ObstacleSet()
+
+
+def _vertices(points: FloatArray) -> FloatArray:
+    """Vertices (k, 3) of a polyline, k >= 2: a single point counts as a segment."""
+    points = arguments.points("points", points)
+    if not len(points):
+        raise ArgumentError("points", [], "one or more")
+    return points if len(points) > 1 else np.repeat(points, 2, axis=0)
 
 
 @PerShape

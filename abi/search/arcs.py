@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from abi.arrays import FloatArray, ReadOnlyCopies, read_only
+from abi import arguments
+from abi.arrays import FloatArray, ReadOnlyCopies, lock, read_only
+from abi.errors import ArgumentError
 from abi.search.best_first_kernels import estimates
 from abi.search.graph import Graph
 from abi.search.heap_kernels import ArcRows
@@ -35,6 +37,25 @@ class Arcs(ReadOnlyCopies):
     goal: int
     negative: tuple[int, int] | None = None
 
+    def __post_init__(self) -> None:
+        points = arguments.points("points", self.points)
+        nodes = len(points)
+        indices = arguments.ids("rows.indices", self.rows.indices, (-1,), nodes)
+        arcs = len(indices)
+        indptr = arguments.ids("rows.indptr", self.rows.indptr, (nodes + 1,), arcs + 1)
+        if indptr[0] != 0 or indptr[-1] != arcs or (indptr[1:] < indptr[:-1]).any():
+            raise ArgumentError("rows.indptr", "no rows", f"numbers that rise from 0 to {arcs}")
+        weights = arguments.numbers("rows.weights", self.rows.weights, (arcs,), infinite=True)
+        lock((indptr, indices, weights))
+        arguments.keep(
+            self,
+            rows=ArcRows(indptr, indices, weights),
+            estimates=arguments.numbers("estimates", self.estimates, (nodes,), infinite=True),
+            points=points,
+            start=arguments.integer("start", self.start, 0, nodes - 1),
+            goal=arguments.integer("goal", self.goal, 0, nodes - 1),
+        )
+
     @classmethod
     def of(cls, graph: Graph, weight: Weight) -> Arcs:
         """The arcs of a graph, by length or each at cost 1."""
@@ -54,8 +75,15 @@ class Arcs(ReadOnlyCopies):
         return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
 
     def with_arc(self, tail: int, head: int, weight: float) -> Arcs:
-        """The arcs and one more, of any cost; the estimates stay, and may then be too large."""
+        """The arcs and one more, of any cost; the estimates stay, and may then be too large.
+
+        Raises:
+            ArgumentError: an end is no node, or the cost not finite.
+        """
         indptr, indices, weights = self.rows
+        tail = arguments.integer("tail", tail, 0, len(self.points) - 1)
+        head = arguments.integer("head", head, 0, len(self.points) - 1)
+        weight = arguments.number("weight", weight)
         place = int(indptr[tail + 1])
         longer = indptr.copy()
         longer[tail + 1 :] += 1

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.tet_mesh import adjacency
 from abi.tet_mesh.adjacency_kernels import LINKED_BIT
@@ -58,6 +59,24 @@ class Graph(ShortRepr):
     goal: int
     free_nodes: int
 
+    def __post_init__(self) -> None:
+        nodes, weights = len(self.mesh.points), self.mesh.weights.shape
+        own = arguments.points("own", self.own)
+        every = nodes + len(own)
+        tails = arguments.ids("tails", self.tails, (-1,), every)
+        arguments.keep(
+            self,
+            excluded=arguments.flags("excluded", self.excluded, (nodes,)),
+            open_directions=arguments.bits("open_directions", self.open_directions, (nodes,)),
+            weights=arguments.numbers("weights", self.weights, weights, infinite=True),
+            tails=tails,
+            heads=arguments.ids("heads", self.heads, tails.shape, every),
+            link_lengths=arguments.numbers("link_lengths", self.link_lengths, tails.shape),
+            own=own,
+            start=arguments.integer("start", self.start, 0, every - 1),
+            goal=arguments.integer("goal", self.goal, 0, every - 1),
+        )
+
     @cached_property
     def points(self) -> FloatArray:
         """Positions (n, 3) of all nodes, [unit], world."""
@@ -75,6 +94,7 @@ class Graph(ShortRepr):
 
         No table of all edges is made, which in a large mesh would be most of a plan's memory.
         """
+        nodes = arguments.flags("nodes", nodes, (len(self.points),))
         tail, head = self.mesh.edges.T  # numpy takes ten times as long to reduce rows of two
         among = self._kept & nodes[tail] & nodes[head]
         linked = nodes[self.tails] & nodes[self.heads]
@@ -123,6 +143,7 @@ class Graph(ShortRepr):
     def places(self, nodes: IntArray) -> FloatArray:
         """Positions (m, 3) of nodes (m,), [unit], world."""
         mesh = self.mesh.points
+        nodes = arguments.ids("nodes", nodes, (-1,), len(mesh) + len(self.own))
         if not len(self.own):
             return mesh[nodes]
         return np.where(

@@ -1,0 +1,214 @@
+"""Arguments of public functions, checked before kernels read them.
+
+A kernel takes flat arrays and trusts their lengths and the ids in them. So whatever a caller hands
+over passes here once: its shape, type, range and finiteness. What has other strides, byte order or
+precision comes back as the kernels take it; what cannot be read as asked raises ArgumentError.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from abi.arrays import BoolArray, FloatArray, IntArray, lock
+from abi.errors import ArgumentError
+
+_LETTERS = "nmk"
+LARGEST_ID = 2**31 - 1
+"""Largest number of an array's entry, and of an order or a degree."""
+
+
+def numbers(
+    name: str, values: ArrayLike, shape: tuple[int, ...], infinite: bool = False
+) -> FloatArray:
+    """Return an argument as float64 in C order.
+
+    Args:
+        name: of the argument.
+        values: numbers, an array or nested lists.
+        shape: that they must have; -1 for any length.
+        infinite: whether infinity is allowed; NaN never is.
+
+    Raises:
+        ArgumentError: another shape, no real numbers, or not finite.
+    """
+    array = _of_shape(name, values, shape, "fiu", "finite numbers")
+    array = np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+    good = not np.isnan(array).any() if infinite else np.isfinite(array).all()
+    if not good:
+        k = int(np.flatnonzero(~np.isfinite(array.ravel()))[0])
+        where = "".join(f"[{i}]" for i in np.unravel_index(k, array.shape))
+        raise ArgumentError(f"{name}{where}", float(array.ravel()[k]), "a finite number")
+    return array
+
+
+def increasing(name: str, values: ArrayLike, count: int = -1) -> FloatArray:
+    """Return two or more numbers (n,), each above the one before; see :func:`numbers`."""
+    array = numbers(name, values, (count,))
+    if len(array) < 2 or not (array[1:] > array[:-1]).all():
+        raise ArgumentError(name, array.tolist(), "two or more numbers that increase")
+    return array
+
+
+def points(name: str, values: ArrayLike) -> FloatArray:
+    """Return points of shape (n, 3) as float64 in C order; see :func:`numbers`."""
+    return numbers(name, values, (-1, 3))
+
+
+def within(
+    name: str, values: ArrayLike, shape: tuple[int, ...], low: float, high: float
+) -> FloatArray:
+    """Return numbers from ``low`` to ``high``; see :func:`numbers`."""
+    array = numbers(name, values, shape)
+    if array.size and not low <= array.min() <= array.max() <= high:
+        wrong = array.min() if array.min() < low else array.max()
+        raise ArgumentError(f"one of {name}", float(wrong), f"a number from {low:g} to {high:g}")
+    return array
+
+
+def number_or_numbers(name: str, values: ArrayLike) -> FloatArray:
+    """Return an array of any shape, () for one number; see :func:`numbers`."""
+    return numbers(name, values, (-1,) * _dimensions(values))
+
+
+def one_or_each(name: str, values: ArrayLike, count: int, infinite: bool = False) -> FloatArray:
+    """Return an array (count,) of one number for all or of one for each; see :func:`numbers`."""
+    shape = () if _dimensions(values) == 0 else (count,)
+    return np.broadcast_to(numbers(name, values, shape, infinite), (count,))
+
+
+def ids(name: str, values: ArrayLike, shape: tuple[int, ...], count: int) -> IntArray:
+    """Return whole numbers from 0 up to, not including, ``count`` as int32 in C order.
+
+    Raises:
+        ArgumentError: another shape, no integers, or one that is out of range.
+    """
+    return bits(name, values, shape, 0, count - 1)
+
+
+def bits(
+    name: str,
+    values: ArrayLike,
+    shape: tuple[int, ...],
+    low: int = -LARGEST_ID - 1,
+    high: int = LARGEST_ID,
+) -> IntArray:
+    """Return whole numbers from ``low`` to ``high`` as int32 in C order; see :func:`ids`."""
+    array = _of_shape(name, values, shape, "iu", "integers")
+    if array.size:
+        least, largest = int(array.min()), int(array.max())
+        if least < low or largest > high:
+            wrong = least if least < low else largest
+            raise ArgumentError(f"one of {name}", wrong, f"an integer from {low} to {high}")
+    return np.ascontiguousarray(array, dtype=np.int32).reshape(array.shape)
+
+
+def flags(name: str, values: ArrayLike, shape: tuple[int, ...]) -> BoolArray:
+    """Return flags in C order.
+
+    Raises:
+        ArgumentError: another shape, or no flags.
+    """
+    array = _of_shape(name, values, shape, "b", "True and False")
+    return np.ascontiguousarray(array, dtype=np.bool_).reshape(array.shape)
+
+
+def number(
+    name: str, value: Any, low: float = -math.inf, high: float = math.inf, infinite: bool = False
+) -> float:
+    """Return an argument as a number from ``low`` to ``high``.
+
+    Raises:
+        ArgumentError: no real number, out of range, or not finite unless that is allowed.
+    """
+    wanted = "a number" if infinite else "a finite number"
+    if low > -math.inf or high < math.inf:
+        wanted += f" from {low:g} to {high:g}"
+    if isinstance(value, bool | np.bool_ | str | bytes | np.ndarray):
+        raise ArgumentError(name, value, wanted)
+    try:
+        found = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(name, value, wanted) from None
+    if not low <= found <= high or (math.isinf(found) and not infinite):
+        raise ArgumentError(name, value, wanted)
+    return found
+
+
+def integer(name: str, value: Any, low: int, high: int) -> int:
+    """Return an argument as an integer from ``low`` to ``high``.
+
+    Raises:
+        ArgumentError: no integer, or out of range.
+    """
+    wanted = f"an integer from {low} to {high}"
+    if isinstance(value, bool | np.bool_):
+        raise ArgumentError(name, value, wanted)
+    try:
+        found = operator.index(value)
+    except TypeError:
+        raise ArgumentError(name, value, wanted) from None
+    if not low <= found <= high:
+        raise ArgumentError(name, value, wanted)
+    return found
+
+
+def keep(owner: object, **fields: object) -> None:
+    """Replace fields of a frozen dataclass by what was checked, their arrays read-only.
+
+    Arrays that can be written are copied: they belong to the caller.
+    """
+    own = {
+        name: value.copy() if isinstance(value, np.ndarray) and value.flags.writeable else value
+        for name, value in fields.items()
+    }
+    lock(own.values())
+    vars(owner).update(own)
+
+
+def _of_shape(
+    name: str, values: ArrayLike, shape: tuple[int, ...], kinds: str, wanted: str
+) -> NDArray[Any]:
+    """The argument as an array, if it has the shape and is of one of the kinds of types."""
+    expected = f"{wanted} of shape {_text_of(shape)}"
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(name, values, expected) from None
+    fits = array.ndim == len(shape) and all(
+        length in (-1, found) for length, found in zip(shape, array.shape, strict=True)
+    )
+    # a list without entries has no type of its own
+    if not fits or (array.dtype.kind not in kinds and (array.size or array is values)):
+        given = _Described(f"an array of shape {array.shape} and type {array.dtype}")
+        raise ArgumentError(name, given, expected)
+    return array
+
+
+def _dimensions(values: ArrayLike) -> int:
+    """Number of an argument's dimensions; 1 of lists of different lengths, which are refused."""
+    try:
+        return np.ndim(values)
+    except ValueError:
+        return 1
+
+
+def _text_of(shape: tuple[int, ...]) -> str:
+    """A shape as docstrings have it, with letters for any length."""
+    letters = iter(_LETTERS)
+    parts = [next(letters) if length == -1 else str(length) for length in shape]
+    return f"({', '.join(parts)}{',' * (len(parts) == 1)})"
+
+
+class _Described:
+    """Stands in an error for an array, whose numbers say nothing."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __repr__(self) -> str:
+        return self._text
