@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
-import ruckig
 import scipy
 from numpy.typing import ArrayLike
 
@@ -89,8 +89,8 @@ PathProfile = SpeedProfile | TimedProfile
 def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) -> TimedProfile:
     """Fastest motion from rest to rest under a speed, an acceleration and a jerk.
 
-    Ruckig (Berscheid and Kröger, Jerk-limited real-time trajectory generation with arbitrary
-    target states, 2021), from state to state.
+    Seven pieces of constant jerk, some of which may take no time (Biagiotti and Melchiorri,
+    Trajectory Planning for Automatic Machines and Robots, 2008, section 3.4).
 
     Args:
         length: distance to travel, [unit], above 0.
@@ -98,29 +98,32 @@ def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) 
         acceleration: largest, of either sign, [unit/s²].
         jerk: largest, of either sign, [unit/s³].
     """
-    # in units of the length and the time to go it at full speed, so that no number is extreme
-    pace = length / speed
-    states = ruckig.InputParameter(1)
-    states.current_position, states.target_position = [0.0], [1.0]
-    states.max_velocity = [1.0]
-    states.max_acceleration = [acceleration * pace**2 / length]
-    states.max_jerk = [jerk * pace**3 / length]
-    found = ruckig.Trajectory(1)
-    result = ruckig.Ruckig(1).calculate(states, found)
-    assert result in (ruckig.Result.Working, ruckig.Result.Finished), result
-    profile = found.profiles[0][0]
-    durations, jerks = np.array(profile.t), np.array(profile.j)
-    kept = durations > _TINY
-    rates = np.array([profile.a, profile.v, profile.p])[:, :-1]
-    coefficients = np.stack([jerks / 6, rates[0] / 2, rates[1], rates[2]])[:, kept]
-    breaks = np.concatenate([[0.0], np.cumsum(durations[kept])])
-    powers = np.array([pace**-3, pace**-2, 1 / pace, 1.0])[:, None]
-    return TimedProfile(
-        "jerk_limited",
-        length,
-        read_only(breaks * pace),
-        read_only(coefficients * powers * length),
-    )
+    top = _top_speed(length, speed, acceleration, jerk)
+    # of the change of the acceleration, of its stay at the largest, and at the top speed
+    change = min(acceleration / jerk, math.sqrt(top / jerk))
+    stay = max(top / (jerk * change) - change, 0.0)
+    cruise = max(length / top - 2 * change - stay, 0.0)
+    durations = np.array([change, stay, change, cruise, change, stay, change])
+    jerks = jerk * np.array([1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0])
+    kept = durations > _TINY * (length / speed)
+    durations, jerks = durations[kept], jerks[kept]
+    rates = np.zeros((3, len(jerks) + 1))
+    for k, (t, j) in enumerate(zip(durations, jerks, strict=True)):
+        a, v, d = rates[:, k]
+        rates[:, k + 1] = a + j * t, v + (a + j * t / 2) * t, d + (v + (a + j * t / 3) * t / 2) * t
+    a, v, d = rates[:, :-1]
+    breaks = np.concatenate([[0.0], np.cumsum(durations)])
+    coefficients = np.stack([jerks / 6, a / 2, v, d])
+    return TimedProfile("jerk_limited", length, read_only(breaks), read_only(coefficients))
+
+
+def _top_speed(length: float, speed: float, acceleration: float, jerk: float) -> float:
+    """Largest speed that is reached on the way, [unit/s]."""
+    change = acceleration / jerk
+    # at half the length, the acceleration having stayed at its largest for a while
+    long_way = acceleration * (math.sqrt(change**2 + 4 * length / acceleration) - change) / 2
+    short_way = jerk * (length / (2 * jerk)) ** (2 / 3)
+    return min(speed, long_way if long_way >= acceleration * change else short_way)
 
 
 def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArray) -> TimedProfile:

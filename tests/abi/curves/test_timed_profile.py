@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import ruckig
 import scipy
 import toppra
 import toppra.algorithm
@@ -60,6 +61,25 @@ def test_a_jerk_limited_motion_keeps_its_limits_and_meets_one(
     )
     slower = jerk_limited(length, speed / 2, acceleration / 4, jerk / 8)
     assert slower.duration == pytest.approx(2 * profile.duration, rel=1e-6)
+
+
+@given(lengths, rates, rates, rates)
+def test_a_jerk_limited_motion_is_ruckig_s(
+    length: float, speed: float, acceleration: float, jerk: float
+) -> None:
+    profile = jerk_limited(length, speed, acceleration, jerk)
+    states = ruckig.InputParameter(1)
+    states.current_position, states.target_position = [0.0], [length]
+    states.max_velocity, states.max_acceleration = [speed], [acceleration]
+    states.max_jerk = [jerk]
+    fastest = ruckig.Trajectory(1)
+    ruckig.Ruckig(1).calculate(states, fastest)
+
+    assert profile.duration == pytest.approx(fastest.duration, rel=1e-7)
+    times = np.linspace(0, fastest.duration, 50)
+    expected = np.array([fastest.at_time(time) for time in times])[:, :2, 0]
+    for order, largest in enumerate((length, speed)):
+        np.testing.assert_allclose(profile(times, order), expected[:, order], atol=1e-6 * largest)
 
 
 @settings(max_examples=40)
