@@ -11,10 +11,8 @@ from abi.length_text import format_lower_bound as format_lower_bound
 from abi.length_text import format_setting as format_setting
 from abi.length_text import with_minus as with_minus
 
-FASTEST_SHOWN = 1.0
-"""Shorter times say more about the machine than about the search, [ms]."""
 _MILLION = 1_000_000
-_UNIT = re.compile(r"(?<=\d) (?=(?:[cm]?m|m?s|%)(?![a-zA-Z])(?![^<>]*>))")
+_UNIT = re.compile(r"(?<=\d) (?=(?:[cm]?m|[mµ]?s|%)(?![a-zA-Z])(?![^<>]*>))")
 """Space between a number and its unit, not in a tag."""
 
 
@@ -30,7 +28,9 @@ def format_count(count: int) -> str:
 
 
 def format_time(ms: float) -> str:
-    """A time given in [ms]: in whole milliseconds, from one second on in seconds."""
+    """A time given in [ms]: in whole milliseconds, below one in [µs], from one second on in [s]."""
+    if ms < 0.995:
+        return f"{1000 * ms:.0f} µs" if ms < 0.0995 else f"{100 * ms:.0f}0 µs"
     return f"{ms:.0f} ms" if ms < 999.5 else f"{ms / 1000:.1f} s"
 
 

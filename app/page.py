@@ -40,6 +40,7 @@ Function = Literal[
     "report",
     "seek",
     "show",
+    "showNodes",
     "stand",
     "watch",
 ]
@@ -52,6 +53,7 @@ _SLOTS: dict[Function, str] = {
     "play": "motion",
     "remember": "remember",
     "seek": "moment",
+    "showNodes": "nodes",
     "stand": "end of motion",
 }
 """Calls of one slot replace each other while unsent; so do those of ``show`` for one part.
@@ -254,7 +256,7 @@ def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
 @functools.cache
 def _script() -> str:
     """The page's scripts, without indentation and lines of nothing but a comment."""
-    files = ("page.js", "files.js", "labels.js", "keyboard.js")
+    files = ("page.js", "files.js", "labels.js", "nodes.js", "keyboard.js")
     text = "\n".join(assets.path("page", name).read_text(encoding="utf-8") for name in files)
     lines = (line.strip() for line in text.splitlines())
     return "\n".join(line for line in lines if not _COMMENT.fullmatch(line))

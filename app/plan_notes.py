@@ -71,7 +71,8 @@ def _coefficients(plan: Plan) -> str:
     note = ""
     if plan.quadratic.note:
         text = html.escape(plan.quadratic.note)
-        note = f'<div style="margin:0 10px;line-height:1.2;font-size:12.5px">✗ {text}</div>'
+        sign = "" if plan.quadratic.holds else "✗ "
+        note = f'<div style="margin:0 10px;line-height:1.2;font-size:12.5px">{sign}{text}</div>'
     lines = []
     pieces = plan.quadratic.curve.pieces
     for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:

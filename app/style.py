@@ -33,7 +33,8 @@ JOINTS: tuple[Colour, ...] = (
 )
 AXES: tuple[Colour, ...] = ((184, 82, 85), (25, 161, 160), (131, 129, 205))
 CLOSED: Colour = (84, 110, 158)
-OPEN: Colour = (122, 190, 0)
+WAITING: tuple[Colour, ...] = ((236, 178, 0), (122, 190, 0), (0, 112, 84))
+"""Colours of nodes that a search has reached, from the one visited next to the last."""
 FADED: Colour = (150, 156, 163)
 GHOST_OPACITY = 0.22
 HEAT: tuple[Colour, ...] = ((228, 160, 0), (10, 128, 96), (44, 40, 130))

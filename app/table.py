@@ -36,7 +36,7 @@ HINTS = {
     "gap": "By how much the path costs more than the cheapest in the mesh.",
     "visited": "Nodes from which the search went on to their neighbours.",
     "tried": "How often the search looked along an edge.",
-    "ms": "Processor time of the search, in milliseconds.",
+    "time": "Processor time of the search.",
 }
 """Meaning of each heading, by its text without unit and number."""
 _REST = re.compile(r"( \[|:).*")

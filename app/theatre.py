@@ -9,11 +9,27 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
+from abi.search.trace import NO_NODES
 from app import style
 from app.numbers import format_length, with_minus
 
 _NEAR = 0.04
 """Angle, [rad], from a node within which a click means it."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A node that was clicked, and what is said of it.
+
+    Attributes:
+        node: its id; -1 for none.
+        text: HTML; empty for nothing.
+        right: whether it was a right guess, or no guess.
+    """
+
+    node: int = -1
+    text: str = ""
+    right: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,17 +40,20 @@ class Theatre:
         name: of the search, in :data:`abi.search.compare.COMPARED`.
         state: the search at the step shown.
         race: (name, state) of each search of a race; empty without one.
-        asking: whether the next node is to be guessed, so not given away.
-        clicked: node clicked last; -1 for none.
-        answer: what is said of it, as HTML; empty for nothing.
+        asking: whether the next node is to be guessed.
+        answer: of the click before.
     """
 
     name: str
     state: SearchState
     race: tuple[tuple[str, SearchState], ...] = ()
     asking: bool = False
-    clicked: int = -1
-    answer: str = ""
+    answer: Answer = Answer()
+
+    @property
+    def ringed(self) -> IntArray:
+        """Nodes that may be visited next; none while they are to be guessed."""
+        return NO_NODES if self.asking and self.answer.right else self.state.candidates()
 
 
 def node_at(points: FloatArray, nodes: IntArray, origin: FloatArray, direction: FloatArray) -> int:
@@ -59,7 +78,7 @@ def node_at(points: FloatArray, nodes: IntArray, origin: FloatArray, direction: 
 
 
 def judge(state: SearchState, node: int) -> tuple[bool, str]:
-    """Check whether a node may be expanded next, and why, as HTML with the present numbers."""
+    """Check whether a node may be visited next, and why, as HTML with the present numbers."""
     if state.following < 0:
         return False, "The search has ended: nothing comes next."
     queue = state.trace.queue
@@ -71,11 +90,22 @@ def judge(state: SearchState, node: int) -> tuple[bool, str]:
     if not np.isfinite(state.cost[node]):
         return False, "it has not been reached: no edge leads there from a visited node."
     if node in state.closed:
-        return False, "it is closed: it has been visited, and its cost has not fallen since."
+        return False, "it has been visited, and its cost has not fallen since."
     if queue == "first_in":
         return False, "it waits, but others have waited longer: first in, first out."
     least = state.promise(np.array([state.following], np.int32))[0]
     return False, f"{_sum(state, node)}, and one that waits has only {format_length(float(least))}."
+
+
+def priorities(state: SearchState) -> FloatArray:
+    """What orders the open nodes (o,), least first: f, or the place in a line; 0 in rounds."""
+    if state.trace.queue == "best_first":
+        return state.promise(state.open)
+    places = np.zeros(len(state.cost))
+    if state.trace.queue == "first_in":
+        line = state.queue(len(state.open))
+        places[line] = np.arange(1, len(line) + 1)
+    return places[state.open]
 
 
 def labels(state: SearchState, node: int) -> tuple[str, str, str]:
@@ -106,14 +136,19 @@ def race_of(name: str) -> tuple[str, ...]:
     return first if name in first else (name, *first[:2])
 
 
+def formula(state: SearchState, g: str = "g", h: str = "h") -> str:
+    """The sum f that a best-first search makes least, such as ``g + h``."""
+    return " + ".join(
+        f"{_factor(k)}{x}" for k, x in zip(state.trace.factors, (g, h), strict=True) if k
+    )
+
+
 def _sum(state: SearchState, node: int) -> str:
     """Priority of one node, as a sum."""
-    a, b = state.trace.factors
     g, h, f = labels(state, node)
-    parts = [f"{_factor(k)}{x}" for k, x in ((a, g), (b, h)) if k]
-    names = [f"{_factor(k)}{x}" for k, x in ((a, "g"), (b, "h")) if k]
-    total = f" = {f}" if len(parts) > 1 or parts[0] != f else ""
-    return f"its f = {' + '.join(names)} = {' + '.join(parts)}{total}"
+    numbers = formula(state, g, h)
+    total = "" if numbers == f else f" = {f}"
+    return f"its f = {formula(state)} = {numbers}{total}"
 
 
 def _factor(k: float) -> str:

@@ -81,19 +81,22 @@ class SearchState:
             return self.open[few]
         return self.open[np.lexsort((self.open, promise))]
 
+    def candidates(self) -> IntArray:
+        """Open nodes, any of which is as good a choice as the one that is expanded next."""
+        if self.following < 0:
+            return NO_NODES
+        if self.trace.queue != "best_first":
+            return np.array([self.following], np.int32)
+        n = len(self.trace.arcs.points)
+        best = float(self.promise(np.array([self.following], np.int32))[0])
+        slack = WIDTH * float(np.abs(self.trace.arcs.rows.weights).max(initial=0.0))
+        same_side = (self.open < n) == (self.following < n)
+        equal = same_side & (self.promise(self.open) <= best + slack)
+        return np.asarray(self.open[equal | (self.open == self.following)], np.int32)
+
     def may_follow(self, node: int) -> bool:
         """Check whether a node is as good a choice as the one that is expanded next."""
-        if self.following < 0:
-            return False
-        if self.trace.queue != "best_first" or node == self.following:
-            return node == self.following
-        pair = np.array([node, self.following], np.int32)
-        if not np.isin(node, self.open):
-            return False
-        n = len(self.trace.arcs.points)
-        mine, best = self.promise(pair)
-        slack = WIDTH * float(np.abs(self.trace.arcs.rows.weights).max(initial=0.0))
-        return bool(mine <= best + slack and (node < n) == (self.following < n))
+        return node in self.candidates()
 
 
 def replay(trace: SearchTrace, step: int) -> SearchState:

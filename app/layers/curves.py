@@ -54,7 +54,7 @@ class CurvesLayer(Layer):
     def draw(self, frame: Frame) -> None:
         """Draw the plan's curves; none where there are none."""
         self._draw_curves(frame.plan)
-        self._all.fade(frame.outdated)
+        self._all.fade(not frame.current)
         self._lines["bspline"].visible = "bspline" in frame.shown
         self._lines["quadratic"].visible = self._violations.visible = "quadratic" in frame.shown
         self._polygon.visible = "control" in frame.shown

@@ -21,6 +21,8 @@ class HeadlineLayer(Layer):
         plan, content = frame.plan, ""
         if frame.theatre is None:
             content = blocks(stage_numbers(plan, frame.stage)) if frame.stage else headline(plan)
+        if frame.refused is not None:  # what is proven of the plan is not of what was asked for
+            content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'
         self._overlay.show("numbers", content)
 
 

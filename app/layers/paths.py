@@ -44,7 +44,7 @@ class PathsLayer(Layer):
         self._taut.visible = "taut" in frame.shown
         for name, line in self._lines.items():
             line.visible = name in frame.shown
-        self._all.fade(frame.outdated)
+        self._all.fade(not frame.current)
         if frame.plan.taut is not self._drawn_taut:
             self._drawn_taut = taut = frame.plan.taut
             longest = max(frame.plan.scene.workspace.size)

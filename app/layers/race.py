@@ -117,7 +117,7 @@ class RaceLayer(Layer):
         points, n = state.trace.arcs.points, len(state.trace.arcs.points)
         closed, front = few(state.closed, n), few(state.open, n)
         visited = scale_colours(_COLOURS, order_colours(state, closed))
-        waiting = np.tile(np.array(style.OPEN, np.uint8), (len(front), 1))
+        waiting = np.tile(np.array(style.WAITING[1], np.uint8), (len(front), 1))
         colours = np.concatenate([visited, waiting])
         nodes = np.concatenate([closed, front])
         size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))

@@ -10,7 +10,6 @@ from app import style
 from app.frame import Frame, Layer
 from app.layout import Layout
 from app.numbers import (
-    FASTEST_SHOWN,
     distance_to_show,
     format_count,
     format_excess,
@@ -79,26 +78,25 @@ def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
         old: results of an earlier plan for the searches that still follow.
     """
     results = _results(plan)
-    rows, times = [], []
+    rows = []
     for name, (label, colour) in style.ALGORITHMS.items():
         mark = style.swatch(colour, name)
         chosen = name == plan.scene.search.algorithm
         title = f'{mark}<span class="abi-name">{f"<b>{label}</b>" if chosen else label}</span>'
         if name not in results and name in old and plan.error is None:
-            *cells, time = (_OLD.format(cell) for cell in old[name])
+            cells = tuple(_OLD.format(cell) for cell in old[name])
         else:
-            *cells, time = results.get(name, _NOTHING)
+            cells = results.get(name, _NOTHING)
         rows.append((title, *cells))
-        times.append(time)
-    head = ("search", "path nodes", f"length [{plan.scene.unit}]", "nodes visited", "edges tried")
-    # one line, however long they took
-    return table(head, rows) + style.paragraph(f"Time, in this order: {', '.join(times)}.")
+    unit = plan.scene.unit
+    head = ("search", "path nodes", f"length [{unit}]", "nodes visited", "edges tried", "time")
+    return table(head, rows)
 
 
 def _time(ms: float) -> str:
     if ms == 0:  # it is not known
         return "–"
-    return format_time(ms) if ms >= FASTEST_SHOWN else f"&lt;{format_time(FASTEST_SHOWN)}"
+    return format_time(ms)
 
 
 @once_a_plan

@@ -1,27 +1,27 @@
-"""One search at one step: closed and open nodes, the current one, tree, path and numbers."""
+"""One search at one step: visited and waiting nodes, the current one, tree, path and numbers."""
 
 from __future__ import annotations
 
+from base64 import b64encode
+
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.scene.scene import Scene
-from abi.search.compare import COMPARED
 from abi.search.replay import SearchState, steps_of_changes
-from app import glb, style
+from app import glb, page, style
+from app.colour_scale import scale_colours
 from app.frame import Frame, Layer
 from app.layers.line_set import LineSet
 from app.layers.points import Points
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, add_line, segments
-from app.numbers import format_count, format_length, unbroken
-from app.table import table
-from app.theatre import Theatre, labels, where
+from app.numbers import unbroken
+from app.theatre import Theatre, formula, priorities
+from app.theatre_text import describe
 
 NODE_BUDGET = 20_000
 """Nodes of each kind that a tab is sent at the most."""
-_PLACES = ("next", "2nd", "3rd", "4th", "5th")
-"""Names of the nodes at the queue's head that are shown."""
 _MIX = np.uint64(2654435761)
 
 
@@ -29,7 +29,8 @@ class TheatreLayer(Layer):
     """Pictures of the frame's theatre; nothing while it has none."""
 
     def __init__(self, layout: Layout) -> None:
-        self._scene = scene = layout.client.scene
+        self._client, self._scene = layout.client, layout.client.scene
+        scene = self._scene
         with layout.search:
             self._text = layout.client.gui.add_html("", visible=False)
         self._clouds: dict[str, Points] = {}
@@ -38,6 +39,7 @@ class TheatreLayer(Layer):
         self._negative = add_line(scene, "/theatre/negative", style.VIOLATION, 6.0)
         self._cycle = add_line(scene, "/theatre/cycle", style.VIOLATION, 6.0)
         self._drawn: Theatre | None = None
+        self._told = False
 
     def draw(self, frame: Frame) -> None:
         """Draw the step; hide all where there is none, or while searches race."""
@@ -55,6 +57,10 @@ class TheatreLayer(Layer):
         if theatre is not None and alone:
             self._draw_state(theatre)
             self._text.content = unbroken(describe(theatre, frame.plan.scene))
+            page.call(self._client, "showNodes", _numbers(theatre, frame.plan.scene))
+        elif self._told:
+            page.call(self._client, "showNodes", None)
+        self._told = alone
         self._drawn = theatre
 
     def _draw_state(self, theatre: Theatre) -> None:
@@ -62,11 +68,12 @@ class TheatreLayer(Layer):
         points, n = state.trace.arcs.points, len(state.trace.arcs.points)
         size = _size(state)
         current, clicked = (
-            np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.clicked)
+            np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.answer.node)
         )
-        shown = {
+        waiting = few(state.open, n)
+        shown: dict[str, tuple[style.Colour | ByteArray, float, IntArray]] = {
             "closed": (style.CLOSED, size, few(state.closed, n)),
-            "open": (style.OPEN, 1.25 * size, few(state.open, n)),
+            "open": (_waiting_colours(state, waiting), 1.25 * size, waiting),
             "current": (style.MARK, 1.9 * size, current),
             "clicked": (style.POINT, 1.6 * size, clicked),
         }
@@ -80,6 +87,34 @@ class TheatreLayer(Layer):
         cycle = state.trace.cycle if state.done else state.trace.cycle[:0]
         self._cycle.points = segments(points[[*cycle, *cycle[:1]]])
         self._tree.draw(_tree(state))
+
+
+def _waiting_colours(state: SearchState, nodes: IntArray) -> ByteArray:
+    """Colours (k, 3) of open nodes: how soon they are visited, as things are."""
+    values = np.zeros(len(state.cost))
+    values[state.open] = priorities(state)
+    least, most = values[state.open].min(initial=np.inf), values[state.open].max(initial=0.0)
+    return scale_colours(style.WAITING, (values[nodes] - least) / max(most - least, 1e-9))
+
+
+def _numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
+    """What the page says of a node at the pointer, and which nodes it rings.
+
+    g and h of visited and waiting nodes are in the order in which these are drawn.
+    """
+    state = theatre.state
+    n = len(state.trace.arcs.points)
+    kinds = {"closed": few(state.closed, n), "open": few(state.open, n)}
+    both = {kind: np.stack([state.cost[k], state.to_go(k)], axis=1) for kind, k in kinds.items()}
+    best_first = state.trace.queue == "best_first"
+    return {
+        **{kind: b64encode(table.astype("<f4").tobytes()).decode() for kind, table in both.items()},
+        "ringed": np.flatnonzero(np.isin(kinds["open"], theatre.ringed)).tolist(),
+        "size": 1.25 * _size(state),
+        "factors": state.trace.factors if best_first else None,
+        "formula": formula(state),
+        "unit": scene.unit if scene.search.weight == "length" else "edges",
+    }
 
 
 def _tree(state: SearchState) -> bytes:
@@ -102,7 +137,7 @@ def few(nodes: IntArray, n: int) -> IntArray:
 
 
 def order_colours(state: SearchState, nodes: IntArray) -> FloatArray:
-    """Place of closed nodes (k,) in the whole search's order, from 0 (early) to 1 (late)."""
+    """Place of visited nodes (k,) in the whole search's order, from 0 (early) to 1 (late)."""
     if state.trace.queue == "rounds":
         turn = steps_of_changes(state.trace, state.step)
     else:
@@ -116,64 +151,3 @@ def _size(state: SearchState) -> float:
     points = state.trace.arcs.points
     box = points.max(axis=0) - points.min(axis=0)
     return 0.2 * float((box.prod() / len(points)) ** (1 / 3))
-
-
-def describe(theatre: Theatre, scene: Scene) -> str:
-    """The step in words and numbers, as HTML."""
-    unit = scene.unit
-    state = theatre.state
-    trace, n = state.trace, len(state.trace.arcs.points)
-    what = "round" if trace.queue == "rounds" else "step"
-    text = (
-        f"<b>{COMPARED[theatre.name].label}</b>, {what} {format_count(state.step)} of "
-        f"{format_count(trace.steps)}: "
-        f"{_swatch(style.CLOSED)}{format_count(len(state.closed))} visited (closed), "
-        f"{_swatch(style.OPEN)}{format_count(len(state.open))} waiting (open), "
-        f"{format_count(state.examined)} edges tried."
-    )
-    if state.done:
-        text += f" {_end(state, unit)}"
-    named = [
-        (f"{_swatch(style.MARK)}now", state.current, ""),
-        (f"{_swatch(style.POINT)}clicked", theatre.clicked, ""),
-    ]
-    if not theatre.asking and trace.queue != "rounds":
-        queue = state.queue(len(_PLACES)).tolist()
-        sides = (" ←" if node >= n else "" for node in queue)
-        named += zip(_PLACES, queue, sides, strict=False)
-    rows = [
-        (f"{name} {where(state, node)}{side}", *labels(state, node))
-        for name, node, side in named
-        if node >= 0
-    ]
-    text = style.paragraph(text)
-    if rows:
-        cost = unit if scene.search.weight == "length" else "edges"
-        text += table(
-            (f"node at [{unit}]", f"g so far [{cost}]", f"h to go [{cost}]", f"f [{cost}]"), rows
-        )
-    if theatre.asking and not state.done:
-        asked = "<b>Which node is visited next?</b> Click one of those that wait."
-        text += style.paragraph(asked)
-    if theatre.answer:
-        text += style.paragraph(theatre.answer)
-    return text
-
-
-def _end(state: SearchState, unit: str) -> str:
-    trace = state.trace
-    if len(trace.cycle):
-        return "<b>✗ Negative cycle</b> (red): each turn costs less, so there is no cheapest path."
-    if not len(trace.vertices):
-        return "<b>✗ No path.</b>"
-    found = f"<b>Path found:</b> {format_length(trace.length)} {unit}"
-    if trace.arcs.negative is not None:
-        found += f", cost {format_length(trace.cost)}"
-    return f"{found}."
-
-
-def _swatch(colour: style.Colour) -> str:
-    return (
-        '<span style="display:inline-block;width:9px;height:9px;border-radius:50%;margin-right:4px;'
-        f'background:{style.css(colour)}"></span>'
-    )

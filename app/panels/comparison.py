@@ -13,7 +13,7 @@ from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
 from abi.search.trace import SearchTrace
 from app import style
 from app.frame import Frame
-from app.numbers import FASTEST_SHOWN, format_count, format_length, with_minus
+from app.numbers import format_count, format_length, format_time, with_minus
 from app.panels.widgets import Wake, pressed
 from app.plan_before import PlanBefore
 from app.table import table
@@ -99,7 +99,7 @@ def _told(mended: Repair | None, a_star: Comparison) -> str:
 
 
 def _visited(trace: SearchTrace) -> str:
-    """Nodes expanded; of a search that goes over all edges in rounds, how many of these."""
+    """Nodes visited; of a search that goes over all edges in rounds, how many of these."""
     count = format_count(trace.steps)
     return f"{count} rounds" if trace.queue == "rounds" else count
 
@@ -124,8 +124,8 @@ def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
                 gap,
                 _visited(trace),
                 format_count(trace.relaxed),
-                f"{one.ms:.0f}" if one.ms >= FASTEST_SHOWN else f"&lt;{FASTEST_SHOWN:.0f}",
+                format_time(one.ms),
             )
         )
-    head = ("search", "edges", f"length [{unit}]", "gap", "visited", "tried", "ms")
+    head = ("search", "edges", f"length [{unit}]", "gap", "visited", "tried", "time")
     return f'<div style="zoom:.82">{table(head, rows)}</div>' + style.paragraph(_NOTE)

@@ -100,8 +100,7 @@ class Lecture:
                 command.disabled = not self.on
             page.call(self._layout.client, "lecture", self.on)
         content = self._strip() if self.on else ""
-        # a lesson asks what the counters would tell
-        if self.shows_search and not frame.lesson:
+        if self.shows_search:
             content = self._search.html(frame) + content
         self._layout.overlay.show("lecture", content)
 

@@ -123,19 +123,33 @@ def _progress(frame: Frame, still: bool = False) -> str:
     if plan.followed_arc is not None and plan.followed is not None:
         length = f"{format_length(plan.followed_arc.length)} {plan.scene.unit}"
         length = f": a {_whole(style.CURVES[plan.followed][0])} of {_whole(length)}"
-    # of code that was not compiled the time says nothing
-    took = f"took {_whole(format_time(max(plan.total_ms, 1)))} " if plan.total_ms else ""
+    took = f"took {_whole(format_time(max(time, 1)))} " if (time := _replan_ms(plan)) else ""
     did = f"{preview}{name} and {_whole('B-spline')} {took}on {plan.free.nodes:,} nodes{length}."
     if frame.lesson:  # it says itself what there is to do
         return did
     if frame.theatre is not None:
-        return "<b>A search, step by step.</b> Paths, curves and arm are hidden until you end it."
+        return (
+            "<b>A search, step by step.</b> Point at a node, or tap it, for its g, h and f. "
+            "Paths, curves and arm are hidden until you close it."
+        )
     if still:  # what there is to do stands below, and it is not to drag
         return did
     invitation = _invitation(plan, _OBSTACLES in frame.shown)
     if frame.demonstrates:
         invitation = f"A demonstration, until you touch something. {invitation}"
     return f"<b>{invitation}</b> {did}"
+
+
+def _replan_ms(plan: Plan) -> float:
+    """Time of all stages, [ms], also of those that an earlier pass over the same mesh has done.
+
+    0 where it is not known: of code that was not compiled the time says nothing.
+    """
+    left_out = set(style.ALGORITHMS) - {result.algorithm for result in plan.searches}
+    if plan.taut is None:
+        left_out.add("taut")
+    needed = plan.ms.get("mesh", 0.0), plan.ms.get("graph", 0.0), plan.total_ms
+    return sum(ms for name, ms in plan.ms.items() if name not in left_out) if all(needed) else 0.0
 
 
 def _whole(text: str) -> str:

@@ -92,7 +92,7 @@ class PlaybackPanel:
                 self.slider.value = scrubbed
             self._time, self._written, self.playing = scrubbed, scrubbed, False
         shown = min(max(self._time, 0.0), duration)
-        if not self.playing and abs(shown - self._written) >= 0.05:
+        if not self.playing and (abs(shown - self._written) >= 0.05 or self._written > end):
             self._written = round(shown, 2)
             self.slider.value = self._written
             self._sent = now

@@ -12,6 +12,7 @@ from app.numbers import format_count
 from app.overlay import button
 from app.panels.theatre import TheatrePanel
 from app.panels.widgets import hidden_button
+from app.theatre_text import legend
 
 
 class SearchStrip:
@@ -24,10 +25,16 @@ class SearchStrip:
         self._end = hidden_button(gui, "Search: end", theatre.end)
 
     def html(self, frame: Frame) -> str:
-        """The row; empty where no search is stepped through."""
+        """The row; empty where no search is stepped through.
+
+        Of a lesson that is gone through the legend alone: it asks what the counters would tell.
+        """
         theatre = frame.theatre
         if theatre is None:
             return ""
+        meaning = "" if theatre.race else legend(theatre, frame.lesson)
+        if frame.lesson:
+            return meaning
         state = theatre.state
         playing = "Pause" if self._theatre.playing else "Play"
         if theatre.race:
@@ -39,11 +46,12 @@ class SearchStrip:
         text = f"{title}: {format_count(step)} of {format_count(steps)}"
         if theatre.asking and not state.done:
             text += ". Which node next?"
-        answer = f'<div class="abi-card">{theatre.answer}</div>' if theatre.answer else ""
+        said = theatre.answer.text
+        answer = f'<div class="abi-card">{said}</div>' if said else ""
         return (
-            f'{answer}<div class="abi-card abi-buttons">'
+            f'{answer}{meaning}<div class="abi-card abi-buttons">'
             f"{button(self._back, '◀', hint='One step back (B)')}<b>{text}</b>"
             f"{button(self._forward, '▶', hint='One step forward (N)')}"
             f"{button(self._theatre.play, playing, hint='Play the search (P)')}"
-            f"{button(self._end, 'End', hint='Shows paths, curves and arm again')}</div>"
+            f"{button(self._end, 'Close search', hint='Shows paths, curves and arm again')}</div>"
         )

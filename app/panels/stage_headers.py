@@ -58,6 +58,9 @@ class StageHeaders:
             return
         self._drawn = state
         results = dict(_results(plan))
+        if frame.refused is not None:
+            # what is true of the plan is not of what was asked for
+            results = {name: result.removesuffix(" ✓") for name, result in results.items()}
         if (stage := _stage(frame.refused)) is not None:
             results[stage] = "not changed ✗"
         for stage, result in results.items():
@@ -87,8 +90,7 @@ def _results(plan: Plan) -> dict[str, str]:
         if fit is None or arc is None:
             continue
         if fit.holds or math.isinf(fit.clearance.distance):
-            sign = "✗" if stage == "quadratic" and fit.note else "✓"
-            results[stage] = f"{format_length(arc.length)} {plan.scene.unit} {sign}"
+            results[stage] = f"{format_length(arc.length)} {plan.scene.unit} ✓"
         else:
             results[stage] = "too close ✗" if fit.clearance.nearest > 0 else "collides ✗"
     results["arm"] = arm_result(plan)

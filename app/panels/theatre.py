@@ -21,7 +21,7 @@ from app import notices, style
 from app.frame import Frame
 from app.lessons.lesson import SearchCue
 from app.panels.widgets import Wake, clamp
-from app.theatre import Theatre, judge, node_at, one_way_search, race_of, where
+from app.theatre import Answer, Theatre, judge, node_at, one_way_search, race_of, where
 from app.theatre_searches import TheatreSearches
 
 FRAME = 1 / 20
@@ -30,7 +30,8 @@ SPEEDS = {"2 steps a second": 2.0, "10 steps a second": 10.0, "all in 10 s": 0.0
 _ALL_IN = 10.0
 _INTRO = style.paragraph(
     f"Watch any of {len(COMPARED)} searches node by node: what it has visited, what waits, and "
-    "what comes next. Or run them all on this grid and compare."
+    "what comes next. Or run them all on this grid and compare. Lesson 3, in <i>Learn</i>, begins "
+    "with a grid on which no two nodes tie."
 )
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
 _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
@@ -86,7 +87,7 @@ class TheatrePanel:
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
         self._searches = TheatreSearches()
-        self._answer: tuple[int, str] = (-1, "")
+        self._answer = Answer()
         self._last: Theatre | None = None
         self._seen: tuple[object, ...] = ()
         for widget in (self.on, self.algorithm, self.weight, self.edges, self.step):
@@ -167,7 +168,7 @@ class TheatrePanel:
             if frame.interactive or frame.partial or frame.outdated:
                 return None
             self._searches, self._last = TheatreSearches(plan), None
-            self._answer = (-1, "")  # a node of another graph
+            self._answer = Answer()  # the node was one of another graph
         name, trace = self._trace_of(self.chosen)
         racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
         steps = max([trace.steps, *(other.steps for _, other in racing)])
@@ -236,11 +237,12 @@ class TheatrePanel:
             self.playing = self._position < steps
         before = self._written
         self._position = clamp(self._position, 0.0, float(steps))
-        if self._click is not None:
+        clicked = self._click is not None
+        if clicked:
             self._take(trace, asking)
         step = int(self._position)
-        if step != before and not asking:
-            self._answer = (self._answer[0], "") if self._answer[1] else self._answer
+        if step != before and not clicked:
+            self._answer = Answer(self._answer.node)
         if self.step.value != step:
             self.step.value = step
         self._written = step
@@ -259,12 +261,12 @@ class TheatrePanel:
             node = node_at(points, reached, origin, direction)
         if node < 0:
             return
-        self._answer = (node, "")
+        self._answer = Answer(node)
         if not asking or trace.queue == "rounds":
             return
         right, why = judge(state, node)
         word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
-        self._answer = (node, f"The node at {where(state, node)}. {word} {why}")
+        self._answer = Answer(node, f"The node at {where(state, node)}. {word} {why}", right)
         self._position += right
 
     def _view(
@@ -272,11 +274,13 @@ class TheatrePanel:
     ) -> Theatre:
         step, last = self._written, self._last
         asking = bool(self.ask.value) and not racing
+        if self._answer.node >= trace.sides * len(trace.arcs.points):
+            self._answer = Answer()  # of a search from both ends, which has more
         if (
             last is not None
             and last.state.trace is trace
             and last.state.step == min(step, trace.steps)
-            and (last.clicked, last.answer, last.asking) == (*self._answer, asking)
+            and (last.answer, last.asking) == (self._answer, asking)
             and tuple(state.trace for _, state in last.race) == tuple(one for _, one in racing)
             and all(state.step == min(step, state.trace.steps) for _, state in last.race)
         ):
@@ -286,10 +290,7 @@ class TheatrePanel:
             state=replay(trace, min(step, trace.steps)),
             race=tuple((other, replay(one, min(step, one.steps))) for other, one in racing),
             asking=asking,
-            clicked=self._answer[0]
-            if self._answer[0] < trace.sides * len(trace.arcs.points)
-            else -1,
-            answer=self._answer[1],
+            answer=self._answer,
         )
 
     def _toggle(self, event: Any) -> None:

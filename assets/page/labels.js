@@ -104,7 +104,7 @@ window.abiLabels = {
   watch({scene}) {
     if (!scene || scene === this.scene) return;
     this.scene = scene;
-    scene.onAfterRender = () => window.abiLabels.place();
+    scene.onAfterRender = () => (window.abiLabels.place(), window.abiNodes.draw());
   },
 
   place() {

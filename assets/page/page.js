@@ -133,6 +133,8 @@ window.abi = {
     this.parts[part] = html;
     this.overlay().querySelector(`[data-part=${part}]`).innerHTML = html;
   },
+  // What assets/page/nodes.js tells of a search's nodes; null for none.
+  showNodes(numbers) { window.abiNodes.show(numbers); },
   clear() {
     this.parts = {};
     document.getElementById("abi-overlay")?.remove();
@@ -308,6 +310,7 @@ window.abi = {
   // The time of the motion and its end, [s]; a slider that is held stays with the hand.
   clock(time, end, playing) {
     this.playing = playing;
+    this.shown = null;  // where the page's own clock runs, it says its time at once
     this.face(time, end);
   },
   face(time, end) {
@@ -508,6 +511,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   font-variant-numeric: tabular-nums; white-space: nowrap;
 }
 #abi-overlay .abi-numbers span { font-size: clamp(11px, min(2.3cqw, 2.5vh), 16px); }
+#abi-overlay .abi-old { opacity: .55; }
 #abi-overlay [data-part=numbers] { align-self: flex-start; }
 #abi-overlay .abi-player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; }
 #abi-overlay .abi-track { flex: 1 1 90px; min-width: 0; padding: 6px 0; }
@@ -616,6 +620,23 @@ body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-par
   .mantine-Notifications-root {
   top: 45vh !important; max-height: calc(55vh - 60px);  /* not over a question, the tour, a challenge, or why there is no path */
 }
+/* a search that is stepped through: its legend, rings around nodes, and the node that is pointed at */
+#abi-overlay .abi-legend { display: flex; flex-wrap: wrap; gap: 2px 14px; align-self: flex-start; font-size: 13px; }
+#abi-overlay.abi-lecture .abi-legend { font-size: inherit; }
+.abi-disc { display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 4px; }
+.abi-ring { width: 7px; height: 7px; border: 2px solid light-dark(#111, #fff); margin-right: 4px; vertical-align: -1px; }
+.abi-scale { display: inline-block; width: 44px; height: 9px; border-radius: 4px; margin: 0 3px; }
+.abi-rings { position: absolute; inset: 0; width: 100%; height: 100%; pointer-events: none; }
+.abi-rings circle { fill: none; stroke: light-dark(#111, #fff); stroke-width: 2; }
+.abi-rings circle.abi-pointed { stroke: #1f84d6; stroke-width: 3; }
+#abi-overlay .abi-node {
+  position: absolute; left: 0; top: 0; z-index: 1; pointer-events: none; font-size: 13px; white-space: nowrap;
+  border: 1px solid rgba(128, 128, 128, .5); font-variant-numeric: tabular-nums;
+}
+.abi-node td { padding: 0 8px 0 0; }
+.abi-node td:last-child { padding: 0; text-align: right; }
+.abi-table tr.abi-pointed { background: color-mix(in srgb, #1f84d6 22%, transparent); }
+.abi-table tr:has([data-place]) { cursor: pointer; }
 .abi-now {
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;
   pointer-events: none;

@@ -64,4 +64,4 @@ def test_lengths_and_numbers_of_edges_are_not_compared() -> None:
             name for name, count in visited.items() if not count.replace(",", "").isdigit()
         ] == ["Bellman-Ford, by rounds"]
         assert visited["Bellman-Ford, by rounds"].endswith(" rounds")
-        assert all(row[6] == "&lt;1" or float(row[6]) >= 1 for row in cells if row)
+        assert all(row[6].endswith(("µs", "ms", " s")) for row in cells if row)

@@ -230,7 +230,7 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     fake.set(panel.choice, panel._titles()[2])
     until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
     assert session.frame.theatre is not None
-    assert session.frame.theatre.state.step == 60
+    assert session.frame.theatre.state.step == 24
     fake.set(panel.next, True)
     fake.set(panel.answers[0], True)
     until(lambda: "✗ No." in panel._reply.content)
@@ -311,7 +311,7 @@ def test_a_search_that_is_stepped_through_is_told_of_and_ended_over_the_scene(
     shown = panels.layout.overlay.shown
     fake.set(panels.theatre.on, True)
     until(lambda: "A search, step by step." in shown["message"])
-    assert ">End</button>" in shown["lecture"]
+    assert ">Close search</button>" in shown["lecture"]
     fake.set(panels.lecture._search._end, True)
     until(lambda: session.frame.theatre is None and "Drag the orange box." in shown["message"])
     assert not panels.theatre.on.value

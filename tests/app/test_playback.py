@@ -110,3 +110,20 @@ def test_the_page_goes_to_the_moment_at_which_links_turn_red(
     other = replace(first.plan, motion=replace(made.motion))  # type: ignore[type-var]
     layer.draw(replace(first, plan=other, time=1.2))
     assert told[3:] == [("play", 1.2)]
+
+
+def test_the_clock_never_passes_the_end_of_a_motion_that_became_shorter(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, session = tab
+    panel = _panel(session, None, "real time")
+    told: list[tuple[float, float]] = []
+    monkeypatch.setattr(
+        panel._overlay, "set_clock", lambda time, end, playing: told.append((time, end))
+    )
+    panel.restore(2.78, False)
+    for duration in (2.781, 2.75, 2.7499, 2.6, 3.0, 0.0):
+        panel.advance(duration)
+        time, end = told[-1]
+        assert time <= end
+        assert panel.slider.value <= end

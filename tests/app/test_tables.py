@@ -11,11 +11,12 @@ from types import SimpleNamespace
 import pytest
 
 import abi
+from abi.errors import SceneError
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
 from app.frame import Frame
-from app.layers.tables import TablesLayer, _searches
-from app.panels.messages import _progress
+from app.layers.tables import TablesLayer, _searches, _stages
+from app.panels.messages import _progress, _replan_ms
 from app.panels.stage_headers import StageHeaders
 
 
@@ -24,12 +25,10 @@ def test_the_table_is_as_high_however_long_the_searches_took(ms: float) -> None:
     plan = abi.Planner()(load_scene("paper"))
     slow = replace(plan, ms=dict.fromkeys(plan.ms, ms))
     told, usual = (unescape(re.sub(r"<.*?>", " ", _searches(one, {}))) for one in (slow, plan))
-    times = re.compile(r"Time, in this order: (.*)\.")
-    (line,), (usual_line,) = times.findall(told), times.findall(usual)
+    times = re.compile(r"\d[\d.]* (?:µs|ms|s)\b")
     assert times.sub("", told) == times.sub("", usual)
-    assert len(line.split(", ")) == len(usual_line.split(", ")) == len(plan.searches)
-    # of some 55 letters that a line of the panel has
-    assert len(f"Time, in this order: {line}.") < 48
+    assert len(times.findall(told)) == len(times.findall(usual)) == len(plan.searches)
+    assert max(map(len, times.findall(told))) <= 6
 
 
 class _Tables:
@@ -95,3 +94,44 @@ def test_a_preview_is_marked_once() -> None:
         assert _progress(frame).count("≈") == coarse
     assert labels[0] == labels[1]
     assert _progress(Frame(plan, partial=True)).count("≈") == 1
+
+
+def test_a_heading_and_the_table_judge_the_quadratic_alike() -> None:
+    for name in ("paper", "forest", "two-boxes"):
+        made = abi.Planner()(load_scene(name))
+        assert made.quadratic is not None
+        fit = made.quadratic
+        noted = replace(made, quadratic=replace(fit, note="The arm cannot follow it."))
+        for plan in (made, noted):
+            folders = _headings(Frame(plan))
+            assert ("✓" in folders["quadratic"]) == fit.holds
+            row = _stages(plan).split("quadratic")[1].split("</tr>")[0]
+            assert ("✓" in row) == ("✓" in folders["quadratic"])
+
+
+def test_after_a_refused_change_no_result_is_called_good() -> None:
+    plan = abi.Planner()(load_scene("paper"))
+    error = SceneError("spline.degree", 9, "at most 5")
+    folders = _headings(Frame(plan, refused=error))
+    assert "✓" in str(_headings(Frame(plan)))
+    assert "✓" not in str(folders)
+    assert "not changed ✗" in folders["bspline"]
+
+
+def test_the_time_told_is_that_of_all_stages() -> None:
+    planner, scene = abi.Planner(), load_scene("paper").replace(mesh={"pitch": 0.5})
+    first = planner(scene, chosen_only=True)
+    second = planner(scene)  # does what was left
+    assert _replan_ms(second) > _replan_ms(first) > first.ms["mesh"] + first.ms["graph"]
+    third = planner(scene)  # has nothing to do
+    assert third.total_ms < _replan_ms(third) == _replan_ms(second)
+    assert _replan_ms(replace(third, ms=dict.fromkeys(third.ms, 0.0))) == 0
+
+
+def _headings(frame: Frame) -> dict[str, str]:
+    gui = SimpleNamespace(
+        add_html=lambda *_, **__: None, add_folder=lambda label, **_: SimpleNamespace(label=label)
+    )
+    headers = StageHeaders(gui)  # type: ignore[arg-type]
+    headers.draw(frame)
+    return {stage: str(folder.label) for stage, folder in headers.folders.items()}

@@ -11,9 +11,11 @@ from abi.search.compare import COMPARED
 from abi.search.replay import SearchState, replay
 from app import style
 from app.layers.race import RaceLayer
-from app.layers.theatre import NODE_BUDGET, TheatreLayer, describe, few, order_colours
+from app.layers.theatre import NODE_BUDGET, TheatreLayer, few, order_colours
+from app.lessons.lesson import load_lessons, scene_of
 from app.session import Session
-from app.theatre import Theatre, judge, node_at, race_of
+from app.theatre import Answer, Theatre, judge, node_at, priorities, race_of
+from app.theatre_text import describe, legend
 from tests.app.fake_tab import FakeTab, drawn_points, layer, until
 
 PLAN = plan(load_scene("paper"))
@@ -48,7 +50,7 @@ def test_guesses_are_judged_with_a_reason(name: str) -> None:
         assert judge(state, state.following)[0]
         right, why = judge(state, int(state.closed[0]))
         assert not right
-        assert "closed" in why
+        assert "has been visited" in why
         unreached = int(np.flatnonzero(~np.isfinite(state.cost))[0])
         assert "not been reached" in judge(state, unreached)[1]
     end = replay(state.trace, state.trace.steps)
@@ -66,12 +68,53 @@ def test_a_sum_is_what_the_search_makes_least() -> None:
 def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
     state = state_of(name, 5)
     text = describe(Theatre(name, state), PLAN.scene)
-    assert f"{len(state.open)} waiting (open)" in text
+    assert f"{len(state.open)} waiting" in text
     assert COMPARED[name].label in text
     end = replay(state.trace, state.trace.steps)
     assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), PLAN.scene)
     shares = order_colours(end, end.closed)
     assert 0 <= shares.min() <= shares.max() <= 1
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_nodes_that_may_be_next_are_the_least_of_what_orders_them(name: str) -> None:
+    for step in (0, 1, 4, 9):
+        state = state_of(name, min(step, COMPARED[name].find(search_task(PLAN)).steps - 1))
+        if state.trace.queue == "rounds":
+            assert not Theatre(name, state).ringed.size
+            continue
+        ringed, values = set(Theatre(name, state).ringed.tolist()), priorities(state)
+        assert state.following in ringed
+        least = {int(n) for n, x in zip(state.open, values, strict=True) if x <= values.min()}
+        # a search from both ends alternates between two orders
+        assert state.trace.sides == 2 or least <= ringed
+        text = legend(Theatre(name, state))
+        assert ("tie" in text) == (len(ringed) > 1)
+        assert ("tie for the least" in describe(Theatre(name, state), PLAN.scene)) == (
+            len(ringed) > 1
+        )
+
+
+def test_a_guess_is_not_given_away_until_it_was_wrong() -> None:
+    state = state_of("a_star", 6)
+    wrong = Answer(int(state.closed[0]), "no", right=False)
+    assert Theatre("a_star", state, asking=True).ringed.size == 0
+    assert Theatre("a_star", state, asking=True, answer=Answer(3, "yes")).ringed.size == 0
+    assert state.following in Theatre("a_star", state, asking=True, answer=wrong).ringed
+    assert "next" not in legend(Theatre("a_star", state, asking=True))
+
+
+def test_on_the_grid_of_the_lesson_on_searches_no_two_nodes_tie() -> None:
+    lesson, folder = load_lessons(None)["03-search"]
+    setting = lesson.steps[0].set
+    assert setting is not None
+    task = search_task(plan(scene_of(setting, PLAN.scene, folder)))
+    trace = COMPARED["a_star"].find(task)
+    assert trace.steps > 15
+    assert all(len(replay(trace, step).candidates()) == 1 for step in range(trace.steps))
+    assert setting.search is not None
+    shown = replay(COMPARED["dijkstra"].find(task), setting.search.step or 0)
+    assert len(shown.candidates()) == 1
 
 
 def test_of_many_nodes_the_same_part_is_drawn_at_every_step() -> None:

@@ -5,7 +5,52 @@ from __future__ import annotations
 import numpy as np
 
 from app.session import Session
+from app.theatre import labels
 from tests.browser.page import Page
+
+_CARD = ".abi-node:not([hidden])"
+
+
+def test_a_node_that_is_pointed_at_tells_g_h_and_f(page: Page, session: Session) -> None:
+    page.click("Search")
+    page.tick("step through a search", True)
+    page.reads("step 0 of")
+    page.set_number("step", 12)
+    page.reads("step 12 of")
+    assert session.frame.theatre is not None
+    state = session.frame.theatre.state
+    pixels = {
+        node: page.pixel("/workspace", state.trace.arcs.points[node].tolist())
+        for node in state.open.tolist()
+    }
+    alone = next(
+        node
+        for node, pixel in pixels.items()
+        if page.is_free(pixel)
+        and all(
+            other == node or np.hypot(*np.subtract(pixel, at)) > 30 for other, at in pixels.items()
+        )
+    )
+    page.tab.mouse.move(*pixels[alone])
+    card = page.tab.locator(_CARD)
+    page.until(card.is_visible, "the node's numbers")
+    for number in labels(state, alone):
+        assert number in card.inner_text()
+    rings = page.tab.locator(".abi-rings circle:not(.abi-pointed)")
+    assert rings.count() == len(state.candidates())
+    page.tab.mouse.move(5, 5)  # over a panel
+    page.until(lambda: not card.is_visible(), "no node's numbers")
+
+    row = page.tab.locator("tr:has([data-place])").nth(1)
+    row.hover()
+    page.until(card.is_visible, "the numbers of the row's node")
+    for number in labels(state, state.following):
+        assert number in card.inner_text()
+    assert "abi-pointed" in (row.get_attribute("class") or "")
+    page.click("to start")
+    page.reads("step 0 of")
+    page.tick("step through a search", False)
+    page.until(lambda: rings.count() == 0, "no rings")
 
 
 def test_a_search_is_stepped_guessed_and_raced(page: Page, session: Session) -> None:
