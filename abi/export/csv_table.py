@@ -7,12 +7,14 @@ import io
 
 import numpy as np
 
-from abi.export.joint_trajectory import motion_of
+from abi.export.joint_trajectory import is_marked, motion_of, motion_state
 from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
     """Write time, joints, tool position and tool velocity, with units in the header.
+
+    A motion that is not proven clear, or passes limits, says so in one more column.
 
     Raises:
         ExportError: there is no motion.
@@ -24,7 +26,9 @@ def write(plan: Plan, name: str) -> bytes:
     speeds = [f"v{axis} [{unit}/s]" for axis in "xyz"]
     text = io.StringIO(newline="")
     table = csv.writer(text)
-    table.writerow(["time [s]", *joints, *places, *speeds])
+    state = motion_state(plan) if is_marked(plan) else ""
+    table.writerow(["time [s]", *joints, *places, *speeds, *filter(None, [state and "state"])])
     columns = motion.time[:, None], motion.positions, motion.tool, motion.velocity
-    table.writerows(np.hstack(columns).tolist())
+    rows = np.hstack(columns).tolist()
+    table.writerows([[*row, state] for row in rows] if state else rows)
     return text.getvalue().encode()

@@ -105,17 +105,21 @@ def format_of(path: Path) -> str:
     return endings[max(fitting, key=len)]
 
 
-def export(plan: Plan, path: str | Path, format: str | None = None) -> None:
+def export(
+    plan: Plan, path: str | Path, format: str | None = None, *, allow_unproven: bool = False
+) -> None:
     """Write a plan to a file, whole or not at all.
 
     Args:
         plan: the plan.
         path: file to write; an existing file is replaced.
         format: a name in :data:`FORMATS`; None for what the file's ending means.
+        allow_unproven: whether to write the motion of a plan that has an error, as one that
+            collides has.
 
     Raises:
-        ExportError: there is no such format, it cannot hold the plan, or the file cannot be
-            written.
+        ExportError: there is no such format, it cannot hold the plan, the plan has an error and its
+            motion was not asked for all the same, or the file cannot be written.
     """
     require_plan(plan)
     if not isinstance(path, str | os.PathLike):
@@ -126,7 +130,14 @@ def export(plan: Plan, path: str | Path, format: str | None = None) -> None:
     if format not in tuple(FORMATS):
         known = ", ".join(FORMATS)
         raise ExportError(f"The format is {format!r}; expected one of {known}.")
-    content = FORMATS[format].write(plan, path.name)
+    row = FORMATS[format]
+    moves = plan.motion is not None and row.holds_motion
+    if plan.error is not None and moves and not allow_unproven:
+        raise ExportError(
+            f"The plan has an error: {plan.error.message}",
+            "Pass allow_unproven=True to write its motion all the same.",
+        )
+    content = row.write(plan, path.name)
     try:
         replace_file(path, content)
     except (OSError, ValueError) as error:

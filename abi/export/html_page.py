@@ -95,7 +95,7 @@ def _steps(plan: Plan) -> list[dict[str, Any]]:
     if plan.path is not None:
         chosen = COMPARED[plan.path.algorithm].label
         length = _length(plan.path.length, unit)
-        text = f"{plan.path.expanded:,} nodes expanded, dark first; the path is {length} long."
+        text = f"{plan.path.expanded:,} nodes visited, dark first; the path is {length} long."
         search = _step("3 Search", f"The shortest path, by {chosen}", text, ["search"])
         steps.append(search | {"bar": "search", "seconds": _SEARCH_SECONDS})
     if plan.taut is not None:
@@ -121,9 +121,10 @@ def _step(name: str, title: str, text: str, draw: list[str]) -> dict[str, Any]:
 def _arm_step(plan: Plan, followed: str, duration: float) -> dict[str, Any]:
     """The last stage: whether the whole arm is clear, or what it touches when and how deep."""
     faults = [*arm_faults(plan), *filter(None, [limits_warning(plan)])]
+    unproven = "The motion is NOT proven clear. " if arm_faults(plan) else ""
     name = {"bspline": "B-spline"}.get(followed, followed)
     text = f"The arm follows the {name}. " + (
-        f"✗ {' '.join(faults)}" if faults else clearance_sentence(plan)
+        f"✗ {unproven}{' '.join(faults)}" if faults else clearance_sentence(plan)
     )
     step = _step("6 Arm ✗" if faults else "6 Arm", "The motion", text, [followed, "arm"])
     return step | {"bar": "time", "seconds": duration}

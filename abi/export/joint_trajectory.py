@@ -45,6 +45,11 @@ def motion_of(plan: Plan) -> ArmMotion:
     return plan.motion
 
 
+def is_marked(plan: Plan) -> bool:
+    """Whether the motion is not proven clear, or passes limits of the joints."""
+    return bool(arm_warning(plan) or limits_warning(plan))
+
+
 def motion_state(plan: Plan) -> str:
     """Sentences that a file of the motion carries: whether the arm is clear, and limits passed."""
     warning = arm_warning(plan)

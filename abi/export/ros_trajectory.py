@@ -10,21 +10,24 @@ import json
 import math
 from typing import Any
 
-from abi.export.joint_trajectory import joint_trajectory, motion_state
+from abi.export.joint_trajectory import is_marked, joint_trajectory, motion_state
 from abi.planner.plan import Plan
 from abi.scene.scene_file import yaml_text
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The message; JSON where ``name`` ends so, else YAML, which says whether the arm is clear.
+    """The message; JSON where ``name`` ends so, else YAML. Lengths in [m].
 
-    Lengths in [m].
+    YAML says in a comment whether the arm is clear. JSON has no comments: there a motion that is
+    not has a field more, so that a program that takes nothing but the message refuses it.
 
     Raises:
         ExportError: there is no motion that the arm can execute.
     """
     message = _message(plan)
     if name.lower().endswith(".json"):
+        if is_marked(plan):
+            message = {"state": motion_state(plan), **message}
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
     return f"# {motion_state(plan)}\n{yaml_text(message, width=4096)}".encode()
 

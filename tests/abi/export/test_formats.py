@@ -84,7 +84,9 @@ def test_the_table_is_the_motion_to_the_last_bit(planned: Plan) -> None:
 
 
 def test_the_json_is_the_full_plan(planned: Plan) -> None:
-    assert json.loads(content(planned, "json")) == planned.to_dict(full=True)
+    written = json.loads(content(planned, "json"))
+    assert "proven clear" in written["arm"].pop("state")
+    assert written == planned.to_dict(full=True)
 
 
 @pytest.mark.slow
@@ -442,7 +444,28 @@ def test_every_file_of_a_motion_tells_what_its_arm_touches(planned: Plan) -> Non
         (record,) = make_reader(io.BytesIO(content(result, "mcap"))).iter_metadata()
         assert words in record.metadata["state"]
     assert worst in content(wall, "html").decode()
+    for name in ("csv", "json", "ros", "ros-json", "html"):
+        assert "NOT proven clear" in content(wall, name).decode()
+        assert "NOT proven clear" not in content(planned, name).decode()
     assert json.loads(content(wall, "json"))["arm"]["contacts"]
+    header, *rows = csv.reader(io.StringIO(content(wall, "csv").decode(), newline=""))
+    assert header[-1] == "state"
+    assert all(worst in row[-1] for row in rows)
+
+
+def test_a_plan_with_an_error_writes_no_motion_unless_asked(tmp_path: Path) -> None:
+    collides = plan(load_scene("wrong-elbow").replace(arm={"elbow": "up"}))
+    assert collides.error is not None
+    assert collides.motion is not None
+    for name in ("csv", "json", "ros", "ros-json", "html"):
+        path = tmp_path / FORMATS[name].file
+        with pytest.raises(ExportError, match="has an error") as refusal:
+            formats.export(collides, path, name)
+        assert "allow_unproven=True" in refusal.value.hint
+        assert not path.exists()
+        formats.export(collides, path, name, allow_unproven=True)
+        assert "NOT proven clear" in path.read_text(encoding="utf-8")
+    formats.export(collides, tmp_path / "obstacles.scene", "moveit")  # which holds no motion
 
 
 @pytest.mark.parametrize(
