@@ -212,6 +212,7 @@ class Plan(ReadOnlyCopies):
             ),
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),
+            "notes": list(self.scene.notes),
         }
 
 

@@ -164,6 +164,13 @@ class Scene(Settings):
             files[self.arm.urdf] = self.arm.robot.archive
         return MeshSource(files)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on its mesh files: their units, and what of them is left out or repaired."""
+        shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
+        sentences = (f"{shape.file}: {note}" for shape in shapes for note in shape.notes)
+        return tuple(dict.fromkeys(sentences))
+
     def replace(self, files: Mapping[str, bytes | Surface] | None = None, **changes: Any) -> Self:
         """Return a copy with changed fields, or the scene itself if nothing differs.
 

@@ -48,6 +48,8 @@ def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scen
         print_text(text)
     else:
         write_text(out, text)
+    for note in result.scene.notes:
+        click.echo(note, err=True)
     if result.error is not None:
         explained = reason or result.error
         click.echo(f"{explained.message} {explained.hint}", err=True)
