@@ -1,19 +1,23 @@
-"""A serial chain of a robot's joints, from its base to the tip that is the tool."""
+"""A chain of a robot's joints, from its base to the tip that is the tool, and what it carries.
+
+Every link is posed from the full state of the joints: one beside the chain that follows one of the
+chain, directly or not, moves with it; all others are held.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
-import scipy
 
 from abi import arguments
 from abi.arm.chain_kernels import POSE, ChainTable, chain_poses
 from abi.arm.follow_path_kernels import Drift, follow_path
 from abi.arrays import FloatArray, ReadOnlyCopies, ShortRepr, flat, read_only
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
+from abi.robot.held_joints import NOT_HELD, planned_joints, positions_held
 from abi.robot.robot import Joint, Robot, joints_to
 
 _MOST_ITERATIONS = 40
@@ -42,7 +46,8 @@ class Chain(ShortRepr):
 
     Attributes:
         robot: the robot that it belongs to.
-        joints: the m joints that move it, from the base on.
+        joints: the m joints that move: those between base and tip, from the base on, then those
+            beside them that follow one of the n coordinates, parents before children.
         names: names of the n coordinates.
         table: the chain in the format of the kernels.
         limits: lowest and highest of each coordinate, shape (n, 2).
@@ -50,6 +55,7 @@ class Chain(ShortRepr):
         efforts: largest torque or force of each, (n,); inf where none is known.
         slides: which coordinates are lengths, (n,).
         carried: every link, whether it is fixed to the base or moved by a joint.
+        held: positions of the joints that can move but stand still, [rad] or [m].
     """
 
     robot: Robot
@@ -61,6 +67,7 @@ class Chain(ShortRepr):
     efforts: FloatArray
     slides: tuple[bool, ...]
     carried: tuple[Carried, ...]
+    held: Mapping[str, float]
 
     @classmethod
     def of(
@@ -70,6 +77,7 @@ class Chain(ShortRepr):
         position: Vec3 = (0.0, 0.0, 0.0),
         axis: Vec3 | None = None,
         wxyz: Quaternion = UNTURNED,
+        held: Mapping[str, float] = NOT_HELD,
     ) -> Self:
         """The chain from the robot's root to a tip.
 
@@ -79,28 +87,36 @@ class Chain(ShortRepr):
             position: of the root, world, [m].
             axis: direction that the tip's z axis is held to, world; None for any.
             wxyz: how the root is turned, as a quaternion.
+            held: positions of joints beside the chain, by name, [rad] or [m]; the others rest
+                nearest to 0.
 
         Raises:
-            SceneError: there is no such tip, or no joint moves it.
+            SceneError: there is no such tip, no joint moves it, or a joint cannot be held there.
         """
-        way = joints_to(robot, tip)
-        joints = tuple(joint for joint in way if joint.kind != "fixed")
-        by_name = {joint.name: joint for joint in robot.joints}
-        names = tuple(dict.fromkeys(_coordinate(joint) for joint in joints))
+        way = tuple(joint for joint in joints_to(robot, tip) if joint.kind != "fixed")
+        names = planned_joints(robot, tip)
+        beside = (one for one in robot.joints if one.kind != "fixed" and one not in way)
+        joints = (*way, *(joint for joint in beside if joint.coordinate in names))
+        still = positions_held(robot, names, held)
         base = np.eye(4)
         base[:3, :3], base[:3, 3] = rotation(wxyz), position
-        origins, last = _origins(way, base)
+        tree = _tree(robot, joints, still, base)
+        by_name = {joint.name: joint for joint in robot.joints}
         moving = [by_name[name] for name in names]
         limits = np.array([(joint.low, joint.high) for joint in moving])
-        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in [*origins[1:], last])
-        reach += sum(joint.high - joint.low for joint in joints if joint.kind == "prismatic")
+        last = tree.links[tip].pose
+        origins = [*tree.origins[: len(way)], last]
+        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in origins[1:])
+        reach += sum(joint.high - joint.low for joint in way if joint.kind == "prismatic")
         direction = np.array(axis or (0.0, 0.0, 1.0))
         table = ChainTable(
-            origins=flat(np.stack([_packed(pose) for pose in [*origins, last]])),
+            length=len(way),
+            before=read_only(np.array(tree.before, dtype=np.int32)),
+            origins=flat(np.stack([_packed(pose) for pose in [*tree.origins, last]])),
             axes=flat(np.stack([joint.axis for joint in joints])),
             slides=read_only(np.array([joint.kind == "prismatic" for joint in joints])),
             source=read_only(
-                np.array([names.index(_coordinate(joint)) for joint in joints], dtype=np.int32)
+                np.array([names.index(joint.coordinate) for joint in joints], dtype=np.int32)
             ),
             factor=read_only(np.array([j.mimic.factor if j.mimic else 1.0 for j in joints])),
             offset=read_only(np.array([j.mimic.offset if j.mimic else 0.0 for j in joints])),
@@ -118,8 +134,17 @@ class Chain(ShortRepr):
             speeds=read_only(np.array([joint.speed for joint in moving])),
             efforts=read_only(np.array([joint.effort for joint in moving])),
             slides=tuple(joint.kind == "prismatic" for joint in moving),
-            carried=tuple(_carried(robot, joints, base)),
+            carried=tuple(tree.links.values()),
+            held=still,
         )
+
+    def behind(self, frame: int) -> tuple[int, ...]:
+        """Numbers of the joints that move a frame, the last one first; none for -1."""
+        found = []
+        while frame >= 0:
+            found.append(frame)
+            frame = int(self.table.before[frame])
+        return tuple(found)
 
     def usual_range(self) -> FloatArray:
         """Positions that random poses are drawn from, (n, 2): of a turning joint one turn.
@@ -171,44 +196,44 @@ class Chain(ShortRepr):
         return joints.reshape(-1, count), errors
 
 
-def _coordinate(joint: Joint) -> str:
-    """Name of the coordinate that moves a joint."""
-    return joint.name if joint.mimic is None else joint.mimic.joint
+class _Tree(NamedTuple):
+    """Frames of moving joints, and the links in them.
+
+    Attributes:
+        before: number of the joint behind which each stands, -1 for the world.
+        origins: its pose there at position 0, (4, 4), [m].
+        links: every link by name, parents before children.
+    """
+
+    before: list[int]
+    origins: list[FloatArray]
+    links: dict[str, Carried]
 
 
-def _origins(way: tuple[Joint, ...], base: FloatArray) -> tuple[list[FloatArray], FloatArray]:
-    """Origins of the moving joints, fixed ones folded in, and that of the tip, (4, 4)."""
-    origins, pose = [], base
-    for joint in way:
-        pose = pose @ joint.origin
-        if joint.kind != "fixed":
-            origins.append(pose)
-            pose = np.eye(4)
-    return origins, pose
+def _tree(
+    robot: Robot, joints: tuple[Joint, ...], still: Mapping[str, float], base: FloatArray
+) -> _Tree:
+    """Links and joints of a robot, of which only some joints move, in the frames of these.
 
-
-def _carried(robot: Robot, joints: tuple[Joint, ...], base: FloatArray) -> Iterator[Carried]:
-    """Every link with the frame that moves it; joints beside the chain rest nearest to 0."""
-    frames = {robot.root: (-1, base)}
+    Args:
+        robot: the robot.
+        joints: those that move.
+        still: positions of the others, but for fixed ones, [rad] or [m].
+        base: world from root, (4, 4), [m].
+    """
+    before, origins = [-1] * len(joints), [base] * len(joints)
+    links = {robot.root: Carried(robot.root, -1, read_only(base))}
     for joint in robot.joints:
-        frame, pose = frames[joint.parent]
+        carrier = links[joint.parent]
+        frame, pose = carrier.frame, carrier.pose @ joint.origin
         if joint in joints:
-            frames[joint.child] = (joints.index(joint), np.eye(4))
-        else:
-            frames[joint.child] = (frame, pose @ joint.origin @ _at_rest(joint))
-    for link, (frame, pose) in frames.items():
-        yield Carried(link, frame, read_only(pose))
-
-
-def _at_rest(joint: Joint) -> FloatArray:
-    """Motion of a joint at its position nearest to 0, (4, 4)."""
-    pose, value = np.eye(4), min(max(0.0, joint.low), joint.high)
-    if joint.kind == "prismatic":
-        pose[:3, 3] = joint.axis * value
-    elif value:
-        turn = scipy.spatial.transform.Rotation.from_rotvec(value * joint.axis)
-        pose[:3, :3] = turn.as_matrix()
-    return pose
+            number = joints.index(joint)
+            before[number], origins[number] = frame, pose
+            frame, pose = number, np.eye(4)
+        elif joint.name in still:
+            pose = pose @ joint.motion(still[joint.name])
+        links[joint.child] = Carried(joint.child, frame, read_only(pose))
+    return _Tree(before, origins, links)
 
 
 def _packed(pose: FloatArray) -> FloatArray:

@@ -64,10 +64,18 @@ def lever(chain: Chain, capsule: ChainCapsule, behind: int) -> FloatArray:
 
     A point turns about a joint at most at the length of the chain between them; a slide moves it as
     far as itself.
+
+    Args:
+        chain: the chain.
+        capsule: one that it carries.
+        behind: number of a joint that moves the capsule, seen from whose frame it is; -1 for the
+            world.
     """
     table, found = chain.table, np.zeros(len(chain.names))
     far = float(np.linalg.norm(capsule.ends, axis=1).max())
-    for k in range(capsule.frame, behind, -1):
+    for k in chain.behind(capsule.frame):
+        if k == behind:
+            break
         coordinate, slides = int(table.source[k]), bool(table.slides[k])
         found[coordinate] += abs(float(table.factor[k])) * (1.0 if slides else far)
         far += float(np.linalg.norm(table.origins[12 * k + 9 : 12 * k + 12]))
@@ -76,25 +84,53 @@ def lever(chain: Chain, capsule: ChainCapsule, behind: int) -> FloatArray:
     return found
 
 
+def meeting(chain: Chain, first: int, second: int) -> int:
+    """Number of the last joint that moves both of two frames, -1 for the world."""
+    others = chain.behind(second)
+    return next((k for k in chain.behind(first) if k in others), -1)
+
+
+def pair_lever(chain: Chain, first: ChainCapsule, second: ChainCapsule) -> FloatArray:
+    """Bound of the motion of two capsules beside each other, per unit of each coordinate, [m].
+
+    Both are seen from the frame of the last joint that moves both, (n,).
+    """
+    common = meeting(chain, first.frame, second.frame)
+    return lever(chain, first, common) + lever(chain, second, common)
+
+
 @lru_cache(maxsize=16)
-def pairs_apart(robot: Robot, tip: str) -> IntArray:
+def pairs_apart(robot: Robot, tip: str, held: tuple[tuple[str, float], ...] = ()) -> IntArray:
     """Pairs (k, 2) of capsules of links with a joint between them that mostly do not touch.
 
     Some touch in nearly all poses because capsules are wider than what they hold. Links that an
     SRDF lets touch are no pair.
+
+    Args:
+        robot: the robot.
+        tip: name of the link that is the tool.
+        held: joints beside the chain, each with its position, [rad] or [m].
     """
-    chain = Chain.of(robot, tip)
+    chain = Chain.of(robot, tip, held=dict(held))
     capsules = chain_capsules(chain)
     low, high = chain.usual_range().T
     positions = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
     ends = place(capsules, chain.poses(positions))
     kept = []
     for (i, a), (j, b) in itertools.combinations(enumerate(capsules), 2):
-        if b.frame - a.frame > 1 and frozenset((a.link, b.link)) not in robot.may_touch:
+        if (
+            _joints_between(chain, a.frame, b.frame) > 1
+            and frozenset((a.link, b.link)) not in robot.may_touch
+        ):
             gap = segment_distances(ends[:, i], ends[:, j]) - a.radius - b.radius
             if (gap < 0).mean() < _NEARLY_ALWAYS:
                 kept.append((i, j))
     return read_only(np.array(kept, dtype=np.int32).reshape(-1, 2))
+
+
+def _joints_between(chain: Chain, first: int, second: int) -> int:
+    """Number of moving joints on the way from one frame to another."""
+    return len({*chain.behind(first)} ^ {*chain.behind(second)})
 
 
 def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -9,8 +9,10 @@ stays farther than m from O all along.
 Proof. While the joints go straight from the pose to another, a point of the segment turns about
 joint j at most at the distance lever_j: that of the chain stretched out; a slide moves it as far as
 itself. So it moves by at most W, and n·y >= min(n·a, n·b) - W - radius for every point y of the
-capsule, whereas n·z <= h(n) for z in O. Two capsules are seen from the frame that moves the first:
-there only joints behind it count.
+capsule, whereas n·z <= h(n) for z in O. Two capsules are seen from the frame of the last joint that
+moves both: there only joints behind it count, and the ways of both add up. A joint that follows a
+coordinate, on the way to the tip or beside it, goes straight, too; its lever is that of its own
+chain times its factor, and the levers of all that one coordinate moves add up.
 
 If no direction separates a pair, both halves of the stretch are tried. Rounding: an extra 2^-40 of
 the largest coordinate is required. :mod:`abi.verify.verify_chain` checks it in exact arithmetic.

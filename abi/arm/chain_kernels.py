@@ -1,7 +1,7 @@
-"""Kinematics of any serial chain: poses of its frames, and derivatives of its tip's task.
+"""Kinematics of a chain: poses of its frames, and derivatives of its tip's task.
 
-A chain is a row of joints, each after a fixed transform; lengths are in [m]. Poses are flat: nine
-numbers of the rotation by rows, then the origin.
+A chain is a row of joints, each after a fixed transform, and the joints beside it that follow one
+of them; lengths are in [m]. Poses are flat: nine numbers of the rotation by rows, then the origin.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ POSE = 12
 
 
 class ChainTable(NamedTuple):
-    """A chain of m joints with n coordinates, and the task of its tip.
+    """A chain with n coordinates, and the task of its tip; m joints move with these.
 
     Attributes:
+        length: number of joints between base and tip, which come first; the tip is behind the last.
+        before: joint behind which each stands, a smaller number, -1 for the world, (m,).
         origins: poses of each joint in the frame before it, then of the tip, flat (12 (m + 1),).
         axes: unit vectors of the joints in their frames, flat (3 m,).
         slides: whether a joint is prismatic, (m,).
@@ -35,6 +37,8 @@ class ChainTable(NamedTuple):
         reach: length that errors of place are compared with, [m].
     """
 
+    length: int
+    before: IntArray
     origins: FloatArray
     axes: FloatArray
     slides: BoolArray
@@ -47,7 +51,7 @@ class ChainTable(NamedTuple):
     reach: float
 
 
-TABLE = ChainTable(FLOATS, FLOATS, FLAGS, IDS, FLOATS, FLOATS, FLOATS, FLOATS, True, 1.0)
+TABLE = ChainTable(1, IDS, FLOATS, FLOATS, FLAGS, IDS, FLOATS, FLOATS, FLOATS, FLOATS, True, 1.0)
 """Example of a chain."""
 
 
@@ -100,7 +104,7 @@ def place_chain(chain: ChainTable, q: FloatArray, first: int, poses: FloatArray)
     """
     count = len(chain.source)
     for joint in range(count):
-        _append(poses, joint, joint - 1, chain.origins, joint)
+        _append(poses, joint, chain.before[joint], chain.origins, joint)
         value = chain.factor[joint] * q[first + chain.source[joint]] + chain.offset[joint]
         x, y, z = chain.axes[3 * joint], chain.axes[3 * joint + 1], chain.axes[3 * joint + 2]
         if chain.slides[joint]:
@@ -110,7 +114,7 @@ def place_chain(chain: ChainTable, q: FloatArray, first: int, poses: FloatArray)
                 poses[POSE * joint + 9 + r] += along * value
         else:
             _turn(poses, joint, (x, y, z), value)
-    _append(poses, count, count - 1, chain.origins, count)
+    _append(poses, count, chain.length - 1, chain.origins, count)
 
 
 @jitable
@@ -125,7 +129,7 @@ def fill_jacobian(
     for k in range(rows * count):
         jacobian[k] = 0.0
     tip = POSE * len(chain.source)
-    for joint in range(len(chain.source)):
+    for joint in range(chain.length):
         k, column, factor = POSE * joint, chain.source[joint], chain.factor[joint]
         x, y, z = chain.axes[3 * joint], chain.axes[3 * joint + 1], chain.axes[3 * joint + 2]
         wx = poses[k] * x + poses[k + 1] * y + poses[k + 2] * z

@@ -1,4 +1,4 @@
-"""Inverse dynamics: torques of a serial arm's joints along a motion, from its links' masses.
+"""Inverse dynamics: torques of an arm's joints along a motion, from its links' masses.
 
 The recursive Newton-Euler equations: velocities and accelerations from the base to the tip, forces
 back (Luh, Walker and Paul, On-line computational scheme for mechanical manipulators, 1980; in the
@@ -60,20 +60,23 @@ def joint_torques(
     axes = np.einsum("kmij,mj->mki", turns[:, :-1], table.axes.reshape(-1, 3))
     rates = (speeds[:, table.source] * table.factor).T[..., None]
     growths = (accelerations[:, table.source] * table.factor).T[..., None]
-    omega, alpha = np.zeros((len(positions), 3)), np.zeros((len(positions), 3))
+    still = np.zeros((len(positions), 3))
     # an arm at rest that is lifted feels what one that hangs does
-    pull, place = np.full_like(omega, (0.0, 0.0, GRAVITY)), origins[:, 0]
+    ground = _Motion(still, still, np.full_like(still, (0.0, 0.0, GRAVITY)))
+    motions: list[_Motion] = []
     forces, moments = [], []
     for m, body in enumerate(bodies):
-        lever = origins[:, m] - place
-        pull = pull + _carried_along(omega, alpha, lever)
-        place = origins[:, m]
+        before = int(table.before[m])
+        omega, alpha, pull = motions[before] if before >= 0 else ground
+        if before >= 0:
+            pull = pull + _carried_along(omega, alpha, origins[:, m] - origins[:, before])
         rate, growth = axes[m] * rates[m], axes[m] * growths[m]
         if table.slides[m]:
             pull = pull + 2 * np.cross(omega, rate) + growth
         else:
             alpha = alpha + growth + np.cross(omega, rate)
             omega = omega + rate
+        motions.append(_Motion(omega, alpha, pull))
         turn = turns[:, m]
         centre = turn @ body.centre
         inertia = turn @ body.inertia @ turn.swapaxes(1, 2)
@@ -82,6 +85,20 @@ def joint_torques(
         forces.append(force)
         moments.append(spin + np.cross(centre, force))
     return _summed(chain, axes, origins, forces, moments)
+
+
+class _Motion(NamedTuple):
+    """Motion of a joint's frame.
+
+    Attributes:
+        omega: its angular velocity, (k, 3), [rad/s].
+        alpha: its angular acceleration, (k, 3), [rad/s²].
+        pull: acceleration of its origin, with gravity as if it were lifted, (k, 3), [m/s²].
+    """
+
+    omega: FloatArray
+    alpha: FloatArray
+    pull: FloatArray
 
 
 def _carried_along(omega: FloatArray, alpha: FloatArray, lever: FloatArray) -> FloatArray:
@@ -96,16 +113,18 @@ def _summed(
     forces: Sequence[FloatArray],
     moments: Sequence[FloatArray],
 ) -> FloatArray:
-    """Torques (k, n) from the forces and moments (k, 3) that each body needs, from the tip back."""
+    """Torques (k, n) from the forces and moments (k, 3) that each body needs, ends first."""
     table, count = chain.table, len(chain.names)
     torques = np.zeros((len(origins), count))
-    force, moment = np.zeros((len(origins), 3)), np.zeros((len(origins), 3))
-    last = origins[:, -1]
+    forces, moments = list(forces), list(moments)
     for m in reversed(range(len(forces))):
-        moment = moments[m] + moment + np.cross(last - origins[:, m], force)
-        force, last = forces[m] + force, origins[:, m]
+        force, moment, before = forces[m], moments[m], int(table.before[m])
         own = np.einsum("ki,ki->k", force if table.slides[m] else moment, axes[m])
         torques[:, table.source[m]] += table.factor[m] * own
+        if before >= 0:
+            lever = origins[:, m] - origins[:, before]
+            forces[before] = forces[before] + force
+            moments[before] = moments[before] + moment + np.cross(lever, force)
     return torques
 
 

@@ -45,7 +45,7 @@ class Bodies(NamedTuple):
         radii: (c,), [unit].
         levers: bound of each one's way for one of each coordinate, flat (c n,), [unit].
         pairs: capsules that are to keep apart, flat (2 p,).
-        pair_levers: the same of the second's way beside the first, flat (p n,), [unit].
+        pair_levers: the same of both ways beside each other, flat (p n,), [unit].
         scale: one metre in [unit].
     """
 
@@ -174,8 +174,8 @@ def _apart(
         allowance: for rounding, [unit].
 
     Returns:
-        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction; the way of
-        the second beside the first, at most, [unit].
+        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction; the ways of
+        both beside each other, at most, [unit].
     """
     count = len(ways)
     i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]

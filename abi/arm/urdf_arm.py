@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from operator import itemgetter
@@ -11,10 +12,18 @@ import numpy as np
 
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
-from abi.arm.chain_capsules import ChainCapsule, chain_capsules, lever, pairs_apart, place
+from abi.arm.chain_capsules import (
+    ChainCapsule,
+    chain_capsules,
+    lever,
+    pair_lever,
+    pairs_apart,
+    place,
+)
 from abi.arm.separate_chain_kernels import Bodies
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
+from abi.robot.held_joints import NOT_HELD, held_in_metres
 from abi.robot.robot import Robot
 from abi.robot.urdf_files import description_of, files_of
 
@@ -40,6 +49,7 @@ class UrdfArm(ShortRepr):
         unit: of the scene's lengths.
         limits: lowest and highest position of each joint, shape (n, 2), [rad] or [unit].
         capsules: around the links, those that stand still first.
+        held: positions of joints beside the chain that do not rest nearest to 0, [rad] or [m].
     """
 
     chain: Chain
@@ -49,6 +59,7 @@ class UrdfArm(ShortRepr):
     unit: Literal["m", "cm", "mm"]
     limits: FloatArray
     capsules: tuple[ChainCapsule, ...]
+    held: Mapping[str, float]
 
     @property
     def root(self) -> str:
@@ -84,18 +95,21 @@ class UrdfArm(ShortRepr):
     @cached_property
     def levers(self) -> FloatArray:
         """Bound of a capsule's motion per unit of each coordinate, (c, n), [unit]."""
-        return read_only(np.stack([self._lever(one, -1) for one in self.capsules]))
+        rows = [lever(self.chain, one, -1) for one in self.capsules]
+        return read_only(np.stack(rows) / self.metres / self.scales)
 
     @cached_property
     def pair_levers(self) -> FloatArray:
-        """Levers of the second capsule of each pair relative to its first, (p, n)."""
-        rows = [self._lever(self.capsules[j], self.capsules[i].frame) for i, j in self.pairs]
-        return read_only(np.array(rows).reshape(len(rows), len(self.joints)))
+        """Bound of the motion of each pair's capsules beside each other, (p, n), [unit]."""
+        capsules, chain = self.capsules, self.chain
+        rows = [pair_lever(chain, capsules[i], capsules[j]) for i, j in self.pairs]
+        levers = np.array(rows).reshape(len(rows), len(self.joints))
+        return read_only(levers / self.metres / self.scales)
 
     @cached_property
     def pairs(self) -> IntArray:
         """Pairs of capsules (k, 2) that must keep apart."""
-        return pairs_apart(self.chain.robot, self.tip)
+        return pairs_apart(self.chain.robot, self.tip, tuple(self.held.items()))
 
     @cached_property
     def bodies(self) -> Bodies:
@@ -110,9 +124,6 @@ class UrdfArm(ShortRepr):
             pair_levers=flat(self.pair_levers * self.scales),
             scale=1 / self.metres,
         )
-
-    def _lever(self, capsule: ChainCapsule, behind: int) -> FloatArray:
-        return np.asarray(lever(self.chain, capsule, behind) / self.metres / self.scales)
 
     def place(self, positions: FloatArray) -> FloatArray:
         """Ends of the capsules' segments at joint positions (k, n), shape (k, c, 2, 3), [unit]."""
@@ -216,6 +227,7 @@ def urdf_arm(
     axis: Vec3 | None = None,
     unit: Literal["m", "cm", "mm"] = "m",
     wxyz: Quaternion = UNTURNED,
+    held: Mapping[str, float] = NOT_HELD,
 ) -> UrdfArm:
     """Build the arm of a robot that stands at ``base``, [unit].
 
@@ -226,13 +238,15 @@ def urdf_arm(
         axis: direction that the tip's z axis is held to, world; None for any.
         unit: of the scene's lengths.
         wxyz: how its root link is turned, as a quaternion.
+        held: positions of joints beside the chain, by name, [rad] or [unit].
 
     Raises:
-        SceneError: there is no such tip, or no joint moves it.
+        SceneError: there is no such tip, no joint moves it, or a joint cannot be held there.
     """
     metres = METRES[unit]
     x, y, z = base
-    chain = Chain.of(robot, tip, (x * metres, y * metres, z * metres), axis, wxyz)
+    in_metres = held_in_metres(robot, held, metres)
+    chain = Chain.of(robot, tip, (x * metres, y * metres, z * metres), axis, wxyz, in_metres)
     scales = np.where(np.array(chain.slides), 1 / metres, 1.0)
     return UrdfArm(
         chain=chain,
@@ -242,4 +256,5 @@ def urdf_arm(
         unit=unit,
         limits=read_only(chain.limits * scales[:, None]),
         capsules=chain_capsules(chain),
+        held=in_metres,
     )

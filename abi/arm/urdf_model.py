@@ -44,10 +44,8 @@ class UrdfModel:
     """
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
-        axis = settings.axis
-        self.arm = urdf_arm(
-            settings.robot, settings.tool, settings.base, axis, unit, settings.base_wxyz
-        )
+        stands = settings.base, settings.axis, unit, settings.base_wxyz
+        self.arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper)
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._stances: dict[PosePair, Stances] = {}
         self._rows = RowTable()

@@ -12,6 +12,9 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
+import scipy
+
 from abi.arrays import ByteArray, FloatArray, IntArray, ReadOnlyCopies, ShortRepr
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
@@ -105,6 +108,25 @@ class Joint(ReadOnlyCopies):
     speed: float
     effort: float
     mimic: Mimic | None
+
+    @property
+    def coordinate(self) -> str:
+        """Name of the joint whose position moves it: its own, or the one that it follows."""
+        return self.name if self.mimic is None else self.mimic.joint
+
+    def motion(self, position: float) -> FloatArray:
+        """Pose of its child beside that at position 0, (4, 4), [m].
+
+        Args:
+            position: of the joint, [rad] or [m].
+        """
+        pose = np.eye(4)
+        if self.kind == "prismatic":
+            pose[:3, 3] = self.axis * position
+        elif self.kind != "fixed":
+            turn = scipy.spatial.transform.Rotation.from_rotvec(position * self.axis)
+            pose[:3, :3] = turn.as_matrix()
+        return pose
 
 
 @dataclass(frozen=True, eq=False, repr=False)

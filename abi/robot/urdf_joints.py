@@ -92,7 +92,7 @@ def in_order(
     """Sort the joints, parents first, and find the root link of the tree that they form.
 
     Raises:
-        SceneError: they form no tree, name a missing link, or a mimic follows a missing joint.
+        SceneError: they form no tree, or name a missing link.
     """
     names = [joint.name for joint in joints]
     for joint in joints:
@@ -119,14 +119,4 @@ def in_order(
     if len(reached) < len(links):
         lost = next(name for name in links if name not in reached)
         raise root.refuse("links", lost, f"a tree from {roots[0]}, but this is in a cycle")
-    _check_mimics(root, ordered)
     return tuple(ordered), roots[0]
-
-
-def _check_mimics(root: Element, joints: Sequence[Joint]) -> None:
-    """Refuse what follows a joint that there is not, or that itself follows another."""
-    free = {joint.name for joint in joints if joint.mimic is None and joint.kind != "fixed"}
-    for joint in joints:
-        if joint.mimic is not None and joint.mimic.joint not in free:
-            expected = "a joint that moves by itself"
-            raise root.refuse(f"joint {joint.name}, mimic", joint.mimic.joint, expected)

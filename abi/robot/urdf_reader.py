@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+from abi.robot.mimic import with_masters
 from abi.robot.robot import Link, Robot
 from abi.robot.strict_xml import Element, parse
 from abi.robot.urdf_joints import in_order, read_joint, unlimited
@@ -38,7 +39,8 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
     joints = [read_joint(element.called()) for element in root.all("joint")]
     ordered, base = in_order(root, links, joints)
-    notes = (*add_visuals(root, links, meshes), *unlimited(root.all("joint")))
+    ordered, following = with_masters(root, ordered)
+    notes = (*add_visuals(root, links, meshes), *unlimited(root.all("joint")), *following)
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, MappingProxyType(links), ordered, notes)

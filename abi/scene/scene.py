@@ -115,6 +115,7 @@ class Scene(Settings):
                 raise SceneError(
                     name, point, f"{axis} between {with_minus(f'{low:g} and {high:g}')} {self.unit}"
                 )
+        self.arm.check_gripper(METRES[self.unit])
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)

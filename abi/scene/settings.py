@@ -19,6 +19,7 @@ from pydantic import (
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.held_joints import held_in_metres, planned_joints, positions_held
 from abi.robot.robot import Robot, bases_to, joints_to, part_from, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.scene.lattices import LATTICES, Lattice
@@ -166,18 +167,23 @@ class ArmSettings(Settings):
     ``model`` is ``abi``, the paper's arm, or ``urdf``. In the latter case ``urdf`` names a shipped
     arm, or a ``.urdf`` or ``.zip`` file, ``tip`` is the link whose origin is the tool,
     ``base_link`` the one that stands at ``base``, by default the root; what does not hang from it
-    is left out. ``axis`` is the direction in which the tip's z axis must point, None for any, and
-    ``base_wxyz`` the orientation of the base link, as a quaternion. All fields not named here but
-    ``base`` belong to the paper's arm. With ``avoid`` the plan keeps the whole arm clear, its links
-    ``clearance`` [unit] from every obstacle; ``elbow`` auto takes the branch with the shorter path.
-    ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
-    forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
+    is left out. ``gripper`` holds joints that are not planned at positions by their names, [rad],
+    slides in [unit]; without it they rest nearest to 0. ``axis`` is the direction in which the
+    tip's z axis must point, None for any, and ``base_wxyz`` the orientation of the base link, as a
+    quaternion. All fields not named here but ``base`` belong to the paper's arm. With ``avoid`` the
+    plan keeps the whole arm clear, its links ``clearance`` [unit] from every obstacle; ``elbow``
+    auto takes the branch with the shorter path. ``forces``, ``masses`` and ``radii`` are the
+    paper's Q4..Q6, m4..m6 and i4..i6: the generalised forces [kg·unit²/s² for q4 and q6,
+    kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
     """
 
     model: Literal["abi", "urdf"] = "abi"
     urdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] = "ur5e"
     tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
     base_link: Annotated[str, Strict(), Field(max_length=100)] | None = None
+    gripper: Annotated[dict[Annotated[str, Strict()], Number], Field(max_length=150)] = Field(
+        default_factory=dict
+    )
     axis: Vec3 | None = None
     base: Vec3 = (3.0, -3.0, 0.0)
     base_wxyz: Quaternion = UNTURNED
@@ -211,6 +217,16 @@ class ArmSettings(Settings):
                 self._robot = self._from_base(self._robot, self.base_link)
             joints_to(self._robot, self.tool)
         return self
+
+    def check_gripper(self, metres: float) -> None:
+        """Raise a SceneError where ``gripper`` names no joint to hold, or not within its limits.
+
+        Args:
+            metres: one [unit] of the scene in metres.
+        """
+        if self.model == "urdf":
+            held = held_in_metres(self.robot, self.gripper, metres)
+            positions_held(self.robot, planned_joints(self.robot, self.tool), held)
 
     def _from_base(self, robot: Robot, base: str) -> Robot:
         """The part of a robot that its base link carries, the tip among it."""

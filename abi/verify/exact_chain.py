@@ -8,7 +8,7 @@ they are, and checked not to change any length by more than 2^-40 of it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from abi.robot.held_joints import NOT_HELD
 from abi.robot.robot import Joint, Robot, joints_to
 from abi.verify.exact import Vec3, in_body, sqrt_bounds
 from abi.verify.fault import Fault
@@ -30,7 +31,7 @@ WIDER = 1 + Fraction(1, 1 << 30)
 Exact = NDArray[np.object_]  # of exact numbers, such as a matrix in 2^-200
 
 
-class _Pose(NamedTuple):
+class Pose(NamedTuple):
     """Rotation (3, 3) and origin (3,), as fractions."""
 
     turn: Exact
@@ -60,19 +61,24 @@ class ExactChain:
     """Joints between a robot's root and its tip, lengths in [unit].
 
     Attributes:
-        joints: the joints that move, from the base on.
+        joints: the joints that move: those to the tip, from the base on, then those beside them
+            that follow one of the coordinates, parents before children.
+        before: number of the joint behind which each stands, and the tip; -1 for the world.
         origins: pose of each joint and of the tip in the frame before it, exact.
         coordinates: names of the joints that the others follow.
         frames: number of the joint that moves each link of the robot, -1 where none does.
+        places: pose of each link in that frame, in the world where none does.
         units: [unit] in one metre.
         limits: of the coordinates, [rad] or [unit].
         slides: which of them are lengths.
     """
 
     joints: tuple[Joint, ...]
-    origins: tuple[_Pose, ...]
+    before: tuple[int, ...]
+    origins: tuple[Pose, ...]
     coordinates: tuple[str, ...]
     frames: dict[str, int]
+    places: dict[str, Pose]
     units: Fraction
     limits: tuple[tuple[Fraction, Fraction], ...]
     slides: tuple[bool, ...]
@@ -80,9 +86,10 @@ class ExactChain:
     def place(self, positions: Sequence[Fraction]) -> list[ExactFrame]:
         """Frames behind each joint, and of the tip, at positions (n,), [rad] or [unit]."""
         still, unmoved = _ONE * np.eye(3, dtype=object), np.zeros(3, dtype=object)
-        frame = ExactFrame(still, unmoved, 0, 0)
-        found = []
-        for joint, origin in zip(self.joints, self.origins[:-1], strict=True):
+        world = ExactFrame(still, unmoved, 0, 0)
+        found: list[ExactFrame] = []
+        for joint, before, origin in zip(self.joints, self.before, self.origins, strict=False):
+            frame = found[before] if before >= 0 else world
             frame = _behind(frame, _wholes(origin.turn), _wholes(origin.origin), 1)
             value = self.value(joint, positions)
             if joint.kind == "prismatic":
@@ -92,7 +99,7 @@ class ExactChain:
                 frame = _behind(frame, turn, unmoved, error)
             found.append(frame)
         turn, place = map(_wholes, self.origins[-1])
-        return [*found, _behind(frame, turn, place, 1)]
+        return [*found, _behind(found[self.before[-1]], turn, place, 1)]
 
     def value(self, joint: Joint, positions: Sequence[Fraction]) -> Fraction:
         """Position of a joint, [rad] or [unit], at those of the coordinates."""
@@ -110,11 +117,13 @@ class ExactChain:
         Args:
             ends: of the segment, in that frame, [unit].
             frame: number of the joint.
-            behind: only joints behind this one count.
+            behind: only joints behind this one count, which is ``frame`` or moves it; -1 for all.
         """
         found = [Fraction(0)] * len(self.coordinates)
         far = max(_length(end) for end in ends)
-        for k in range(frame, behind, -1):
+        for k in self.above(frame):
+            if k == behind:
+                break
             joint = self.joints[k]
             number = self._coordinate(joint)
             factor = abs(Fraction(joint.mimic.factor)) if joint.mimic else Fraction(1)
@@ -125,6 +134,19 @@ class ExactChain:
             if slides:
                 far += max(self._stroke(joint, number, end) for end in self.limits[number])
         return [WIDER * lever for lever in found]
+
+    def above(self, frame: int) -> list[int]:
+        """Numbers of the joints that move a frame, from the last one to the first."""
+        found = []
+        while frame >= 0:
+            found.append(frame)
+            frame = self.before[frame]
+        return found
+
+    def meeting(self, first: int, second: int) -> int:
+        """Number of the last joint that moves two frames, -1 if none moves both."""
+        common = {*self.above(first)} & {*self.above(second)}
+        return next((k for k in self.above(first) if k in common), -1)
 
     def _stroke(self, joint: Joint, number: int, value: Fraction) -> Fraction:
         """Stroke of a sliding joint at a value of its coordinate, [unit]."""
@@ -137,7 +159,12 @@ class ExactChain:
 
 
 def exact_chain(
-    robot: Robot, tip: str, base: Sequence[float], units: int, wxyz: Sequence[float] = (1, 0, 0, 0)
+    robot: Robot,
+    tip: str,
+    base: Sequence[float],
+    units: int,
+    wxyz: Sequence[float] = (1, 0, 0, 0),
+    held: Mapping[str, float] = NOT_HELD,
 ) -> ExactChain:
     """The chain from a robot's root, which stands at ``base`` [unit], to a tip.
 
@@ -147,45 +174,93 @@ def exact_chain(
         base: position of the root, [unit], world.
         units: [unit] in one metre.
         wxyz: rotation of the root, as a quaternion of any length but zero.
+        held: positions of joints beside the chain, [rad] or [unit]; the others rest nearest to 0.
 
     Raises:
         Fault: a matrix is no rotation, or an axis no unit vector.
     """
-    way = joints_to(robot, tip)
-    joints = tuple(joint for joint in way if joint.kind != "fixed")
+    joints, names = _moving_joints(robot, tip)
     by_name = {joint.name: joint for joint in robot.joints}
-    names = tuple(dict.fromkeys(j.mimic.joint if j.mimic else j.name for j in joints))
+    positions = _at_rest(robot, names, held, units)
     axes, zero = _fractions(np.eye(3)), _fractions(np.zeros(3))
     turned = np.array([in_body(axis, wxyz) for axis in axes])
-    pose = _Pose(turned, _fractions(np.array(base)))
-    origins = []
-    for joint in way:
+    frames = {robot.root: (-1, Pose(turned, _fractions(np.array(base))))}
+    before, origins = [-1] * len(joints), [frames[robot.root][1]] * len(joints)
+    for joint in robot.joints:
+        frame, pose = frames[joint.parent]
         turn, place = _matrix(joint, units)
-        pose = _Pose(pose.turn @ turn, pose.turn @ place + pose.origin)
-        if joint.kind != "fixed":
+        pose = Pose(pose.turn @ turn, pose.turn @ place + pose.origin)
+        if joint in joints:
             axis = _fractions(joint.axis)
             if abs(axis @ axis - 1) > _NEARLY:
                 raise Fault(f"the axis of {joint.name} is no direction")
-            origins.append(pose)
-            pose = _Pose(axes, zero)
-    frames = {robot.root: -1}
-    for joint in robot.joints:
-        frames[joint.child] = joints.index(joint) if joint in joints else frames[joint.parent]
+            number = joints.index(joint)
+            before[number], origins[number] = frame, pose
+            frame, pose = number, Pose(axes, zero)
+        elif joint.kind != "fixed":
+            pose = _moved(pose, joint, positions[joint.name], units)
+        frames[joint.child] = frame, pose
+    last, pose = frames[tip]
     moving = [by_name[name] for name in names]
     slides = tuple(joint.kind == "prismatic" for joint in moving)
     limits = tuple(
         (scale * Fraction(joint.low), scale * Fraction(joint.high))
         for joint, scale in ((j, units if j.kind == "prismatic" else 1) for j in moving)
     )
-    return ExactChain(joints, (*origins, pose), names, frames, Fraction(units), limits, slides)
+    return ExactChain(
+        *(joints, (*before, last), (*origins, pose), names),
+        {link: frame for link, (frame, _) in frames.items()},
+        {link: place for link, (_, place) in frames.items()},
+        *(Fraction(units), limits, slides),
+    )
 
 
-def _matrix(joint: Joint, units: int) -> _Pose:
+def _moving_joints(robot: Robot, tip: str) -> tuple[tuple[Joint, ...], tuple[str, ...]]:
+    """Joints that move with the coordinates of a tip, and the names of these."""
+    way = tuple(joint for joint in joints_to(robot, tip) if joint.kind != "fixed")
+    names = {(joint.mimic.joint if joint.mimic else joint.name): None for joint in way}
+    beside = [
+        joint
+        for joint in robot.joints
+        if joint.kind != "fixed" and joint not in way
+        if (joint.mimic.joint if joint.mimic else joint.name) in names
+    ]
+    return (*way, *beside), (*names,)
+
+
+def _at_rest(
+    robot: Robot, names: Collection[str], held: Mapping[str, float], units: int
+) -> dict[str, Fraction]:
+    """Positions of the joints that stand still, [rad] or [m]."""
+    found: dict[str, Fraction] = {}
+    for joint in robot.joints:
+        if joint.mimic is None and joint.name not in names:
+            found[joint.name] = Fraction(min(max(0.0, joint.low), joint.high))
+            if joint.name in held:
+                scale = units if joint.kind == "prismatic" else 1
+                found[joint.name] = Fraction(held[joint.name]) / scale
+    for joint in robot.joints:
+        mimic = joint.mimic
+        if mimic is not None and mimic.joint in found:
+            at = found[mimic.joint]
+            found[joint.name] = Fraction(mimic.factor) * at + Fraction(mimic.offset)
+    return found
+
+
+def _moved(pose: Pose, joint: Joint, position: Fraction, units: int) -> Pose:
+    """A pose behind a joint that stands still, whose turn is rounded as those in a URDF are."""
+    if joint.kind == "prismatic":
+        slid = pose.turn @ (_fractions(joint.axis) * position * units)
+        return pose._replace(origin=pose.origin + slid)
+    return pose._replace(turn=pose.turn @ _rounded(_turned(joint, position)[0]))
+
+
+def _matrix(joint: Joint, units: int) -> Pose:
     origin = _fractions(joint.origin)
     turn = origin[:3, :3]
     if (abs(turn @ turn.T - np.eye(3, dtype=object)) > _NEARLY).any():
         raise Fault(f"the origin of {joint.name} is no rotation")
-    return _Pose(turn, units * origin[:3, 3])
+    return Pose(turn, units * origin[:3, 3])
 
 
 def _behind(frame: ExactFrame, turn: Exact, origin: Exact, error: int) -> ExactFrame:
@@ -240,6 +315,11 @@ def nearly_sine_and_cosine(angle: Fraction) -> tuple[Fraction, Fraction]:
     return Fraction(sine, _ONE), Fraction(cosine, _ONE)
 
 
+def _nearest_float(whole: int) -> Fraction:
+    """The floating-point number nearest to a number of 2^-200."""
+    return Fraction(whole / _ONE)
+
+
 def _whole(number: Fraction) -> int:
     """Number of 2^-200 below it, less than one away."""
     return number.numerator * _ONE // number.denominator
@@ -248,6 +328,7 @@ def _whole(number: Fraction) -> int:
 _floors: Callable[[Exact], Exact] = np.frompyfunc(math.floor, 1, 1)
 _wholes: Callable[[Exact], Exact] = np.frompyfunc(_whole, 1, 1)
 _fractions: Callable[[NDArray[Any]], Exact] = np.frompyfunc(Fraction, 1, 1)
+_rounded: Callable[[Exact], Exact] = np.frompyfunc(_nearest_float, 1, 1)
 
 
 def _length(vector: Vec3 | Exact) -> Fraction:

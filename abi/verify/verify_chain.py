@@ -1,8 +1,9 @@
 """Check of the certificate of a URDF arm in exact numbers.
 
 The proof is that of :mod:`abi.arm.chain_certificate`. The joint positions, the capsules and the
-pairs that must keep apart are checked as written; a test, not this check, shows that the capsules
-contain the links.
+pairs that must keep apart are checked as written. That the capsules hold the corners of the links
+is checked, too, and so that these are where the joints take them; a test shows that they hold all
+of them.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ from fractions import Fraction
 from functools import partial
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from abi.arrays import FloatArray
 from abi.obstacles.pose import METRES
 from abi.scene.scene import Scene
 from abi.verify.certificate import (
@@ -28,6 +32,7 @@ from abi.verify.exact import ExactFloor, ExactSolid, Vec3, dot, sub, times_lengt
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
+from abi.verify.link_corners import check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_apart
 
@@ -109,7 +114,7 @@ def check_chain(
     certificate = mapping(ARM, section["certificate"])
     margin = claimed_margin("arm", section, Fraction(scene.arm.clearance), obstacles)
     units = round(1 / METRES[scene.unit])
-    stands = scene.arm.base, units, scene.arm.base_wxyz
+    stands = scene.arm.base, units, scene.arm.base_wxyz, scene.arm.gripper
     chain = exact_chain(scene.arm.robot, scene.arm.tool, *stands)
     motion = _Motion(chain, _rows(certificate, section, chain))
     _check_ends(motion, scene)
@@ -165,10 +170,12 @@ def _rows(
 def _check_ends(motion: _Motion, scene: Scene) -> None:
     """Raise where the tool does not go from start to goal."""
     zero = Fraction(0), Fraction(0), Fraction(0)
-    length = sum(sum(map(abs, origin)) for _, origin in motion.chain.origins[1:])
+    chain = motion.chain
+    above = chain.above(chain.before[-1])
+    length = sum(sum(map(abs, chain.origins[k].origin)) for k in (*above[:-1], -1))
     rows, points = (motion.rows[0], motion.rows[-1]), (scene.start, scene.goal)
     for name, row, point in zip(("start", "goal"), rows, points, strict=True):
-        place, _ = motion.chain.place(row)[-1].place(zero)
+        place, _ = chain.place(row)[-1].place(zero)
         if max(map(abs, sub(place, vector(point)))) > _REACHED * length:
             raise Fault(f"the tool is not at the {name}")
 
@@ -207,7 +214,9 @@ def _apart(motion: _Motion, first: _Capsule, second: _Capsule, plane: Plane) -> 
     frames, ways = motion.near(plane)
     _, highest = _range(frames, first, plane.normal)
     least, _ = _range(frames, second, plane.normal)
-    way = motion.way(second, first.frame, ways) + first.radius + second.radius
+    common = motion.chain.meeting(first.frame, second.frame)
+    way = motion.way(first, common, ways) + motion.way(second, common, ways)
+    way += first.radius + second.radius
     if least - highest <= times_length(way, plane.normal):
         raise Fault(f"the piece from {float(plane.start):g} is not separated")
     return least
@@ -218,16 +227,21 @@ def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> l
     for entry in list_of(f"{ARM}.capsules", certificate.get("capsules")):
         data = mapping(f"{ARM}.capsules", entry)
         link, radius = data.get("link"), Fraction(finite(f"{ARM}.radius", data.get("radius")))
-        ends = tuple(vector_of(f"{ARM}.capsules.{key}", data.get(key)) for key in ("from", "to"))
+        low, high = (vector_of(f"{ARM}.capsules.{key}", data.get(key)) for key in ("from", "to"))
         if not isinstance(link, str) or link not in chain.frames or radius <= 0:
             raise Fault("a capsule has no link, or no extent")
         if data.get("joint") != chain.frames[link]:
             raise Fault(f"{link} is moved by another joint")
-        capsules.append(_Capsule(link, chain.frames[link], (ends[0], ends[1]), radius))
+        capsules.append(_Capsule(link, chain.frames[link], (low, high), radius))
     held = {capsule.link for capsule in capsules}
     for name, link in scene.arm.robot.links.items():
         if link.shapes and name not in held:
             raise Fault(f"{name} has no capsule")
+    by_link: dict[str, list[tuple[FloatArray, float]]] = {}
+    for capsule in capsules:
+        ends = np.array(capsule.ends, dtype=np.float64)
+        by_link.setdefault(capsule.link, []).append((ends, float(capsule.radius)))
+    check_corners(scene.arm.robot, chain, by_link)
     return capsules
 
 

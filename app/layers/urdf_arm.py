@@ -24,7 +24,7 @@ _COLOURS: ByteArray = np.array([[(226, 230, 234)], [(96, 108, 122)]], np.uint8)
 
 
 class UrdfArmNodes(ArmNodes):
-    """One node a joint of the chain, and the links that it carries."""
+    """One node a joint that moves, and the links that it carries."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
         super().__init__(scene, "/robot", "base")
@@ -48,13 +48,14 @@ class UrdfArmNodes(ArmNodes):
 
     def _look_of(self, arm: AnyArm) -> object:
         assert isinstance(arm, UrdfArm)
-        return arm.chain.robot, arm.tip, arm.unit
+        return arm.chain.robot, arm.tip, arm.unit, arm.held
 
     def _build(self, arm: AnyArm) -> None:
         assert isinstance(arm, UrdfArm)
         names = [self._base_name]
         for number, joint in enumerate(arm.chain.joints):
-            names.append(f"{names[-1]}/joint{number}")
+            # the base is first, so that the joint before one is where its number plus one is
+            names.append(f"{names[arm.chain.table.before[number] + 1]}/joint{number}")
             slides = joint.kind == "prismatic"
             self._add_joint(names[-1], joint_origin(arm, number), joint.axis, number, slides)
         for number, carried in enumerate(arm.chain.carried):
@@ -73,7 +74,7 @@ def joint_origin(arm: UrdfArm, number: int) -> viser.transforms.SE3:
     packed = arm.chain.table.origins[POSE * number : POSE * (number + 1)]
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = packed[:9].reshape(3, 3), packed[9:]
-    if number == 0:
+    if arm.chain.table.before[number] < 0:
         pose = np.linalg.inv(root_pose(arm)) @ pose
     pose[:3, 3] /= arm.metres
     return viser.transforms.SE3.from_matrix(pose)

@@ -81,6 +81,8 @@ class ArmModelPanel:
             hint="How the base is turned: up is its z axis.",
             visible=False,
         )
+        self._held: Mapping[str, float] = {}
+        self._held_of: tuple[str, str, str] | None = None
         self._scene_axis: tuple[float, float, float] | None = None
         self._scene_mount: Quaternion = UNTURNED
         self._tips_of: str | None = None
@@ -110,7 +112,7 @@ class ArmModelPanel:
         if name is None:
             self._take_size_back()
             self._show(False)
-            return {"model": "abi", "base_wxyz": UNTURNED}
+            return {"model": "abi", "base_wxyz": UNTURNED, "gripper": {}}
         if name != self._tips_of:
             self._list_tips(name, None)
             self._compare_size(name)
@@ -128,6 +130,8 @@ class ArmModelPanel:
             "base_link": None if base == self._unnamed_base else base,
             "axis": axis,
             "base_wxyz": mount,
+            # joints of another arm, or those that another tip moves, cannot be held there
+            "gripper": self._held if (name, tip, base) == self._held_of else {},
         }
 
     def write(self, scene: Scene) -> None:
@@ -151,6 +155,8 @@ class ArmModelPanel:
         self._list_tips(arm.urdf, arm.tip, arm.base_link)
         self._list_bases(arm.urdf, arm.base_link)
         self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz
+        self._held = arm.gripper
+        self._held_of = arm.urdf, self.tip.value, self.base_link.value
         _choose(self.axis, _AXES, arm.axis)
         _choose(self.mount, _MOUNTS, arm.base_wxyz)
 

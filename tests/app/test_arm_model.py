@@ -32,8 +32,7 @@ from app.layers.urdf_arm import _muted, joint_origin, joint_values
 from app.layers.urdf_poses import end_pose, other_poses, poses_at
 from app.panels.arm import ArmPanel
 from app.session import Session
-from tests.abi.arm.test_chain import LINKED_BIT
-from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.robots import OWN, arm, packed
 from tests.abi.robot.test_visuals import dae, looking
 from tests.app.fake_tab import FakeTab, heard, layer, notified, send_file, until
 
@@ -377,12 +376,12 @@ def test_other_poses_hold_the_tool_where_it_is() -> None:
     assert poses_at(arm, (9.0, 9.0, 9.0)) == ()
 
 
-@pytest.mark.parametrize("name", [*SHIPPED, "linked", "sliding"])
+@pytest.mark.parametrize("name", [*SHIPPED, *OWN])
 def test_joints_in_each_other_stand_where_the_chain_has_them(name: str) -> None:
     if name in SHIPPED:
         robot = load_robot(name, MeshSource())
     else:
-        robot = robot_from_archive(packed({"a.urdf": LINKED_BIT if name == "linked" else arm()}))
+        robot = robot_from_archive(packed({"a.urdf": OWN[name]}))
     turned = (0.1, -0.5, 0.7, 0.5)
     made = urdf_arm(robot, SHIPPED.get(name, "d"), (30.0, -20.0, 10.0), None, "cm", turned)
     random = np.random.default_rng(1)
@@ -390,9 +389,10 @@ def test_joints_in_each_other_stand_where_the_chain_has_them(name: str) -> None:
     positions = random.uniform(low, high, (20, len(made.joints)))
     expected = made.chain.poses(positions / made.scales)
     for row, values in enumerate(joint_values(made, positions)):
-        pose = viser.transforms.SE3.from_rotation_and_translation(
+        base = viser.transforms.SE3.from_rotation_and_translation(
             viser.transforms.SO3(np.array(turned)), made.base
         )
+        poses: list[viser.transforms.SE3] = []
         for number, joint in enumerate(made.chain.joints):
             node = JointNode(
                 SimpleNamespace(name="", wxyz=None, position=None),  # type: ignore[arg-type]
@@ -405,7 +405,10 @@ def test_joints_in_each_other_stand_where_the_chain_has_them(name: str) -> None:
             node.move(values)
             turn = viser.transforms.SO3(np.asarray(node.frame.wxyz))
             place = np.asarray(node.frame.position)
+            before = int(made.chain.table.before[number])
+            pose = poses[before] if before >= 0 else base
             pose = pose @ viser.transforms.SE3.from_rotation_and_translation(turn, place)
+            poses.append(pose)
             found = np.column_stack([pose.rotation().as_matrix(), pose.translation() / 100])
             np.testing.assert_allclose(found, expected[row, number], atol=1e-9)
 

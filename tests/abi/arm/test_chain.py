@@ -17,20 +17,14 @@ from abi.arrays import FloatArray
 from abi.errors import SceneError
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.held_joints import planned_joints
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
-from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.robots import OWN, follows, packed
 from tests.kernel_forms import compiled, plain
+from tests.random_robots import link_poses, random_robot
 
 BASE: Vec3 = (0.1, -0.2, 0.3)
 DOWN: Vec3 = (0.0, 0.0, -1.0)
-# the third joint follows the first, as a parallel linkage does
-LINKED_BIT = arm(
-    ('<joint name="s" type="prismatic">', '<joint name="s" type="continuous">'),
-    ("</robot>", "</robot>"),
-).replace(
-    '<limit lower="-2" upper="2" velocity="1" effort="9"/></joint></robot>',
-    '<mimic joint="p" multiplier="-0.5" offset="0.2"/></joint></robot>',
-)
 
 
 def chain(name: str, axis: Vec3 | None = None) -> Chain:
@@ -67,19 +61,21 @@ def path(one: Chain, start: FloatArray, end: FloatArray) -> FloatArray:
     return np.asarray(ends[0] + share * (ends[1] - ends[0]) + 0.02 * np.sin(3 * share))
 
 
-@pytest.mark.parametrize("name", [*SHIPPED, "linked", "sliding"])
+@pytest.mark.parametrize("name", [*SHIPPED, *OWN])
 def test_every_link_is_where_yourdfpy_has_it(name: str) -> None:
     if name in SHIPPED:
         one = chain(name)
         robot = yourdfpy.URDF.load(str(assets.path("urdf", name, f"{name}.urdf")))
     else:
-        text = LINKED_BIT if name == "linked" else arm()
-        one = Chain.of(robot_from_archive(packed({"a.urdf": text})), "d", BASE)
-        robot = yourdfpy.URDF.load(io.BytesIO(text.encode()))
+        one = Chain.of(robot_from_archive(packed({"a.urdf": OWN[name]})), "d", BASE)
+        # yourdfpy takes a master that follows another for one that rests
+        flat = OWN[name].replace(follows("q", -1.5, 0.3), follows("m", -0.75, 0.15))
+        robot = yourdfpy.URDF.load(io.BytesIO(flat.encode()))
     positions = random_positions(one, 8)
     poses = one.poses(positions)
     for q, found in zip(positions, poses, strict=True):
-        robot.update_cfg(dict(zip(one.names, q.tolist(), strict=True)))
+        state = {**one.held, **dict(zip(one.names, q.tolist(), strict=True))}
+        robot.update_cfg({name: state[name] for name in robot.actuated_joint_names})
         for carried in one.carried:
             expected = robot.get_transform(carried.link)[:3].copy()
             expected[:, 3] += BASE
@@ -89,13 +85,42 @@ def test_every_link_is_where_yourdfpy_has_it(name: str) -> None:
             np.testing.assert_allclose(frame[:3], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", [*SHIPPED, "linked", "sliding"])
+@settings(max_examples=60)
+@given(st.integers(0, 2**31))
+def test_every_link_of_a_random_robot_is_where_its_file_says(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    made = random_robot(random)
+    robot = robot_from_archive(packed({"a.urdf": made.text}))
+    moved = [joint.child for joint in robot.joints if joint.kind != "fixed"]
+    for tip in random.choice(moved, min(3, len(moved)), replace=False).tolist():
+        free = {joint.name for joint in robot.joints if not joint.mimic and joint.kind != "fixed"}
+        planned = planned_joints(robot, tip)
+        held = {
+            joint.name: float(random.uniform(joint.low, joint.high))
+            for joint in robot.joints
+            if joint.name in free - {*planned} and random.random() < 0.7
+        }
+        one = Chain.of(robot, tip, BASE, None, UNTURNED, held)
+        rest = {name: min(max(0.0, made.limits[name][0]), made.limits[name][1]) for name in free}
+        for q in random_positions(one, 3, seed):
+            state = {**rest, **held, **dict(zip(one.names, q.tolist(), strict=True))}
+            poses = one.poses(q[None])[0]
+            truth = link_poses(made, state)
+            assert {carried.link for carried in one.carried} == {*truth}
+            for carried in one.carried:
+                frame, expected = carried.pose, truth[carried.link]
+                if carried.frame >= 0:
+                    frame = np.vstack([poses[carried.frame], [0, 0, 0, 1]]) @ frame
+                expected[:3, 3] += BASE
+                np.testing.assert_allclose(frame, expected, atol=1e-9 * (1 + one.table.reach))
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *OWN])
 def test_the_jacobian_is_what_small_steps_do(name: str) -> None:
     if name in SHIPPED:
         one = chain(name, DOWN)
     else:
-        text = LINKED_BIT if name == "linked" else arm()
-        one = Chain.of(robot_from_archive(packed({"a.urdf": text})), "d", BASE, DOWN)
+        one = Chain.of(robot_from_archive(packed({"a.urdf": OWN[name]})), "d", BASE, DOWN)
     count, step = len(one.names), 1e-6
     for q in random_positions(one, 5):
         poses = one.poses(q[None])[0]

@@ -25,7 +25,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from tests.abi import meshes
-from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.robots import OWN, arm, packed
 from tests.random_geometry import random_obstacle
 
 seeds = st.integers(0, 2**31)
@@ -33,12 +33,12 @@ seeds = st.integers(0, 2**31)
 
 @cache
 def some_arm(name: str) -> UrdfArm:
-    if name == "sliding":
-        return urdf_arm(robot_from_archive(packed({"a.urdf": arm()})), "d", (1.0, 2.0, 3.0))
+    if name in OWN:
+        return urdf_arm(robot_from_archive(packed({"a.urdf": OWN[name]})), "d", (1.0, 2.0, 3.0))
     return urdf_arm(load_robot(name, MeshSource()), SHIPPED[name], (10.0, -20.0, 5.0), None, "cm")
 
 
-ARMS = (*SHIPPED, "sliding")
+ARMS = (*SHIPPED, *OWN)
 
 
 def joint_path(one: UrdfArm, random: np.random.Generator, size: float = 0.3) -> FloatArray:
@@ -101,6 +101,18 @@ def test_no_point_moves_farther_than_the_levers_say(name: str, seed: int) -> Non
 
     allowed = one.levers @ np.abs(positions[1] - positions[0])
     assert (moved <= allowed + 1e-9).all()
+
+
+@settings(max_examples=40)
+@given(st.sampled_from(ARMS), seeds)
+def test_no_pair_moves_farther_beside_each_other_than_its_levers_say(name: str, seed: int) -> None:
+    one, random = some_arm(name), np.random.default_rng(seed)
+    positions = joint_path(one, random)[:2]
+    ends = one.place(between(positions))
+    gaps = np.stack([segment_distances(ends[:, i], ends[:, j]) for i, j in one.pairs], axis=1)
+    changed = np.abs(np.diff(gaps, axis=0)).sum(axis=0)
+
+    assert (changed <= one.pair_levers @ np.abs(positions[1] - positions[0]) + 1e-9).all()
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from abi.arm.inverse_dynamics import GRAVITY, has_masses, joint_torques
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
-from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.robots import OWN, arm, packed
 
 STEP = 1e-5
 MASSES = (
@@ -22,11 +22,7 @@ MASSES = (
 def chain(name: str) -> Chain:
     if name in SHIPPED:
         return Chain.of(load_robot(name, MeshSource()), SHIPPED[name], (0.1, -0.2, 0.3))
-    text = arm().replace("</link>", MASSES)
-    if name == "linked":  # the third joint follows the first
-        text = text.replace('"s" type="prismatic"', '"s" type="continuous"')
-        cut = text.rindex("<limit")
-        text = text[:cut] + '<mimic joint="p" multiplier="-0.5" offset="0.2"/></joint></robot>'
+    text = OWN[name].replace("</link>", MASSES)
     return Chain.of(robot_from_archive(packed({"a.urdf": text})), "d")
 
 
@@ -74,7 +70,7 @@ def lagrange(one: Chain, q: FloatArray, speed: FloatArray, growth: FloatArray) -
     return np.asarray(mass_matrix(one, q) @ growth + turning + weight)
 
 
-@pytest.mark.parametrize("name", [*SHIPPED, "sliding", "linked"])
+@pytest.mark.parametrize("name", [*SHIPPED, *OWN])
 def test_torques_are_those_of_lagrange(name: str) -> None:
     one, random = chain(name), np.random.default_rng(1)
     low, high = np.clip(one.limits, -2, 2).T

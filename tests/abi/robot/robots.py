@@ -56,3 +56,31 @@ def packed(files: dict[str, str | bytes]) -> bytes:
         for name, text in files.items():
             archive.writestr(name, text)
     return content.getvalue()
+
+
+def follows(name: str, factor: float = 1.0, offset: float = 0.0) -> str:
+    """What makes a joint follow another."""
+    return f'<mimic joint="{name}" multiplier="{factor}" offset="{offset}"/>'
+
+
+LIMIT = '<limit lower="-2" upper="2" velocity="1" effort="9"/>'
+LINKAGE = urdf(
+    *map(link, "abcdefghi"),
+    joint("p", "a", "b"),
+    joint("q", "b", "c", axis="1 0 0", extra=LIMIT + follows("m", 0.5, 0.1)),
+    joint("s", "c", "d", "prismatic"),
+    joint("m", "a", "g", axis="0 1 0"),  # the master of a joint on the way to the tip
+    joint("n", "g", "h", axis="1 1 0", extra=LIMIT + follows("q", -1.5, 0.3)),  # a chain of masters
+    joint("o", "h", "e", "prismatic", axis="0 1 0", extra=LIMIT + follows("s", 0.4, -0.2)),
+    joint("u", "c", "f", axis="0 1 0", extra='<limit lower="0.3" upper="2"/>'),  # stands still
+    joint("v", "f", "i", axis="1 0 0", extra=LIMIT + follows("p", -0.7)),
+)
+"""An arm from ``a`` to ``d`` with joints beside it that follow its own, move these, and rest."""
+
+LINKED_BIT = arm(
+    ('<joint name="s" type="prismatic">', '<joint name="s" type="continuous">'),
+    (LIMIT + "</joint></robot>", follows("p", -0.5, 0.2) + "</joint></robot>"),
+)
+"""An arm whose third joint follows the first, as a parallel linkage does."""
+OWN = {"linked": LINKED_BIT, "sliding": arm(), "linkage": LINKAGE}
+"""Arms from ``a`` to ``d`` that are not shipped, by a name for tests."""

@@ -21,8 +21,7 @@ from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_files import description_of
 from abi.scene.scene import Scene, load_scene
 from abi.verify.verify import verify
-from tests.abi.arm.test_chain import LINKED_BIT
-from tests.abi.robot.robots import arm, joint, link, packed, urdf
+from tests.abi.robot.robots import LINKED_BIT, arm, joint, link, packed, urdf
 
 # two arms on one column, of which the right one has a joint more
 TWO_ARMS = urdf(

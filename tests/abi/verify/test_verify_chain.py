@@ -24,7 +24,7 @@ from abi.scene.scene import load_scene
 from abi.verify.exact import Vec3, vector
 from abi.verify.exact_chain import exact_chain, sine_and_cosine
 from abi.verify.verify import Verdict, verify
-from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.robots import OWN, packed
 
 Data = dict[str, Any]
 
@@ -55,11 +55,11 @@ def test_sines_and_cosines_are_as_near_as_stated(angle: Fraction) -> None:
 def robot_of(name: str) -> tuple[Robot, str]:
     if name in SHIPPED:
         return load_robot(name, MeshSource()), SHIPPED[name]
-    return robot_from_archive(packed({"a.urdf": arm()})), "d"
+    return robot_from_archive(packed({"a.urdf": OWN[name]})), "d"
 
 
 @pytest.mark.parametrize("wxyz", [(1.0, 0.0, 0.0, 0.0), (0.1, -0.5, 0.7, 0.5)])
-@pytest.mark.parametrize("name", [*SHIPPED, "sliding"])
+@pytest.mark.parametrize("name", [*SHIPPED, *OWN])
 def test_frames_and_levers_are_those_of_the_chain(name: str, wxyz: Quaternion) -> None:
     robot, tip = robot_of(name)
     one = urdf_arm(robot, tip, (10.0, -20.0, 5.0), None, "cm", wxyz)
@@ -79,6 +79,13 @@ def test_frames_and_levers_are_those_of_the_chain(name: str, wxyz: Quaternion) -
         ends: list[Vec3] = [vector(end) for end in (capsule.ends * 100).tolist()]
         of_exact = [float(lever) for lever in exact.levers(ends, capsule.frame, -1)]
         np.testing.assert_allclose(of_exact, levers, rtol=1e-8)
+    for (i, j), both in zip(one.pairs.tolist(), one.pair_levers, strict=True):
+        meets = exact.meeting(one.capsules[i].frame, one.capsules[j].frame)
+        total = np.zeros(len(one.joints))
+        for capsule in (one.capsules[i], one.capsules[j]):
+            ends = [vector(end) for end in (capsule.ends * 100).tolist()]
+            total += [float(lever) for lever in exact.levers(ends, capsule.frame, meets)]
+        np.testing.assert_allclose(total, both, rtol=1e-8)
 
 
 def test_a_certificate_is_accepted(honest: Data) -> None:

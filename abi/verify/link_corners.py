@@ -1,0 +1,70 @@
+"""Check that the capsules of a certificate hold the corners of a robot's links.
+
+So none stands where its joints do not take it. Corners are compared in floating point: what is off
+by less than a millionth passes, and that the capsules hold all of a link is shown by a test.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.robot.robot import Robot, Shape
+from abi.verify.exact_chain import ExactChain
+from abi.verify.fault import Fault
+
+_NEAR = 1e-6
+"""Distance that a corner may be outside, over the largest coordinate of its link and 1 m."""
+_AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+
+
+def check_corners(
+    robot: Robot, chain: ExactChain, capsules: Mapping[str, Sequence[tuple[FloatArray, float]]]
+) -> None:
+    """Raise where a corner of a link's shapes is in none of its capsules.
+
+    Args:
+        robot: the robot.
+        chain: its chain.
+        capsules: of each link, in the frame that moves it: ends (2, 3) and radius, [unit].
+
+    Raises:
+        Fault: a corner is outside.
+    """
+    units = float(chain.units)
+    for name, link in robot.links.items():
+        if not link.shapes:
+            continue
+        turn, origin = (np.array(part, dtype=np.float64) for part in chain.places[name])
+        own = np.concatenate([_corners(shape) for shape in link.shapes])
+        corners = units * own @ turn.T + origin
+        allowed = _NEAR * max(units, float(np.abs(corners).max()))
+        gaps = [_distances(corners, ends) - radius for ends, radius in capsules[name]]
+        if (np.min(gaps, axis=0) > allowed).any():
+            raise Fault(f"the capsules of {name} are not where its joints take it")
+
+
+def _distances(points: FloatArray, ends: FloatArray) -> FloatArray:
+    """Distances (n,) of points (n, 3) from the segment between two ends."""
+    first, way = ends[0], ends[1] - ends[0]
+    square = float(way @ way)
+    share = np.clip((points - first) @ way / square, 0, 1) if square > 0 else np.zeros(len(points))
+    return np.asarray(np.linalg.norm(points - first - share[:, None] * way, axis=1))
+
+
+def _corners(shape: Shape) -> FloatArray:
+    """Points (n, 3) of a shape that are farthest out, in its link's frame, [m]."""
+    a, b, c = shape.size
+    if shape.kind == "mesh":
+        points = shape.vertices
+    elif shape.kind == "box":
+        points = np.array([*itertools.product((-a / 2, a / 2), (-b / 2, b / 2), (-c / 2, c / 2))])
+    elif shape.kind == "sphere":
+        points = a * np.concatenate([np.eye(3), -np.eye(3)])
+    else:
+        rim = np.column_stack([a * np.cos(_AROUND), a * np.sin(_AROUND), 0 * _AROUND])
+        points = np.concatenate([rim + np.array([0, 0, end]) for end in (-b / 2, b / 2)])
+    return np.asarray(points @ shape.pose[:3, :3].T + shape.pose[:3, 3])

@@ -1,0 +1,157 @@
+"""Links beside the arm that follow its joints: nothing is proven that they run through."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from abi.arm.urdf_arm import UrdfArm
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner
+from abi.scene.scene import Scene
+from abi.verify.verify import Verdict, verify
+from tests.abi.robot.robots import follows, urdf
+
+Data = dict[str, Any]
+
+
+def link(name: str, size: str, z: float) -> str:
+    return (
+        f'<link name="{name}"><collision><origin xyz="0 0 {z}"/>'
+        f'<geometry><box size="{size}"/></geometry></collision></link>'
+    )
+
+
+def turning(name: str, parent: str, child: str, xyz: str, axis: str, extra: str = "") -> str:
+    limit = '<limit lower="-2.5" upper="2.5" velocity="2" effort="9"/>'
+    return (
+        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{xyz}"/><axis xyz="{axis}"/>{limit}{extra}</joint>'
+    )
+
+
+def crane(swings: str, *more: str) -> str:
+    """An arm of three joints with a boom at the side of its turret."""
+    return urdf(
+        link("foot", "0.1 0.1 0.1", 0.05),
+        link("turret", "0.06 0.06 0.06", 0.0),
+        link("upper", "0.04 0.04 0.4", 0.2),
+        link("fore", "0.04 0.04 0.4", 0.2),
+        link("boom", "0.03 0.03 0.5", -0.3),
+        '<link name="tool"/>',
+        turning("turn", "foot", "turret", "0 0 0.6", "0 0 1"),
+        turning("lift", "turret", "upper", "0 0 0.05", "0 1 0"),
+        turning("bend", "upper", "fore", "0 0 0.4", "0 1 0"),
+        '<joint name="end" type="fixed"><parent link="fore"/><child link="tool"/>'
+        '<origin xyz="0 0 0.4"/></joint>',
+        turning("swing", "turret", "boom", "0 0.2 0.05", "0 1 0", swings),
+        *more,
+    )
+
+
+def scene(text: str, **changes: Any) -> Scene:
+    """The tool goes from left to right in front of the arm, the obstacle is behind it."""
+    data = {
+        "version": 1,
+        "unit": "m",
+        "workspace": {"min": [-0.8, -0.8, 0], "max": [0.8, 0.8, 1.6]},
+        "start": [0.45, 0, 1.05],
+        "goal": [0.62, 0, 0.72],
+        "mesh": {"pitch": 0.2},
+        "spline": {"clearance": 0.01},
+        "arm": {"model": "urdf", "urdf": "crane.urdf", "tip": "tool", "base": [0, 0, 0]},
+        **changes,
+    }
+    return Scene.from_dict(data, MeshSource({"crane.urdf": text.encode()}))
+
+
+def planned(one: Scene) -> tuple[Plan, Data]:
+    plan = Planner()(one)
+    data: Data = json.loads(json.dumps(plan.to_dict(full=True)))
+    return plan, data
+
+
+def verdict(data: Data, text: str) -> Verdict:
+    source = MeshSource({"crane.urdf": text.encode()})
+    return next(one for one in verify(data, source) if one.curve == "arm")
+
+
+SWINGS = follows("lift")
+STANDS = follows("grip", 1.0, 1.2)
+HELD = turning("grip", "fore", "jaw", "0 0 0.45", "1 0 0") + link("jaw", "0.02 0.02 0.05", 0.03)
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [(crane(SWINGS), "swinging"), (crane(STANDS, HELD), "standing at its offset")],
+    ids=["follows", "offset"],
+)
+def test_an_obstacle_where_a_follower_goes_is_met_and_elsewhere_is_not(
+    text: str, name: str
+) -> None:
+    free, data = planned(scene(text))
+    assert data["arm"]["certified"], (name, data["arm"]["contacts"], free.error)
+    assert verdict(data, text).proven, verdict(data, text).reason
+    boom = next(one for one in data["arm"]["capsules"] if one["link"] == "boom")
+    moved = np.ptp(np.array([boom["from"], boom["to"]]), axis=1).max()
+    assert (moved > 0.1) == (name == "swinging")
+    # around the end of the boom in the middle of the motion, far from everything else
+    end = boom["from"] if boom["from"][0][2] < boom["to"][0][2] else boom["to"]
+    ball = {"shape": "sphere", "radius": 0.05, "position": end[len(end) // 2]}
+    _, blocked = planned(scene(text, obstacles=[ball]))
+    assert not (blocked["arm"] or {"certified": False})["certified"]
+    # the certificate of the free plan does not stand for it
+    data["scene"]["obstacles"] = [ball]
+    assert not verdict(data, text).proven
+
+
+def test_joints_that_are_held_elsewhere_move_what_follows_them() -> None:
+    text = crane(STANDS, HELD)
+    at_rest, held = (
+        planned(scene(text)),
+        planned(scene(text, arm={**scene(text).arm.model_dump(), "gripper": {"grip": -0.9}})),
+    )
+    assert isinstance(held[0].arm, UrdfArm)
+    assert held[0].arm.chain.held == {"grip": -0.9, "swing": pytest.approx(0.3)}
+    assert held[1]["arm"]["certified"]
+    assert verdict(held[1], text).proven
+    # the same capsules for other joints are no proof
+    held[1]["scene"]["arm"]["gripper"] = {"grip": 0.9}
+    assert "not where its joints take it" in verdict(held[1], text).reason
+    assert at_rest[1]["arm"]["certificate"]["capsules"] != held[1]["arm"]["certificate"]["capsules"]
+    saved = held[0].scene
+    assert Scene.from_dict(saved.to_dict(), saved.meshes) == saved
+
+
+@pytest.mark.parametrize(
+    ("gripper", "expected"),
+    [
+        ({"grip": 3.0}, r"arm\.gripper\.grip is 3\.0; expected -2\.5 to 2\.5 rad"),
+        ({"lift": 0.0}, r"arm\.gripper is 'lift'; expected a joint that is not planned: grip"),
+        ({"swing": 0.0}, r"arm\.gripper is 'swing'"),
+        ({"other": 0.0}, r"arm\.gripper is 'other'"),
+        ({"grip": "open"}, r"arm\.gripper\.grip is 'open'; expected a number"),
+        ([], r"arm\.gripper is .*; expected a mapping"),
+    ],
+)
+def test_positions_that_no_joint_can_be_held_at_are_refused(gripper: Any, expected: str) -> None:
+    arm = {"model": "urdf", "urdf": "crane.urdf", "tip": "tool", "gripper": gripper}
+    with pytest.raises(SceneError, match=expected):
+        scene(crane(STANDS, HELD), arm=arm)
+
+
+RINGS = (
+    (follows("nothing"), "the name of a joint"),
+    (follows("swing"), "moves by itself"),
+)
+
+
+@pytest.mark.parametrize(("swings", "expected"), RINGS, ids=["of nothing", "of itself"])
+def test_joints_that_follow_no_joint_are_refused(swings: str, expected: str) -> None:
+    with pytest.raises(SceneError, match=expected):
+        scene(crane(swings))

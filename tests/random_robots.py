@@ -1,0 +1,150 @@
+"""Random robots as URDF text: trees of joints of all kinds, of which some follow others.
+
+Their links' poses are worked out here, too, by matrix exponentials, to compare with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from abi.arrays import FloatArray
+from abi.robot.robot import Mimic
+
+KINDS = ("revolute", "continuous", "prismatic", "fixed")
+_MOST_LINKS = 14
+
+
+@dataclass(frozen=True)
+class RandomJoint:
+    """A joint as its file gives it: ``axis`` of any length, ``mimic`` of any joint but a ring."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    xyz: FloatArray
+    rpy: FloatArray
+    axis: FloatArray
+    low: float
+    high: float
+    mimic: Mimic | None
+
+    def text(self) -> str:
+        """Its element."""
+        limit = f'<limit lower="{self.low!r}" upper="{self.high!r}" velocity="2" effort="9"/>'
+        follows = ""
+        if self.mimic is not None:
+            joint, factor, offset = self.mimic
+            follows = f'<mimic joint="{joint}" multiplier="{factor!r}" offset="{offset!r}"/>'
+        return (
+            f'<joint name="{self.name}" type="{self.kind}"><parent link="{self.parent}"/>'
+            f'<child link="{self.child}"/><origin xyz="{_words(self.xyz)}" '
+            f'rpy="{_words(self.rpy)}"/><axis xyz="{_words(self.axis)}"/>{limit}{follows}</joint>'
+        )
+
+
+@dataclass(frozen=True)
+class RandomRobot:
+    """A robot: its text, its joints, parents before children, and the limits of each by name."""
+
+    text: str
+    root: str
+    joints: tuple[RandomJoint, ...]
+
+    @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest position of each joint by name."""
+        turn = 2 * np.pi
+        return {
+            one.name: (-turn, turn) if one.kind == "continuous" else (one.low, one.high)
+            for one in self.joints
+        }
+
+
+def random_robot(random: np.random.Generator) -> RandomRobot:
+    """A robot of 3 to 14 links with at least one joint that moves by itself."""
+    count = int(random.integers(3, _MOST_LINKS + 1))
+    order = random.permutation(count).tolist()
+    joints: list[RandomJoint] = []
+    for number in range(1, count):
+        kind = "revolute" if number == 1 else str(random.choice(KINDS, p=(0.45, 0.15, 0.2, 0.2)))
+        masters = [one.name for one in joints]
+        mimic = None
+        if number > 1 and random.random() < 0.45:
+            factor, offset = random.uniform(-1.5, 1.5, 2).tolist()
+            mimic = Mimic(str(random.choice(masters)), factor, offset)
+        low = float(random.uniform(-2, 0.5))
+        # mostly a long chain, and at times a bush
+        parent = number - 1 if random.random() < 0.6 else int(random.integers(number))
+        joints.append(
+            RandomJoint(
+                name=f"j{order[number]}",
+                kind=kind,
+                parent=f"l{order[parent]}",
+                child=f"l{order[number]}",
+                xyz=random.uniform(-0.6, 0.6, 3),
+                rpy=random.uniform(-3, 3, 3),
+                axis=random.normal(size=3),
+                low=low,
+                high=low + float(random.uniform(0.1, 3)),
+                mimic=mimic,
+            )
+        )
+    links = [
+        f'<link name="l{k}"><collision><origin xyz="0 0 0.1"/><geometry>'
+        f'<box size="0.05 0.06 0.2"/></geometry></collision></link>'
+        for k in order
+    ]
+    parts = [*links, *(one.text() for one in joints)]
+    text = f'<robot name="random">{"".join(random.permutation(parts).tolist())}</robot>'
+    return RandomRobot(text, f"l{order[0]}", tuple(joints))
+
+
+def link_poses(robot: RandomRobot, state: Mapping[str, float]) -> dict[str, FloatArray]:
+    """Pose of every link in the root, (4, 4), by name.
+
+    Args:
+        robot: the robot.
+        state: positions of all joints that move and follow no other, [rad] or [m].
+    """
+    by_name = {one.name: one for one in robot.joints}
+    found = {robot.root: np.eye(4)}
+    for joint in robot.joints:
+        x, y, z = joint.rpy
+        own = np.eye(4)
+        own[:3, :3] = _turn((0, 0, z)) @ _turn((0, y, 0)) @ _turn((x, 0, 0))
+        own[:3, 3] = joint.xyz
+        moved, position = np.eye(4), _position(by_name, joint, state)
+        axis = joint.axis / np.sqrt(joint.axis @ joint.axis)
+        if joint.kind == "prismatic":
+            moved[:3, 3] = position * axis
+        elif joint.kind != "fixed":
+            moved[:3, :3] = _turn(position * axis)
+        found[joint.child] = found[joint.parent] @ own @ moved
+    return found
+
+
+def _position(
+    joints: Mapping[str, RandomJoint], joint: RandomJoint, state: Mapping[str, float]
+) -> float:
+    if joint.kind == "fixed":
+        return 0.0
+    if joint.mimic is None:
+        return state[joint.name]
+    return (
+        joint.mimic.factor * _position(joints, joints[joint.mimic.joint], state)
+        + joint.mimic.offset
+    )
+
+
+def _turn(vector: object) -> FloatArray:
+    """Rotation by the length of a vector about it, (3, 3)."""
+    return np.asarray(scipy.linalg.expm(np.cross(np.eye(3), np.asarray(vector, dtype=float))))
+
+
+def _words(numbers: FloatArray) -> str:
+    return " ".join(repr(float(number)) for number in numbers)
