@@ -131,13 +131,17 @@ def _arm(plan: Plan) -> str:
         lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")
     if plan.arm_clearance is not None:
         contacts = plan.arm_clearance.contacts
-        lines += [f"<b>✗ {contact_sentence(one, unit)}.</b>" for one in contacts[:CONTACTS]]
+        touched = (html.escape(contact_sentence(one, unit)) for one in contacts[:CONTACTS])
+        lines += [f"<b>✗ {sentence}.</b>" for sentence in touched]
         if len(contacts) > CONTACTS:
             lines.append(f"… {len(contacts)} contacts in all")
         if sentence := clearance_sentence(plan):
             too_near = plan.arm_clearance.is_too_near
+            sentence = html.escape(sentence)
             lines.append(f"<b>✗ {sentence}</b>" if too_near else sentence)
-    lines += [f"✗ {limit_sentence(one, motion, unit)}" for one in motion.limit_violations]
+    lines += [
+        f"✗ {html.escape(limit_sentence(one, motion, unit))}" for one in motion.limit_violations
+    ]
     if past := limits_warning(plan):
         lines.append(f"✗ {past}")
     return style.paragraph("<br>".join(lines)) if lines else ""

@@ -16,8 +16,9 @@ from abi.arrays import FloatArray
 from abi.export import mcap_entities
 from abi.export.mcap_entities import Colour, Part
 from abi.obstacles.pose import Vec3
-from abi.robot.robot import Link, Shape, usual_tip
+from abi.robot.robot import Link, Shape
 from abi.robot.robot_files import packed, robot_from_archive
+from abi.robot.usual_tip import usual_tip
 
 _GREY: Colour = (0.72, 0.75, 0.79, 1.0)
 

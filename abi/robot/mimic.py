@@ -8,6 +8,7 @@ from dataclasses import replace
 from abi.arrays import read_only
 from abi.robot.robot import Joint, Mimic
 from abi.robot.strict_xml import Element
+from abi.robot.urdf_joints import some_of
 
 
 def with_masters(
@@ -34,7 +35,7 @@ def with_masters(
         found.append(joint)
     if not still:
         return tuple(found), ()
-    return tuple(found), (f"Fixed, as they follow a fixed joint: {', '.join(still)}.",)
+    return tuple(found), (f"Fixed, as they follow a fixed joint: {some_of(still)}.",)
 
 
 def _master(root: Element, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:

@@ -195,15 +195,6 @@ def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
     return tuple(reversed(way))
 
 
-def usual_tip(robot: Robot) -> str:
-    """The link that the most joints move; the last one if there are several."""
-    depth = {robot.root: 0}
-    for joint in robot.joints:
-        depth[joint.child] = depth[joint.parent] + (joint.kind != "fixed")
-    most = max(depth.values())
-    return [link for link, count in depth.items() if count == most][-1]
-
-
 def bases_to(robot: Robot, tip: str) -> tuple[str, ...]:
     """Links from which 1 to 16 joints move ``tip``, the robot's root first if it is one.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 
@@ -15,8 +16,10 @@ from abi.obstacles.pose import Vec3
 
 MAX_BYTES, MAX_ELEMENTS = 2_000_000, 20_000
 
-_NUMBER = re.compile(r"[+-]?(\d{1,30}(\.\d{0,30})?|\.\d{1,30})([eE][+-]?\d{1,3})?", re.ASCII)
-_NAME = re.compile(r"[\w.+-][\w .:+-]{0,98}", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,4})?", re.ASCII)
+_MOST_DIGITS, _LONGEST_NAME = 400, 100
+_NOT_IN_NAMES = '<>"\\`'
+_ENDLESS = ("inf", "infinity")
 _MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 _LENGTHS = ("xyz", "size", "radius", "length")
@@ -43,8 +46,12 @@ class Element:
         """The same element under the name that its ``name`` attribute gives."""
         name = self.xml.get("name", "")
         tag = str(self.xml.tag)
-        if not _NAME.fullmatch(name):
-            raise Element(self.xml, self.file, tag).refuse("name", name, "a plain name")
+        if not _is_name(name):
+            expected = (
+                f"1 to {_LONGEST_NAME} letters of any script, digits and signs, "
+                f"but none of {' '.join(_NOT_IN_NAMES)} and no .. between slashes"
+            )
+            raise Element(self.xml, self.file, tag).refuse("name", name, expected)
         return Element(self.xml, self.file, f"{tag} {name}")
 
     def all(self, tag: str) -> Iterator[Element]:
@@ -85,6 +92,20 @@ class Element:
         x, y, z = (self._number(attribute, word, low, high) for word in words)
         return (x, y, z)
 
+    def bound(self, attribute: str, most: float) -> float | None:
+        """An attribute as a number, with its sign and inf where it is above ``most``.
+
+        None if it is missing; SceneError if it is no number or NaN.
+        """
+        text = self.xml.get(attribute)
+        if text is None or not str(text).strip():
+            return None
+        word = str(text).strip().lower()
+        value = math.inf if word.lstrip("+-") in _ENDLESS else None
+        if value is None:
+            value = abs(self._number(attribute, str(text), -math.inf, math.inf))
+        return math.copysign(value if value <= most else math.inf, -1 if word[0] == "-" else 1)
+
     def origin(self) -> FloatArray:
         """Pose (4, 4), [m], parent from element, of its ``<origin>``; without it the identity."""
         pose = np.eye(4)
@@ -98,11 +119,25 @@ class Element:
 
     def _number(self, attribute: str, text: str, low: float, high: float) -> float:
         word = text.strip()
-        if len(word) > 40 or not _NUMBER.fullmatch(word) or not low <= float(word) <= high:
+        if len(word) > _MOST_DIGITS:
+            raise self.refuse(attribute, text[:20], f"a number of at most {_MOST_DIGITS} letters")
+        if not _NUMBER.fullmatch(word) or not low <= float(word) <= high:
             in_metres = attribute in _LENGTHS and self.xml.tag != "axis"
             unit = " m" if in_metres else ""
-            raise self.refuse(attribute, text, f"a number from {low:g} to {high:g}{unit}")
+            within = "" if math.isinf(low) else f" from {low:g} to {high:g}{unit}"
+            raise self.refuse(attribute, text, f"a number{within}")
         return float(word)
+
+
+def _is_name(name: str) -> bool:
+    """Check whether links and joints may be called so: it is shown, and written to files."""
+    return (
+        0 < len(name) <= _LONGEST_NAME
+        and name.isprintable()
+        and name == name.strip()
+        and not any(sign in name for sign in _NOT_IN_NAMES)
+        and ".." not in name.split("/")
+    )
 
 
 def decoded(content: bytes) -> str:

@@ -3,79 +3,80 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
+from typing import NamedTuple, cast
 
 import numpy as np
 
-from abi.arrays import read_only
-from abi.errors import Missing
+from abi.arrays import FloatArray, read_only
+from abi.robot.joint_limits import Limits, read_limits
 from abi.robot.robot import Joint, JointKind, Mimic
 from abi.robot.strict_xml import Element
 
-_KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic", "fixed")
-_TURN = 2 * math.pi
-_NAMED = 4
-"""Joints that a note names, at most."""
+_MOVING = ("revolute", "continuous", "prismatic")
+_X = read_only(np.array([1.0, 0.0, 0.0]))
+_LEAST_AXIS = 1e-6
+_HELD = ("floating", "planar")
+"""Kinds that have more than one coordinate: they are held at their origin."""
 
 
-def read_joint(element: Element) -> Joint:
-    """Read a joint with its limits.
+class ReadJoint(NamedTuple):
+    """A joint as read, and the beginnings of sentences on it, which end in names of joints."""
+
+    joint: Joint
+    notes: tuple[str, ...]
+
+
+def read_joint(element: Element) -> ReadJoint:
+    """Read a joint with its limits; what its kind does not use is not looked at.
 
     Raises:
         SceneError: its kind is unknown, or one of its numbers makes no sense.
     """
     kind = element.text("type")
-    if kind not in _KINDS:
-        raise element.refuse("type", kind, f"one of {', '.join(_KINDS)}")
-    axis_of, limit = element.child("axis"), element.child("limit")
-    axis = np.array((1.0, 0.0, 0.0) if axis_of is None else axis_of.vector("xyz", (1.0, 0.0, 0.0)))
-    if not np.linalg.norm(axis) > 1e-6:
-        raise element.refuse("axis", tuple(axis.tolist()), "a direction")
-    if kind in ("revolute", "prismatic") and limit is None:
-        raise element.refuse("limit", Missing(), "<limit> with lower and upper")
-    low, high = (-_TURN, _TURN) if kind == "continuous" else (0.0, 0.0)
-    speed = effort = math.inf
-    if limit is not None and kind != "fixed":
-        if kind != "continuous":
-            low, high = (limit.number(side, 0.0, -1e3, 1e3) for side in ("lower", "upper"))
-        if low > high:
-            raise element.refuse("limit", (low, high), "lower at most upper")
-        # many files have 0 where they mean no limit
-        speed, effort = (
-            limit.number(name, 0.0, 0, 1e9) or math.inf for name in ("velocity", "effort")
-        )
-    return Joint(
+    if kind not in (*_MOVING, "fixed", *_HELD):
+        raise element.refuse("type", kind, f"one of {', '.join((*_MOVING, 'fixed', *_HELD))}")
+    moves = kind in _MOVING
+    limits = read_limits(element, kind) if moves else Limits(0.0, 0.0, math.inf, math.inf)
+    joint = Joint(
         name=element.text("name"),
-        kind=kind,
+        kind=cast(JointKind, kind if moves else "fixed"),
         parent=element.needed("parent").text("link"),
         child=element.needed("child").text("link"),
         origin=element.origin(),
-        axis=read_only(axis / np.linalg.norm(axis)),
-        low=low,
-        high=high,
-        speed=speed,
-        effort=effort,
-        mimic=_mimic(element),
+        axis=_axis(element) if moves else _X,
+        low=limits.low,
+        high=limits.high,
+        speed=limits.speed,
+        effort=limits.effort,
+        mimic=_mimic(element) if moves else None,
     )
+    held = (f"Held at their origin, as they are {kind} joints",) if kind in _HELD else ()
+    return ReadJoint(joint, (*held, *limits.notes))
 
 
-def unlimited(elements: Iterable[Element]) -> tuple[str, ...]:
-    """A sentence on joints that stand still because no limit says how far they go, if any."""
-    names = [
-        element.text("name")
-        for element in elements
-        if element.text("type") in ("revolute", "prismatic")
-        and element.child("mimic") is None
-        and (limit := element.child("limit")) is not None
-        and not (limit.text("lower") or limit.text("upper"))
-    ]
-    if not names:
-        return ()
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return (
-        "Joints that stand still, as their <limit> has no lower and upper: "
-        f"{', '.join(names[:_NAMED])}{more}.",
-    )
+def notes_on(joints: Sequence[ReadJoint]) -> tuple[str, ...]:
+    """A sentence on all joints of which the same is told."""
+    named: dict[str, list[str]] = {}
+    for joint, notes in joints:
+        for note in notes:
+            named.setdefault(note, []).append(joint.name)
+    return tuple(f"{note}: {some_of(names)}." for note, names in named.items())
+
+
+def some_of(names: Sequence[str], most: int = 4) -> str:
+    """The first of some names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
+
+
+def _axis(element: Element) -> FloatArray:
+    """Direction of a joint's axis, a unit vector (3,)."""
+    given = element.child("axis")
+    axis = _X if given is None else np.array(given.vector("xyz", (1.0, 0.0, 0.0)))
+    if not np.linalg.norm(axis) > _LEAST_AXIS:
+        raise element.refuse("axis", tuple(axis.tolist()), "a direction, as it moves about it")
+    return read_only(axis / np.linalg.norm(axis))
 
 
 def _mimic(element: Element) -> Mimic | None:

@@ -12,43 +12,35 @@ from dataclasses import replace
 import numpy as np
 from lxml import etree
 
-from abi.arrays import ByteArray, FloatArray, read_only
+from abi.arrays import ByteArray, read_only
 from abi.errors import Missing, SceneError
 from abi.obstacles.mesh_files.parts import NO_COLOURS, Parts
 from abi.robot.robot import Link, Shape
 from abi.robot.strict_xml import Element
+from abi.robot.urdf_joints import some_of
+from abi.robot.urdf_masses import WEIGHTLESS, read_inertial
 from abi.robot.urdf_meshes import file_name
 
 MAX_SHAPES = 50
-
-_NAMED = 5
-"""Links that a sentence names, at most."""
 
 Meshes = Callable[[str], Parts]
 """Vertices, faces and their colours of the mesh file of that name."""
 
 
-def read_link(element: Element, meshes: Meshes) -> Link:
+def read_link(element: Element, meshes: Meshes, masses: bool = True) -> Link:
     """Read a link with its mass and its collision shapes.
+
+    Args:
+        element: the link.
+        meshes: source of the mesh files that it names.
+        masses: whether its mass counts.
 
     Raises:
         SceneError: one of its numbers or meshes makes no sense.
     """
     kind = "visual" if element.child("collision") is None else "collision"
-    mass, centre, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
-    inertial = element.child("inertial")
-    if inertial is not None:
-        pose = inertial.origin()
-        mass = inertial.needed("mass").number("value", None, 0, 1e5)
-        centre, turn = pose[:3, 3], pose[:3, :3]
-        inertia = turn @ _tensor(inertial) @ turn.T
-    return Link(
-        element.text("name"),
-        _shapes(element, kind, meshes),
-        mass,
-        read_only(centre.copy()),
-        read_only(inertia),
-    )
+    inertial = read_inertial(element) if masses else WEIGHTLESS
+    return Link(element.text("name"), _shapes(element, kind, meshes), *inertial)
 
 
 def add_visuals(root: Element, links: dict[str, Link], meshes: Meshes) -> tuple[str, ...]:
@@ -68,9 +60,7 @@ def add_visuals(root: Element, links: dict[str, Link], meshes: Meshes) -> tuple[
                 plain.append(link.name)
     if not plain:
         return ()
-    names = ", ".join(plain[:_NAMED])
-    more = f" and {len(plain) - _NAMED} more" if len(plain) > _NAMED else ""
-    return (f"Drawn by collision shapes, as visuals cannot be read: {names}{more}.",)
+    return (f"Drawn by collision shapes, as visuals cannot be read: {some_of(plain)}.",)
 
 
 def _are_same(first: Sequence[Shape], second: Sequence[Shape]) -> bool:
@@ -109,13 +99,6 @@ def _shapes(element: Element, kind: str, meshes: Meshes) -> tuple[Shape, ...]:
     if len(shapes) > MAX_SHAPES:
         raise element.refuse("shapes", len(shapes), f"at most {MAX_SHAPES}")
     return tuple(_shape(shape, meshes) for shape in shapes)
-
-
-def _tensor(inertial: Element) -> FloatArray:
-    part = inertial.needed("inertia")
-    xx, yy, zz = (part.number(name, None, 0, 1e6) for name in ("ixx", "iyy", "izz"))
-    xy, xz, yz = (part.number(name, 0.0, -1e6, 1e6) for name in ("ixy", "ixz", "iyz"))
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _shape(element: Element, meshes: Meshes) -> Shape:

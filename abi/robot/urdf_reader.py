@@ -11,8 +11,10 @@ from types import MappingProxyType
 from abi.robot.mimic import with_masters
 from abi.robot.robot import Link, Robot
 from abi.robot.strict_xml import Element, parse
-from abi.robot.urdf_joints import in_order, read_joint, unlimited
+from abi.robot.unused_elements import unused
+from abi.robot.urdf_joints import in_order, notes_on, read_joint, some_of
 from abi.robot.urdf_links import Meshes, add_colours, add_visuals, read_link
+from abi.robot.urdf_masses import has_sense
 
 MAX_LINKS = 150
 
@@ -29,18 +31,23 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         SceneError: it is no URDF, truncated, not a single tree, or has a number without sense.
     """
     root = Element(parse(content, name), name, "robot")
+    elements = [element.called() for element in root.all("link")]
+    weightless = [one.text("name") for one in elements if not has_sense(one)]
     links: dict[str, Link] = {}
-    for element in root.all("link"):
-        link = read_link(element.called(), meshes)
+    for element in elements:
+        link = read_link(element, meshes, not weightless)
         if link.name in links:
             raise element.refuse("name", link.name, "a name that no link before it has")
         links[link.name] = link
     if not links or len(links) > MAX_LINKS:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
-    joints = [read_joint(element.called()) for element in root.all("joint")]
-    ordered, base = in_order(root, links, joints)
+    read = [read_joint(element.called()) for element in root.all("joint")]
+    ordered, base = in_order(root, links, [one.joint for one in read])
     ordered, following = with_masters(root, ordered)
-    notes = (*add_visuals(root, links, meshes), *unlimited(root.all("joint")), *following)
+    notes = (*add_visuals(root, links, meshes), *notes_on(read), *following)
+    if weightless:
+        notes += (f"No torques, as masses make no sense: {some_of(weightless)}.",)
+    notes += unused(root)
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, MappingProxyType(links), ordered, notes)

@@ -10,8 +10,9 @@ import viser
 
 from abi.obstacles.pose import UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot, bases_to, part_from, usual_tip
+from abi.robot.robot import Robot, bases_to, part_from
 from abi.robot.robot_files import SHIPPED, load_robot
+from abi.robot.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from app import notices
 from app.arm_size import size_note
