@@ -1,4 +1,4 @@
-"""The link that is the tool where nobody names one: the last before the joints branch into fingers."""
+"""The link that is the tool where nobody names one: the last before joints branch into fingers."""
 
 from __future__ import annotations
 

@@ -1,0 +1,155 @@
+"""What planning does not need is let pass with a note; what it needs stays strict."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from abi.arm.chain import Chain
+from abi.arm.inverse_dynamics import has_masses
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.robot import Robot
+from abi.robot.robot_files import load_robot
+from tests.abi.robot.robots import LIMIT, arm, joint, link, urdf
+
+ALL_OF_P = '<limit lower="-2" upper="2" velocity="1" effort="9"/>'
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="{}" iyy="1" izz="1"/></inertial></link>'
+BARE = '<inertial><mass value="1"/></inertial></link>'
+
+
+def read_of(text: str) -> Robot:
+    """The robot of a URDF."""
+    return load_robot("r.urdf", MeshSource({"r.urdf": text.encode()}))
+
+
+def limited(text: str, more: str = "") -> Robot:
+    """A robot whose first joint has another limit."""
+    return read_of(arm((ALL_OF_P, text + more)))
+
+
+def test_a_joint_without_limits_stands_still_and_a_note_says_so() -> None:
+    still = limited('<limit velocity="1" effort="9"/>')
+    bare = limited("")
+    held = limited('<limit lower="0" upper="0" velocity="1" effort="9"/>')
+
+    for robot in (still, bare):
+        assert (robot.joints[0].low, robot.joints[0].high) == (0, 0)
+        (note,) = robot.notes
+        assert note == "Joints that stand still, as their <limit> has no lower and upper: p."
+    assert [one.high for one in held.joints] == [one.high for one in still.joints]
+    assert not held.notes
+
+
+@pytest.mark.parametrize("kind", ["fixed", "floating", "planar"])
+@pytest.mark.parametrize("axis", ["0 0 0", "", "nan 0 0"])
+def test_a_joint_that_does_not_move_needs_no_axis(kind: str, axis: str) -> None:
+    parts = [*map(link, "abc"), joint("p", "a", "b"), joint("q", "b", "c", kind, axis, extra="")]
+    robot = read_of(urdf(*parts))
+    chain = Chain.of(robot, "c")
+
+    assert chain.names == ("p",)
+    assert robot.joints[1].kind == "fixed"
+    held = f"Held at their origin, as they are {kind} joints: q."
+    assert robot.notes == (() if kind == "fixed" else (held,))
+
+
+@pytest.mark.parametrize("huge", ["1e16", "999999", "1.7976931348623157e+308", "1e999", "inf"])
+def test_a_limit_beyond_sense_is_none(huge: str) -> None:
+    both = limited(f'<limit lower="-{huge}" upper="{huge}"/>').joints[0]
+    above = limited(f'<limit lower="5" upper="{huge}" effort="9"/>').joints[0]
+    rates = limited(f'<limit lower="-1" upper="1" velocity="{huge}" effort="-1"/>').joints[0]
+    endless = f'<limit lower="0" upper="{huge}"/></joint></robot>'
+    slide = read_of(arm((LIMIT + "</joint></robot>", endless))).joints[2]
+
+    assert (both.low, both.high) == (-2 * math.pi, 2 * math.pi)
+    assert above.low == 5
+    assert above.high == pytest.approx(5 + 2 * math.pi)
+    assert rates.effort == math.inf
+    assert rates.speed == (999999 if huge == "999999" else math.inf)
+    assert (slide.low, slide.high) == (0, 10)
+
+
+def test_notes_tell_of_limits_that_are_none() -> None:
+    limit = '<limit lower="-1e16" upper="1e16" velocity="-1" effort="1e16"/>'
+    notes = limited(limit).notes
+    assert len(notes) == 3
+    assert "Without limit, so taken to go as far as 6.28 rad: p." in notes
+    assert {name for note in notes for name in ("velocity", "effort") if name in note} == {
+        "velocity",
+        "effort",
+    }
+
+
+def test_a_number_may_have_as_many_digits_as_its_author_likes() -> None:
+    robot = limited(f'<limit lower="-1" upper="{math.pi}{"0" * 30}" velocity="1" effort="9"/>')
+    assert robot.joints[0].high == math.pi
+    with pytest.raises(SceneError, match=r"joint p, upper .* a number of at most 400 letters"):
+        limited(f'<limit upper="3.{"1" * 400}"/>')
+
+
+@pytest.mark.parametrize(
+    ("soft", "expected", "note"),
+    [
+        ('soft_lower_limit="-0.5" soft_upper_limit="1.5"', (-0.5, 1.5), "Planned within the soft"),
+        ('soft_lower_limit="-3" soft_upper_limit="1.5"', (-2, 1.5), "Planned within the soft"),
+        ('soft_lower_limit="-3" soft_upper_limit="3"', (-2, 2), None),
+        ('soft_upper_limit="1"', (0, 1), "Planned within the soft"),
+        ('k_velocity="10"', (-2, 2), None),
+        ('soft_lower_limit="4" soft_upper_limit="5"', (-2, 2), "Soft limits outside"),
+    ],
+)
+def test_soft_limits_are_kept(soft: str, expected: tuple[float, float], note: str | None) -> None:
+    robot = limited(ALL_OF_P, f"<safety_controller {soft}/>")
+    assert (robot.joints[0].low, robot.joints[0].high) == expected
+    assert [one for one in robot.notes if note and one.startswith(note)] == [*robot.notes]
+    assert len(robot.notes) == (note is not None)
+
+
+@pytest.mark.parametrize(
+    ("inertial", "counts"),
+    [
+        (INERTIAL.format("1"), True),
+        (INERTIAL.format("-5.42101e-20"), True),
+        (INERTIAL.format("nan"), False),
+        (INERTIAL.format("-3"), False),
+        (INERTIAL.replace('ixx="{}"', ""), False),
+        (BARE, False),
+        (BARE.replace("1", "0"), None),
+    ],
+)
+def test_masses_without_sense_cost_the_torques_alone(inertial: str, counts: bool | None) -> None:
+    weighed = ("</link>", INERTIAL.format("2"))
+    robot = read_of(arm(weighed, ("</link><joint", inertial + "<joint")))
+    assert has_masses(Chain.of(robot, "d")) == (counts is True)
+    note = "No torques, as masses make no sense: d."
+    assert robot.notes == ((note,) if counts is False else ())
+
+
+def test_what_is_not_used_is_named_once() -> None:
+    text = arm(
+        ("</joint>", '<calibration rising="0"/><dynamics damping="1"/></joint>'),
+        ("</joint>", '<calibration rising="0"/></joint>'),
+        ("</robot>", "<transmission/><gazebo/><transmission/></robot>"),
+    )
+    (note,) = read_of(text).notes
+    assert note == "Not used: transmission, gazebo, calibration, dynamics."
+
+
+@pytest.mark.parametrize(
+    "name", ["left/b", "b (1)", "[b]", "底座", "основа", "b#2", "ä b", "{b}", "b,c", "@b:=1"]
+)
+def test_links_and_joints_may_have_any_printable_name(name: str) -> None:
+    text = arm().replace('"b"', f'"{name}"').replace('"q"', f'"{name}"')
+    robot = read_of(text)
+    assert name in robot.links
+    assert robot.joints[1].name == name
+    assert np.isfinite(Chain.of(robot, "d").poses(np.zeros((1, 3)))).all()
+
+
+@pytest.mark.parametrize("name", ["", " b", "b\u2028", "a&lt;b", "b`", "../b", "b/..", "x" * 101])
+def test_a_refused_name_is_told_what_names_may_be(name: str) -> None:
+    with pytest.raises(SceneError, match="1 to 100 letters of any script"):
+        read_of(arm(('link name="b"', f'link name="{name}"')))
