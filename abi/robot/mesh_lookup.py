@@ -9,7 +9,7 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_files import stl
 from abi.obstacles.mesh_files.parts import Parts
 from abi.obstacles.triangle_mesh import mesh_reader
-from abi.obstacles.triangle_mesh.file_names import same_name
+from abi.robot.mesh_places import alike, length, places
 
 MAX_TRIANGLES = 500_000
 """Largest number of triangles of all shapes of a robot; a shape used twice counts twice."""
@@ -19,7 +19,7 @@ _SIMPLE = (".stl", ".obj", ".glb")
 
 
 class MeshLookup:
-    """Meshes of an archive, found where the URDF says, or else as the only file of that name.
+    """Meshes of an archive, found where the URDF says, or else by the ends of their paths.
 
     Args:
         files: content by path.
@@ -30,6 +30,8 @@ class MeshLookup:
         self._files, self._folder = files, folder
         self._read: dict[str, Parts] = {}
         self._taken: set[str] = set()
+        self._guessed: dict[str, str] = {}
+        self._names = {file.removesuffix(_PLAIN): file for file in files}
         self._triangles = 0
 
     def __call__(self, name: str) -> Parts:
@@ -65,16 +67,31 @@ class MeshLookup:
         Raises:
             SceneError: it is not there, or there are several.
         """
-        path = (self._folder / name).as_posix()
-        for wanted in (path, path + _PLAIN):
-            if (found := same_name(wanted, self._files)) is not None:
-                return found
-        last = PurePosixPath(name).name
-        ends = (last, last + _PLAIN)
-        same = [file for file in self._files if same_name(PurePosixPath(file).name, ends)]
-        if len(same) != 1:
-            raise SceneError("arm.urdf mesh", name, "a file that came with the URDF")
-        return same[0]
+        found = next((one for one in places(self._folder, name) if one in self._names), None)
+        if found is None:
+            found = self._most_alike(name)
+        return self._names[found]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on the files that were taken for others."""
+        return tuple(f"Taken for {name}: {file}." for name, file in self._guessed.items())
+
+    def _most_alike(self, name: str) -> str:
+        """The only file whose path ends most like a name that no file has."""
+        files, count = alike(self._names, name)
+        if len(files) > 1:
+            exact = [file for file in files if file.endswith(PurePosixPath(name).name)]
+            files = tuple(exact) if len(exact) == 1 else files
+        if len(files) != 1:
+            expected = "a file that came with the URDF"
+            if files:
+                expected += f"; of that name there are {', '.join(sorted(files)[:2])}"
+            raise SceneError("arm.urdf mesh", name, expected)
+        (file,) = files
+        if count < length(name) or not file.endswith(PurePosixPath(name).name):
+            self._guessed[name] = file
+        return file
 
 
 def is_plain(path: str) -> bool:

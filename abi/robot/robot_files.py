@@ -11,20 +11,24 @@ from functools import lru_cache
 from pathlib import PurePosixPath
 
 from abi import assets
+from abi.archive_members import members_of
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.threemf import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.mesh_lookup import MeshLookup, is_plain
+from abi.robot.mesh_places import places
 from abi.robot.robot import Robot, require_motion
+from abi.robot.urdf_joints import some_of
 from abi.robot.urdf_meshes import mesh_names
 from abi.robot.urdf_reader import read_srdf, read_urdf
 
 SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
 """Usual tip of each arm that comes with the package, by its name."""
 
-_MAX_ARCHIVE, _MAX_UNPACKED, _MAX_FILES = 30_000_000, 100_000_000, 400
+_MAX_ARCHIVE, _MAX_UNPACKED, _MAX_FILES = 30_000_000, 100_000_000, 2_000
 _ROOM = 0.9
 """Part of an archive's size that meshes for looks alone may fill it to."""
+_INSIDE = ".zip/"
 _ZIP = b"PK\x03\x04"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -49,19 +53,27 @@ def load_robot(name: str, source: MeshSource, plain: bool = False) -> Robot:
 def archive_of(name: str, source: MeshSource) -> bytes:
     """Content of a ``.zip`` file, or a ``.urdf`` file packed with the meshes that it names.
 
-    The meshes are not read.
+    ``ROBOTS.zip/URDF`` is the archive with that one of its URDF files alone. Meshes are not read.
 
     Raises:
         SceneError: the file has another ending, or one that it needs is missing.
     """
     ending = PurePosixPath(name).suffix.lower()
-    if ending in (".zip", ".urdf"):
-        content = _content(source, name)
-        # an arm that a scene has read already is kept as an archive, whatever it was
-        packed = ending == ".zip" or content.startswith(_ZIP)
-        return content if packed else _packed(source, name)
-    expected = f"one of {', '.join(SHIPPED)}, or a file that ends in .urdf or .zip"
-    raise SceneError("arm.urdf", name, expected)
+    if ending not in (".zip", ".urdf"):
+        expected = f"one of {', '.join(SHIPPED)}, or a file that ends in .urdf or .zip"
+        raise SceneError("arm.urdf", name, expected)
+    if name not in source.files and (archive := file_of(name)) != name:
+        return _with_one(_content(source, archive), name.removeprefix(f"{archive}/"))
+    content = _content(source, name)
+    # an arm that a scene has read already is kept as an archive, whatever it was
+    packed = ending == ".zip" or content.startswith(_ZIP)
+    return content if packed else _packed(source, name)
+
+
+def file_of(name: str) -> str:
+    """Name of the file that an arm is in: ``robots.zip`` for ``robots.zip/ur5.urdf``."""
+    archive, slash, _ = name.partition(_INSIDE)
+    return archive + _INSIDE.rstrip("/") if slash else name
 
 
 @lru_cache(maxsize=8)
@@ -97,30 +109,45 @@ def unpacked(content: bytes) -> dict[str, bytes]:
         raise SceneError("arm.urdf", f"{len(content):,} bytes", expected)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            # is_dir() asks for the last letter of a name that may have none
-            members = [one for one in archive.infolist() if not one.filename.endswith("/")]
-            size = sum(member.file_size for member in members)
+            members = members_of(archive)
+            size = sum(member.file_size for member in members.values())
             if len(members) <= _MAX_FILES and size <= _MAX_UNPACKED:
-                return {member.filename: archive.read(member) for member in members}
+                return {name: archive.read(member) for name, member in members.items()}
     except DAMAGED_ZIP as error:
         expected = "a whole zip archive without a password"
         raise SceneError("arm.urdf", str(error)[:60], expected) from None
     value = f"{len(members)} files of {size:,} bytes"
-    expected = f"at most {_MAX_FILES} files of {_MAX_UNPACKED // 10**6} MB in all"
+    expected = f"at most {_MAX_FILES:,} files of {_MAX_UNPACKED // 10**6} MB in all"
     raise SceneError("arm.urdf", value, expected)
 
 
 def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
     """A robot, and its files with each mesh in a format that needs no trimesh."""
     files = unpacked(content)
-    found = [name for name in files if name.lower().endswith(".urdf")]
+    found = sorted(name for name in files if name.lower().endswith(".urdf"))
     if len(found) != 1:
-        names = ", ".join(sorted(PurePosixPath(name).name for name in found)[:4]) or "none"
-        raise SceneError("arm.urdf", names, "one file that ends in .urdf in the archive")
+        names = some_of(found) or "none"
+        expected = "one file that ends in .urdf in the archive"
+        if found:
+            expected += f", or one of them named after it, such as robots.zip/{found[0]}"
+        raise SceneError("arm.urdf", names, expected)
     lookup = MeshLookup(files, PurePosixPath(found[0]).parent)
     robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
+    robot = replace(robot, archive=content, notes=(*robot.notes, *lookup.notes))
     texts = {name: files[name] for name in files if name.lower().endswith((".urdf", ".srdf"))}
-    return _with_srdf(replace(robot, archive=content), files), texts | lookup.plain()
+    return _with_srdf(robot, files, PurePosixPath(found[0]).stem), texts | lookup.plain()
+
+
+def _with_one(content: bytes, name: str) -> bytes:
+    """An archive with only one of its URDF files, whose path ends in a name."""
+    files = unpacked(content)
+    urdfs = [file for file in files if file.lower().endswith(".urdf")]
+    found = [file for file in urdfs if f"/{file}".endswith(f"/{name}")]
+    if name in urdfs:
+        found = [name]
+    if len(found) != 1:
+        raise SceneError("arm.urdf", name, f"one of {some_of(sorted(urdfs), 6) or 'no URDF files'}")
+    return packed({file: files[file] for file in files if file not in urdfs or file in found})
 
 
 def _plain(content: bytes) -> bytes:
@@ -130,14 +157,20 @@ def _plain(content: bytes) -> bytes:
     return packed(_read(content)[1])
 
 
-def _with_srdf(robot: Robot, files: Mapping[str, bytes]) -> Robot:
-    """The robot with what the SRDF among its files says; itself where there is none."""
+def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
+    """The robot with what its SRDF says: the only one among its files, or that of its name.
+
+    Without an SRDF more is checked than need be, so a choice among others is not made.
+    """
     found = [name for name in files if name.lower().endswith(".srdf")]
+    if len(found) > 1:
+        own = [name for name in found if PurePosixPath(name).stem == stem]
+        if len(own) != 1:
+            note = f"No SRDF is used, as none of several is called {stem}.srdf."
+            return replace(robot, notes=(*robot.notes, note))
+        found = own
     if not found:
         return robot
-    if len(found) > 1:
-        names = ", ".join(sorted(PurePosixPath(name).name for name in found)[:4])
-        raise SceneError("arm.urdf", names, "at most one file that ends in .srdf in the archive")
     pairs = read_srdf(files[found[0]], PurePosixPath(found[0]).name)
     known = frozenset(pair for pair in pairs if pair <= robot.links.keys())
     note = f"{len(known)} pairs of links are not checked against each other: its SRDF says so."
@@ -155,20 +188,32 @@ def _packed(source: MeshSource, urdf: str) -> bytes:
     Meshes that are for looks alone come along where they are there and there is room.
     """
     text, folder = _content(source, urdf), PurePosixPath(urdf).parent
-    needed, looks = (
-        [(folder / name).as_posix() for name in names]
-        for names in mesh_names(text, PurePosixPath(urdf).name)
-    )
-    files = {urdf: text, **{name: _content(source, name) for name in needed}}
+    needed, looks = mesh_names(text, PurePosixPath(urdf).name)
+    files = {urdf: text}
+    for name in needed:
+        path, mesh = _mesh_of(source, folder, name)
+        files[path] = mesh
     for name in looks[: _MAX_FILES // 2]:
         with contextlib.suppress(SceneError):
-            mesh = source.content(name)
+            path, mesh = _mesh_of(source, folder, name)
             if sum(map(len, files.values())) + len(mesh) < _ROOM * _MAX_ARCHIVE:
-                files[name] = mesh
+                files[path] = mesh
     with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
         beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
         files[beside] = source.content(beside)
     return packed(files, zipfile.ZIP_STORED)
+
+
+def _mesh_of(source: MeshSource, folder: PurePosixPath, name: str) -> tuple[str, bytes]:
+    """Path and content of a mesh that a URDF in a folder names: of the first place that has one."""
+    fault = SceneError("arm.urdf mesh", name, "a file inside the scene's folder")
+    for number, path in enumerate(places(folder, name)):
+        try:
+            return path, source.content(path)
+        except SceneError as error:
+            if number == 0:
+                fault = SceneError("arm.urdf", error.value, error.expected)
+    raise fault
 
 
 def _content(source: MeshSource, name: str) -> bytes:

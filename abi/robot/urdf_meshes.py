@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import re
-from pathlib import PurePosixPath
 
 from abi.errors import SceneError
+from abi.robot.mesh_places import reference
 from abi.robot.strict_xml import Element, parse
 
 
@@ -31,14 +30,14 @@ def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, .
 
 
 def file_name(mesh: Element) -> str:
-    """Path of a mesh file inside the upload, without its scheme.
+    """Name of a mesh file inside the upload, as :func:`abi.robot.mesh_places.reference` has it.
 
     Raises:
         SceneError: it leads outside.
     """
     text = mesh.text("filename")
-    path = re.sub(r"\Apackage://[^/]*/", "", text)
-    parts = PurePosixPath(path).parts
-    if not path or "://" in path or path.startswith("/") or ".." in parts or "\\" in path:
-        raise mesh.refuse("mesh filename", text, "a file beside the URDF or below it")
-    return path
+    name = reference(text)
+    if name is None:
+        expected = "a file that comes with the URDF, as package://NAME/FILE or beside the URDF"
+        raise mesh.refuse("mesh filename", text, expected)
+    return name

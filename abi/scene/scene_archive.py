@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
+from abi.archive_members import members_of, without_folder
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.obj import write_unit
 from abi.obstacles.mesh_files.threemf import DAMAGED_ZIP
@@ -25,7 +26,7 @@ from abi.scene.scene_file import parse_bytes, text_of
 SUFFIX = ".zip"
 MAX_BYTES = 50_000_000
 _MOST_UNPACKED = 200_000_000
-_MOST_FILES = 200
+_MOST_FILES = 2_000
 _ARMS = (".urdf", ".zip")
 _SCENES = ("scene.yaml", "scene.yml", "scene.json")
 _STORED = ".obj"
@@ -76,16 +77,13 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
         raise SceneError(_FIELD, name, f"a file of at most {MAX_BYTES // 1_000_000} MB")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            # is_dir() asks for the last letter of a name that may have none
-            entries = [one for one in archive.infolist() if not one.filename.endswith("/")]
-            size = sum(entry.file_size for entry in entries)
+            entries = members_of(archive)
+            size = sum(entry.file_size for entry in entries.values())
             if size > _MOST_UNPACKED or len(entries) > _MOST_FILES:
-                limit = f"{_MOST_FILES} files of {_MOST_UNPACKED // 1_000_000} MB in all"
+                limit = f"{_MOST_FILES:,} files of {_MOST_UNPACKED // 1_000_000} MB in all"
                 raise SceneError(_FIELD, name, f"an archive of at most {limit}")
-            files = {entry.filename: entry for entry in entries}
-            scene = next((file for file in _SCENES if file in files), None)
-            if scene is None:
-                raise SceneError(_FIELD, name, "an archive with a scene.yaml in it")
+            files = _in_one_folder(entries, name)
+            scene = next(file for file in _SCENES if file in files)
             data = parse_bytes(archive.read(files[scene]), scene)
             stored = {
                 file: archive.read(entry)
@@ -102,6 +100,20 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
     given = {**stored, **contents}
     found = {name: same_name(name, given) for name in _named(data)}
     return data, {**given, **{name: given[one] for name, one in found.items() if one is not None}}
+
+
+def _in_one_folder(entries: Mapping[str, zipfile.ZipInfo], name: str) -> dict[str, zipfile.ZipInfo]:
+    """Files in the folder of the scene, by their names there; ``name`` is that of the archive."""
+    scenes = [PurePosixPath(file) for file in entries if PurePosixPath(file).name in _SCENES]
+    if not scenes:
+        raise SceneError(_FIELD, name, "an archive with a scene.yaml in it")
+    depth = min(len(scene.parts) for scene in scenes)
+    folders = sorted({scene.parent for scene in scenes if len(scene.parts) == depth})
+    if len(folders) > 1:
+        names = ", ".join(f"{folder}" for folder in folders[:4])
+        raise SceneError(_FIELD, name, f"an archive of one scene, not one in each of {names}")
+    inside = {without_folder(file, folders[0]): entry for file, entry in entries.items()}
+    return {file: entry for file, entry in inside.items() if file is not None}
 
 
 def _stored_names(files: Sequence[str]) -> dict[str, str]:

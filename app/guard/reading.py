@@ -20,7 +20,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
-from abi.robot.robot_files import load_robot, robot_from_archive
+from abi.robot.robot_files import file_of, load_robot, robot_from_archive
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 
@@ -153,8 +153,9 @@ def _scene(name: str, content: bytes) -> Answer:
             answer.surfaces[file] = Triangles.of(found)
         else:
             answer.surfaces |= _mesh(file, found).surfaces
-    for file in arms & files.keys():
-        answer.archives[file] = _whole(file, files).archive
+    for arm in arms:
+        if arm in files or file_of(arm) in files:
+            answer.archives[arm] = _whole(arm, files).archive
     return answer
 
 

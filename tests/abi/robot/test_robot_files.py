@@ -169,7 +169,7 @@ def test_a_mesh_in_many_places_counts_in_each() -> None:
         (lambda: packed({"a.urdf": arm()})[:-40], "zip"),
         (lambda: packed({"a.urdf": arm(), "b.urdf": arm()}), "one file that ends in .urdf"),
         (lambda: packed({"a.txt": "x"}), "one file that ends in .urdf"),
-        (lambda: packed({str(k): "x" for k in range(500)}), "at most 400 files"),
+        (lambda: packed({str(k): "x" for k in range(2500)}), "at most 2,000 files"),
         (lambda: packed({"a.urdf": arm(), "bomb.stl": bytes(150_000_000)}), "100 MB"),
         (lambda: packed({"a.urdf": " " * 2_100_000}), "at most 2 MB"),
     ],
@@ -215,8 +215,6 @@ def test_an_srdf_takes_pairs_of_links_out_of_the_checks(tmp_path: Path) -> None:
 def test_a_damaged_srdf_is_refused(text: str) -> None:
     with pytest.raises(SceneError, match=r"r\.srdf"):
         robot_from_archive(packed({"a.urdf": arm(), "r.srdf": text}))
-    with pytest.raises(SceneError, match="at most one"):
-        robot_from_archive(packed({"a.urdf": arm(), "r.srdf": SRDF, "s.srdf": SRDF}))
 
 
 def test_an_archive_that_lies_about_its_sizes_is_refused() -> None:

@@ -1,0 +1,34 @@
+"""Files of a zip archive by the names that are meant, however a file manager wrote them."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import PurePosixPath
+
+_JUNK = ("__MACOSX", ".DS_Store", "Thumbs.db", "desktop.ini")
+
+
+def members_of(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
+    """Files of an archive by their names, with ``/`` between folders and none that lead outside.
+
+    Folders, and what file managers add for themselves, are left out. Of several files with one
+    name the last counts, as when they are unpacked one after the other.
+    """
+    found = {}
+    for entry in archive.infolist():
+        name = entry.filename.replace("\\", "/")
+        parts = [part for part in name.split("/") if part not in ("", ".")]
+        # is_dir() asks for the last letter of a name that may have none
+        if parts and not name.endswith("/") and ".." not in parts and not _is_junk(parts):
+            found["/".join(parts)] = entry
+    return found
+
+
+def without_folder(name: str, folder: PurePosixPath) -> str | None:
+    """Name of a file inside a folder; None for one that is elsewhere."""
+    path = PurePosixPath(name)
+    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else None
+
+
+def _is_junk(parts: list[str]) -> bool:
+    return parts[-1].startswith("._") or any(part in _JUNK for part in parts)
