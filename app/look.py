@@ -1,8 +1,11 @@
-"""Look of a new tab: dark or light, plain, and with or without the demonstration."""
+"""Look of a new tab: its scene, dark or light, plain, and with or without the demonstration."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+OPENING = "drag-a-box"
+"""The shipped scene that a tab opens on where none is named."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from app.guard import guarded_server, token
 from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
 from app.guard.porter import Porter
-from app.look import Look
+from app.look import OPENING, Look
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from app.session import Session
     from app.warm_up import WarmUp
 
-PAPER = "paper"
 _ADDRESS, _AS_THE_SYSTEM = Address(), Look()
 _FAREWELL = 0.2
 """Seconds in which the tabs are told that the server stops."""
@@ -143,7 +142,7 @@ class Server:
 
 def start(
     address: Address = _ADDRESS,
-    scene: str = PAPER,
+    scene: str = OPENING,
     look: Look = _AS_THE_SYSTEM,
     policy: Policy | None = None,
     lessons: Path | None = None,
@@ -170,7 +169,7 @@ def start(
     # the workers plan in Python: shorter turns let the event loop answer meanwhile
     sys.setswitchinterval(0.0005)
     # a file that may be wrong is read before there is a page
-    loaded = None if scene == PAPER else _load(scene)
+    loaded = None if scene == OPENING else _load(scene)
     lesson_library = _library(lessons)
     server = Server(address, look, policy)
     server.classroom = classroom

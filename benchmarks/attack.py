@@ -39,7 +39,7 @@ def attack(messages: int, seed: int = 0) -> dict[str, Any]:
         the ``median_ms``, ``p99_ms`` and ``worst_ms`` from an input to its plan, beside the
         ``calm_ms`` that is the median before the attack; ``faults`` that it met.
     """
-    server = start(Address(port=0), look=PLAIN)
+    server = start(Address(port=0), scene="paper", look=PLAIN)
     worker = FakeTab(server.url)
     until(lambda: bool(server.sessions))
     (session,) = server.sessions.values()

@@ -227,7 +227,7 @@ def walk(walker: Walker, steps: Sequence[Step], tell: Callable[[str], None] = pr
 def measure(browser: Browser, steps: int, seed: int) -> dict[str, object]:
     """Walk at random: ``steps`` taken, and the ``faults`` in words."""
     abi.compile()
-    server = start(Address(port=0), look=PLAIN)
+    server = start(Address(port=0), scene="paper", look=PLAIN)
     page = Page(browser, server.url)
     chance = random.Random(seed)
     try:

@@ -113,7 +113,7 @@ def _serve(port: int, told: int) -> None:
     """The forked process: serve until killed."""
     from app.server import start
 
-    start(Address(port=port), look=PLAIN)
+    start(Address(port=port), scene="paper", look=PLAIN)
     os.write(told, b"1")
     while True:
         signal.pause()

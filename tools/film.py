@@ -14,6 +14,7 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 from abi.scene.scene import Scene, load_scene
+from app.look import OPENING
 from tools.visit import Visit, visit
 
 DRAGGED, MOVED = 28, 34
@@ -48,8 +49,8 @@ def shoot(browser: Browser) -> list[Image.Image]:
 
 
 def scene() -> Scene:
-    """The paper's scene with the path pulled taut and the curve kept clear."""
-    return load_scene("paper").replace(search={"taut": True}, quadratic={"mode": "clear"})
+    """The scene that the page opens on."""
+    return load_scene(OPENING)
 
 
 def write(frames: list[Image.Image], file: Path) -> None:

@@ -17,6 +17,7 @@ from playwright.sync_api import Browser
 
 import abi
 from abi.scene.scene import Scene, load_scene
+from app.look import OPENING
 from benchmarks.browser import chromium
 from tools import film
 from tools.visit import Visit, visit
@@ -46,7 +47,7 @@ STAGES: dict[str, tuple[str, ...]] = {
 SEARCHED = 100  # percent of the search that its picture shows
 UNDERWAY = 0.62  # of the motion: where the arm is
 PAGES: dict[str, tuple[str, str | None]] = {
-    "page": ("paper", None),
+    "page": (OPENING, None),
     "page-two-boxes": ("two-boxes", None),
     "page-scene-tab": ("forest", "Scene"),
     "page-plots-tab": ("wall-with-window", "Plots"),

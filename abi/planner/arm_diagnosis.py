@@ -12,6 +12,7 @@ from abi.arm.arm_clearance import Contact
 from abi.arrays import FloatArray, read_only
 from abi.errors import ArmNotClear, format_length, format_point
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from abi.planner.what_if import WhatIf
@@ -26,6 +27,8 @@ _MOVED = 3
 _LEAST = 0.01
 """Room that a moved obstacle gets beyond the contact, over the arm's reach."""
 _WAYS = ((1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
+_ALONG = 1e-6
+"""Largest part of a way across what the base stands on that still counts as along it."""
 
 
 def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) -> Reason:
@@ -85,9 +88,11 @@ def _remedies(
 
 
 def _bases(scene: Scene, plan: Plan) -> list[list[float]]:
-    """Places for the base, the nearest first."""
+    """Places for the base, the nearest first: on the floor, or the wall, that it stands on."""
     step = (1.0 if plan.arm is None else plan.arm.reach) / 11
-    moves = [scale * step * np.array(way) for scale in _STEPS for way in _WAYS]
+    across = rotation(scene.arm.base_wxyz)[:, 2]
+    ways = [np.array(way) for way in _WAYS if abs(np.dot(way, across)) <= _ALONG]
+    moves = [scale * step * way for scale in _STEPS for way in ways]
     return [[float(f"{number:.3g}") for number in np.add(scene.arm.base, move)] for move in moves]
 
 

@@ -17,7 +17,7 @@ from app.address import Address
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.guard.side_door import SideDoor
 from app.logs import LEVELS, configure
-from app.look import Look
+from app.look import OPENING, Look
 from app.memory import load_at_once
 from app.scratch import remove_abandoned
 from app.workers import Workers, are_possible, seat
@@ -30,7 +30,7 @@ _PERIOD = 1.0
 
 
 @click.command(short_help="Start the visualiser, as abi alone does.")
-@click.argument("scene", default="paper")
+@click.argument("scene", default=OPENING)
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @click.option(
     "--port",

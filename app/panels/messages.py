@@ -11,6 +11,7 @@ from typing import Any
 from abi.errors import AbiError, NoPath, StageError
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
+from abi.scene.scene import Scene
 from app import style
 from app.arm_size import scene_size_note
 from app.frame import Frame
@@ -27,6 +28,8 @@ from app.panels.widgets import Wake, hidden_button, pressed
 
 _OBSTACLES = "obstacles"
 """Switch of the layers that shows them."""
+
+_TOOL_ALONE = "As in the paper, only the path of the tool is planned: links may touch obstacles."
 
 
 class Messages:
@@ -48,6 +51,7 @@ class Messages:
         self.point_out = hidden_button(gui, "Show it", wake)
         self.banner = ArmBanner(gui, wake)
         self._reason: Reason | None = None
+        self._tool_alone: Scene | None = None
         self._drawn: tuple[object, ...] = ()
 
     def draw(self, frame: Frame) -> None:
@@ -71,7 +75,8 @@ class Messages:
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         else:
-            content = f'<div class="abi-card">{_progress(frame, still)}</div>'
+            progress = f"{_progress(frame, still)} {self._remark(frame)}".rstrip()
+            content = f'<div class="abi-card">{progress}</div>'
             contact = self.banner.html(frame.plan)
         self._overlay.show("message", self._lesson.html + content)
         self._overlay.show("contact", contact)
@@ -87,6 +92,14 @@ class Messages:
         """The obstacle that was asked for since the last call."""
         asked = pressed(self.point_out)
         return self._reason.obstacle if asked and self._reason is not None else None
+
+    def _remark(self, frame: Frame) -> str:
+        """What is planned for the tool alone: said of the first such scene, until it changes."""
+        scene = frame.plan.scene
+        if scene.arm.avoid or frame.lesson or frame.theatre is not None:
+            return ""
+        self._tool_alone = self._tool_alone or scene
+        return _TOOL_ALONE if scene is self._tool_alone else ""
 
     def _failure(self, frame: Frame, error: AbiError) -> str:
         """Reason why there is no plan, and the buttons of what would help."""

@@ -42,7 +42,7 @@ def quiet() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    running = start(Address(port=0), look=PLAIN)
+    running = start(Address(port=0), scene="paper", look=PLAIN)
     yield running
     running.stop()
 

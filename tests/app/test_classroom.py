@@ -21,7 +21,7 @@ from tests.app.fake_tab import FakeTab, until
 @pytest.fixture(scope="module")
 def room() -> Iterator[tuple[Server, Classroom]]:
     classroom = Classroom()
-    running = start(Address(port=0), classroom=classroom, look=PLAIN)
+    running = start(Address(port=0), scene="paper", classroom=classroom, look=PLAIN)
     yield running, classroom
     running.stop()
 

@@ -22,7 +22,7 @@ from tests.app.fake_tab import opened
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[Session]:
-    running = start(Address(port=0), look=PLAIN)
+    running = start(Address(port=0), scene="paper", look=PLAIN)
     fake, session = opened(running, patience=90)
     yield session
     fake.close()

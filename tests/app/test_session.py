@@ -378,7 +378,7 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
         calls.append((hdri, any(session.plan is not None for session in sessions.values())))
 
     monkeypatch.setattr(viser.SceneApi, "configure_environment_map", configure)
-    running = start(Address(port=0))
+    running = start(Address(port=0), scene="paper")
     sessions = running.sessions
     fake = FakeTab(running.url)
     until(lambda: len(calls) == 2)

@@ -59,7 +59,7 @@ def chromium() -> Iterator[Browser]:
 def server() -> Iterator[Server]:
     # until it is, plans are slow and tell no times
     abi.compile()
-    server = start(Address(port=0), look=PLAIN)
+    server = start(Address(port=0), scene="paper", look=PLAIN)
     yield server
     server.stop()
 

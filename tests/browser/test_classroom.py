@@ -17,7 +17,7 @@ from tests.browser.page import Page
 @pytest.fixture
 def room() -> Iterator[tuple[Server, Classroom]]:
     classroom = Classroom()
-    running = start(Address(port=0), classroom=classroom, look=PLAIN)
+    running = start(Address(port=0), scene="paper", classroom=classroom, look=PLAIN)
     yield running, classroom
     running.stop()
 

@@ -16,7 +16,9 @@ from tests.browser.page import Page
 
 @pytest.fixture
 def locked() -> Iterator[Server]:
-    running = start(Address(port=0), policy=policy_for("127.0.0.1", "open sesame"), look=PLAIN)
+    running = start(
+        Address(port=0), scene="paper", policy=policy_for("127.0.0.1", "open sesame"), look=PLAIN
+    )
     yield running
     running.stop()
 

@@ -92,6 +92,7 @@ def hosted(tmp_path: Path) -> Iterator[tuple[Server, str]]:
     public = f"http://127.0.0.1:{port}"
     server = start(
         Address(port=0),
+        scene="paper",
         policy=policy_for("127.0.0.1", TOKEN, origins=(public,)),
         look=PLAIN,
     )

@@ -87,7 +87,7 @@ def test_the_sheet_of_keys_opens_and_closes(page: Page, way: str) -> None:
 @pytest.mark.parametrize("touched", ["a button", "the obstacle"])
 def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: str) -> None:
     paper = abi.load_scene("paper")
-    server = start(Address(port=0), look=Look(plain=True, demo=True))
+    server = start(Address(port=0), scene="paper", look=Look(plain=True, demo=True))
     page = Page(chromium, server.url + "/?demo=1")
     try:
         page.until(lambda: bool(server.sessions), "a session")

@@ -25,7 +25,9 @@ _ORDERS: dict[str, list[Step]] = {
 @pytest.fixture
 def walker(chromium: Browser, server: Server) -> Iterator[Walker]:
     """A tab of a server of its own, so that it can tell its sessions apart."""
-    own = start(Address(port=0), look=PLAIN)  # after the shared one, which has all compiled
+    own = start(
+        Address(port=0), scene="paper", look=PLAIN
+    )  # after the shared one, which has all compiled
     page = Page(chromium, own.url)
     yield Walker(page, own)
     page.close()

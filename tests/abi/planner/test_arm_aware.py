@@ -14,9 +14,11 @@ from abi.arm.arm_sight import ArmSight
 from abi.arm.surroundings import arm_surroundings
 from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.arm_diagnosis import _bases
 from abi.planner.arm_exclusion import ArmExclusionCache
 from abi.planner.arm_words import contact_sentence
 from abi.planner.diagnosis import explain
+from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
 from abi.search.build_graph import build_graph
@@ -25,6 +27,8 @@ from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from abi.verify.verify import verify
 from tests.random_arms import arm_scene, dense_clearance
+
+_ON_WALL = (0.5**0.5, 0.0, 0.5**0.5, 0.0)
 
 
 def sight_of(scene: Scene, elbow: Elbow = "up", slack: float = 0.0) -> ArmSight:
@@ -272,3 +276,14 @@ def test_edges_are_taken_from_a_graph_both_ways(lattice: str) -> None:
 
     before, after = ({tuple(sorted(edge)) for edge in one.edges.tolist()} for one in (graph, less))
     assert before - after == {tuple(sorted((a, b))), tuple(sorted(link))}
+
+
+@pytest.mark.parametrize(("mount", "across"), [((1, 0, 0, 0), 2), ((0, 1, 0, 0), 2), (_ON_WALL, 0)])
+def test_no_remedy_lifts_a_base_off_what_it_stands_on(
+    mount: tuple[float, float, float, float], across: int
+) -> None:
+    scene = load_scene("kitchen-ur5e").replace(arm={"base_wxyz": mount})
+    places = np.array(_bases(scene, Plan(scene)))
+    assert len(places) == 12
+    assert (places[:, across] == scene.arm.base[across]).all()
+    assert len(np.unique(places, axis=0)) == 12

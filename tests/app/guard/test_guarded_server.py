@@ -43,7 +43,12 @@ HEADERS = (
 @pytest.fixture(scope="module")
 def locked() -> Iterator[Server]:
     """A server that needs a token and takes two tabs."""
-    running = start(Address(port=0), policy=policy_for("127.0.0.1", TOKEN, max_tabs=2), look=PLAIN)
+    running = start(
+        Address(port=0),
+        scene="paper",
+        policy=policy_for("127.0.0.1", TOKEN, max_tabs=2),
+        look=PLAIN,
+    )
     yield running
     running.stop()
 
@@ -313,7 +318,7 @@ def test_a_file_that_no_button_takes_is_not_stored(tab: tuple[FakeTab, Session])
 def test_a_busy_port_ends_with_a_sentence(server: Server) -> None:
     port = server.viser.get_port()
     with pytest.raises(AbiError, match=f"--port is {port}, which another program uses"):
-        start(Address(port=port))
+        start(Address(port=port), scene="paper")
     with socket.socket() as busy:
         busy.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         busy.bind(("127.0.0.1", 65535))
