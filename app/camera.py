@@ -11,27 +11,23 @@ import viser
 from viser.transforms import SO3
 
 from abi.arrays import FloatArray
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Cylinder
+from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.arm_size import oversize
 from app.box import box_corners
 from app.framing import Window, holds, lift, stand
 from app.page_area import PageArea
+from app.prospect import USUAL, best_direction
 
-_DIRECTION = np.array([0.82, -0.42, 0.38])
-"""From the scene's middle to the camera, in sizes of the scene."""
 _ASPECT = 0.8
 """Width over height of the picture; from a narrower one the camera steps back."""
 _MAX_DISTANCE_FACTOR = 2.5
-_TURNING = 1.0
-"""Part of a curve that is worth a quarter turn away from the usual direction."""
 _MOST_COVERED = 0.4
 """Part of the picture's height to which text on one edge counts; the rest is for the scene."""
 _SAME_SHAPE = 0.1
 """Part by which the picture's shape may differ from one that the page tells of, both rounded."""
 _FOOT = 0.07
-"""Radius of the arm's foot and column, as a part of the scene's size."""
+"""Radius of the arm's foot, as a part of the scene's size."""
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
 _FARTHEST = 1e8
@@ -91,7 +87,7 @@ class Viewpoint:
     def __init__(self, camera: viser.CameraHandle, scene: Scene) -> None:
         self._camera = camera
         self._distance_factor = 1.0
-        self._direction: FloatArray = _DIRECTION
+        self._direction: FloatArray = USUAL
         self._points: FloatArray | None = None
         self._window = Window(camera.fov, _ASPECT)
         self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
@@ -100,25 +96,18 @@ class Viewpoint:
 
     def show(self, scene: Scene) -> None:
         """Put the camera in front of ``scene``."""
-        self._scene, self._direction, self._shown = scene, _DIRECTION, True
+        self._scene, self._direction, self._shown = scene, USUAL, True
         self._place()
 
-    def face(self, curve: FloatArray) -> None:
-        """Turn around the scene to where most of a curve (n, 3) is seen past the obstacles.
+    def face(self, plan: Plan) -> None:
+        """Turn around the scene to where most of a plan with a B-spline is seen.
 
         Not where the user has moved the camera.
         """
         if self._is_moved():
             return
         _, target, size = _view(self._scene, self._distance_factor, self._direction)
-        obstacles = ObstacleSet((*self._scene.obstacles, _column(self._scene, size)))
-        scores = []
-        for direction in _directions():
-            eye = target + self._distance_factor * size * direction
-            hidden = obstacles.blocked(curve, np.broadcast_to(eye, curve.shape), 0.0).mean()
-            cosine = direction @ _DIRECTION / (_DIRECTION @ _DIRECTION)
-            scores.append(hidden + _TURNING * (1 - cosine))
-        self._direction = _directions()[int(np.argmin(scores))]
+        self._direction = best_direction(plan, target, self._distance_factor * size)
         self._place()
 
     def surround(self, points: FloatArray | None) -> None:
@@ -149,7 +138,7 @@ class Viewpoint:
 
     def look_from(self, direction: tuple[float, float, float]) -> None:
         """Look at the whole scene from a direction, which need not be of length 1."""
-        length = np.linalg.norm(_DIRECTION) / np.linalg.norm(direction)
+        length = np.linalg.norm(USUAL) / np.linalg.norm(direction)
         self._direction = length * np.array(direction)
         self._camera.up_direction = np.array([0.0, 0.0, 1.0])
         self._place()
@@ -223,7 +212,7 @@ def look_at(
     camera: viser.CameraHandle | viser.InitialCameraConfig,
     scene: Scene,
     distance_factor: float = 1.0,
-    direction: FloatArray = _DIRECTION,
+    direction: FloatArray = USUAL,
 ) -> None:
     """Turn ``camera`` to workspace and arm, ``distance_factor`` times as far as fills a picture."""
     camera.position, camera.look_at, size = _view(scene, distance_factor, direction)
@@ -242,27 +231,6 @@ def _outline(scene: Scene) -> FloatArray:
     return np.vstack([corners, np.array(scene.arm.base) + rim])
 
 
-def _column(scene: Scene, size: float) -> Cylinder:
-    """Cylinder about where the arm stands."""
-    x, y, z = scene.arm.base
-    height = 0.5 * size
-    return Cylinder(
-        shape="cylinder", radius=_FOOT * size, height=height, position=(x, y, z + height / 2)
-    )
-
-
-def _directions() -> list[FloatArray]:
-    """Directions to the camera to choose from: to the sides, and from above."""
-    length = np.linalg.norm(_DIRECTION)
-    azimuth = np.arctan2(_DIRECTION[1], _DIRECTION[0])
-    found = [_DIRECTION]
-    for turn in np.radians([-60, -40, -20, 0, 20, 40, 60]):
-        for height in np.radians([15, 25, 38, 52]):
-            a, c = azimuth + turn, np.cos(height)
-            found.append(length * np.array([c * np.cos(a), c * np.sin(a), np.sin(height)]))
-    return found
-
-
 def _around_oversize(scene: Scene) -> FloatArray:
     """Corners (n, 3), [unit], world, around an arm that is far too large; none for another arm."""
     length = oversize(scene)
@@ -274,7 +242,7 @@ def _around_oversize(scene: Scene) -> FloatArray:
 
 
 def _view(
-    scene: Scene, distance_factor: float, direction: FloatArray = _DIRECTION
+    scene: Scene, distance_factor: float, direction: FloatArray = USUAL
 ) -> tuple[FloatArray, FloatArray, float]:
     """Camera position (3,) and target (3,), [unit], world, and the scene's size, [unit]."""
     low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)

@@ -256,7 +256,7 @@ def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
 @functools.cache
 def _script() -> str:
     """The page's scripts, without indentation and lines of nothing but a comment."""
-    files = ("page.js", "files.js", "labels.js", "nodes.js", "keyboard.js")
+    files = ("page.js", "files.js", "labels.js", "nodes.js", "keyboard.js", "sight.js")
     text = "\n".join(assets.path("page", name).read_text(encoding="utf-8") for name in files)
     lines = (line.strip() for line in text.splitlines())
     return "\n".join(line for line in lines if not _COMMENT.fullmatch(line))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 import viser
 
 from abi.planner.plan import Plan
@@ -31,8 +30,6 @@ from app.tab_memory import Report
 from app.tab_state import TabState
 from app.turns import TURNS
 
-_FACED = 40
-"""Points of the curve that the camera looks for."""
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
 SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
 """Entries of the legend."""
@@ -179,8 +176,7 @@ class TabView:
         """Turn the camera to where the first plan of a scene is seen well."""
         if self._to_face and plan.bspline is not None:
             self._to_face = False
-            interval = plan.bspline.curve.interval
-            self.viewpoint.face(plan.bspline.curve(np.linspace(*interval, _FACED)))
+            self.viewpoint.face(plan)
 
     def look_at(self, scene: Scene, face: bool = True) -> None:
         """Put the camera before another scene; ``face`` for turning to its curve once planned."""
