@@ -13,7 +13,7 @@ from pathlib import PurePosixPath
 from abi import assets
 from abi.archive_members import members_of
 from abi.errors import SceneError
-from abi.obstacles.mesh_files.threemf import DAMAGED_ZIP
+from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.mesh_places import places

@@ -17,7 +17,7 @@ from typing import Any
 from abi.archive_members import members_of, without_folder
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.obj import write_unit
-from abi.obstacles.mesh_files.threemf import DAMAGED_ZIP
+from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
 from abi.obstacles.triangle_mesh.surface import Surface

@@ -6,12 +6,7 @@ the archive. What could add surfaces that are not triangles, such as beams, is r
 
 from __future__ import annotations
 
-import io
-import lzma
 import re
-import struct
-import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -22,18 +17,12 @@ from abi.arrays import FloatArray
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
 from abi.obstacles.mesh_files.words import counted, float_words, shown
 from abi.obstacles.mesh_files.xml_document import affine, child, children, integer, parse, where
+from abi.obstacles.mesh_files.zip_archive import unpacked
 
-DAMAGED_ZIP: tuple[type[Exception], ...] = (
-    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
-    *(RuntimeError, NotImplementedError, EOFError, OSError, ValueError),
-)
-"""Exceptions raised when a zip archive is damaged or needs a password."""
 METRES: Mapping[str, float] = {
     **{"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "meter": 1.0},
     **{"inch": 0.0254, "foot": 0.3048},
 }
-_MOST_UNPACKED = 200_000_000
-_MOST_ENTRIES = 1000
 _MOST_PLACED, _DEEPEST = 10_000, 32
 _PLAIN = {
     "http://schemas.microsoft.com/3dmanufacturing/core/2015/02",
@@ -84,23 +73,6 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         waiting += [_Placed(one.key, pose @ one.pose, depth + 1) for one in package.components(key)]
     check_count(count, most_faces)
     return MeshFile(joined(parts), package.metres, package.left_out())
-
-
-def unpacked(data: bytes) -> dict[str, bytes]:
-    """Contents of an archive's files by their names in small letters, as names count there.
-
-    Raises:
-        ValueError: it is damaged, or too large.
-    """
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            entries = archive.infolist()
-            small = sum(entry.file_size for entry in entries) <= _MOST_UNPACKED
-            if small and len(entries) <= _MOST_ENTRIES:
-                return {entry.filename.lower(): archive.read(entry) for entry in entries}
-    except DAMAGED_ZIP:
-        raise ValueError("a whole 3MF file, which is a zip archive") from None
-    raise ValueError(f"an archive of at most {_MOST_UNPACKED // 1_000_000} MB unpacked")
 
 
 def root_model(files: Mapping[str, bytes]) -> str:
