@@ -15,6 +15,9 @@ MAX_TRIANGLES = 500_000
 """Largest number of triangles of all shapes of a robot; a shape used twice counts twice."""
 _PLAIN = ".plain.stl"
 """Added to the name of a file that has been turned into an STL."""
+_NOTES = "notes.plain.txt"
+"""Name of the file with the sentences on meshes that have been turned into STL files."""
+_MOST_NOTES = 20
 _SIMPLE = (".stl", ".obj", ".glb")
 
 
@@ -33,6 +36,8 @@ class MeshLookup:
         self._guessed: dict[str, str] = {}
         self._names = {file.removesuffix(_PLAIN): file for file in files}
         self._triangles = 0
+        kept = files.get(_NOTES, b"").decode(errors="replace").splitlines()[:_MOST_NOTES]
+        self._left_out = {line[:200]: None for line in kept}
 
     def __call__(self, name: str) -> Parts:
         """Vertices, faces and colours of the mesh that a URDF calls ``name``.
@@ -42,7 +47,7 @@ class MeshLookup:
         """
         found = self.path(name)
         if found not in self._read:
-            self._read[found] = _mesh(self._files[found], PurePosixPath(found).name)
+            self._read[found] = self._mesh(self._files[found], PurePosixPath(found).name)
         mesh = self._read[found]
         if self._triangles + len(mesh.faces) > MAX_TRIANGLES:
             expected = f"meshes of at most {MAX_TRIANGLES:,} triangles in all"
@@ -59,6 +64,8 @@ class MeshLookup:
                 plain[path] = self._files[path]
             else:
                 plain[path + _PLAIN] = stl.write(*self._read[path])
+        if self._left_out:
+            plain[_NOTES] = "\n".join(self._left_out).encode()
         return plain
 
     def path(self, name: str) -> str:
@@ -74,8 +81,22 @@ class MeshLookup:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on the files that were taken for others."""
-        return tuple(f"Taken for {name}: {file}." for name, file in self._guessed.items())
+        """Sentences on the files that were taken for others, and on what of them is left out."""
+        guessed = (f"Taken for {name}: {file}." for name, file in self._guessed.items())
+        return (*guessed, *self._left_out)
+
+    def _mesh(self, content: bytes, name: str) -> Parts:
+        """A mesh in metres, which a file without a unit has, and in the axes of its file."""
+        suffix = PurePosixPath(name).suffix.lower()
+        if suffix not in mesh_reader.SUFFIXES:
+            expected = f"a mesh that ends in {', '.join(mesh_reader.SUFFIXES)}"
+            raise SceneError("arm.urdf mesh", name, expected)
+        try:
+            file = mesh_reader.read_file(content, name)
+        except SceneError as error:
+            raise SceneError("arm.urdf mesh", error.value, error.expected) from None
+        self._left_out |= {f"{name}: {note}": None for note in file.notes[:_MOST_NOTES]}
+        return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))
 
     def _most_alike(self, name: str) -> str:
         """The only file whose path ends most like a name that no file has."""
@@ -98,16 +119,3 @@ def is_plain(path: str) -> bool:
     """Check whether a file is no mesh that has to be parsed as XML, or otherwise at length."""
     suffix = PurePosixPath(path).suffix.lower()
     return suffix in _SIMPLE or suffix not in mesh_reader.SUFFIXES
-
-
-def _mesh(content: bytes, name: str) -> Parts:
-    """A mesh in metres, which a file without a unit has, and in the axes of its file."""
-    suffix = PurePosixPath(name).suffix.lower()
-    if suffix not in mesh_reader.SUFFIXES:
-        expected = f"a mesh that ends in {', '.join(mesh_reader.SUFFIXES)}"
-        raise SceneError("arm.urdf mesh", name, expected)
-    try:
-        file = mesh_reader.read_file(content, name)
-    except SceneError as error:
-        raise SceneError("arm.urdf mesh", error.value, error.expected) from None
-    return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))

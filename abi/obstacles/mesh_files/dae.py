@@ -22,7 +22,7 @@ from abi.obstacles.mesh_files.xml_document import child, children, name_of, pars
 
 _MOST_NODES, _DEEPEST = 10_000, 200
 _LARGEST_UNIT = 1e4
-_AXES = {"X_UP": "x", "Y_UP": "y"}
+_AXES = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 
 
 def read(data: bytes, most_faces: int) -> MeshFile:
@@ -50,8 +50,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
                 check_count(count, most_faces)
             parts.append(placed(colours.painted(one, bound), pose))
     check_count(count, most_faces)
-    notes = (*document.axis_note(), *geometry.left_out(), *document.left_out())
-    return MeshFile(joined(parts), document.metres(), notes)
+    notes = (*geometry.left_out(), *document.left_out())
+    return MeshFile(joined(parts), document.metres(), notes, document.up())
 
 
 class _Document:
@@ -77,14 +77,14 @@ class _Document:
             raise ValueError("a DAE of one unit, its parts have several")
         return lengths.pop() if lengths else 1.0
 
-    def axis_note(self) -> tuple[str, ...]:
-        """A sentence on the axis that points up in the file, unless it is z."""
+    def up(self) -> str:
+        """Axis that points up in the file: y where it says nothing."""
         asset = child(self.root, "asset")
         axis = None if asset is None else child(asset, "up_axis")
         up = "Y_UP" if axis is None else "".join(axis.itertext()).strip()
-        if up not in (*_AXES, "Z_UP"):
+        if up not in _AXES:
             raise ValueError(f"a DAE whose up_axis is X_UP, Y_UP or Z_UP, not {shown(up)}")
-        return (f"Its {_AXES[up]} axis points up, and it is not turned.",) if up in _AXES else ()
+        return _AXES[up]
 
     def target(self, element: etree._Element, kind: str) -> etree._Element:
         """What the url of an instance refers to."""

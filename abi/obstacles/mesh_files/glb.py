@@ -37,7 +37,6 @@ _MOST_NODES = 10_000
 _LARGEST = 1e9
 _NO_AREA = {0: "point", 1: "line", 2: "line", 3: "line"}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_Y_UP = "Its y axis points up, as in every GLB file, and it is not turned."
 
 
 def read(data: bytes, most_faces: int) -> MeshFile:
@@ -62,7 +61,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
                 raise ValueError(f"at most {most_faces:,} triangles, simplify the mesh first")
             parts.append(placed(triangles, pose))
     check_count(faces_read, most_faces)
-    return MeshFile(joined(parts), 1.0, (_Y_UP, *file.left_out(len(meshes))))
+    return MeshFile(joined(parts), 1.0, file.left_out(len(meshes)), "y")
 
 
 def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:

@@ -38,11 +38,13 @@ class MeshFile:
         parts: all its triangles, each where the file places it, in the file's unit and axes.
         metres: length of its unit, [m]; None if the format or the file does not say.
         notes: sentences on what of the file is left out.
+        up: axis that points up in the file; z where it does not say. Nothing is turned.
     """
 
     parts: Parts
     metres: float | None = None
     notes: tuple[str, ...] = ()
+    up: str = "z"
 
 
 def placed(parts: Parts, pose: FloatArray) -> Parts:

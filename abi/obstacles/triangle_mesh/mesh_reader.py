@@ -54,7 +54,9 @@ def read_surface(data: bytes, name: str) -> Surface:
         SceneError: it cannot be read, or no triangle has an area.
     """
     file = read_file(data, name)
-    return clean(file.parts.vertices, file.parts.faces, name).of_file(file.metres, file.notes)
+    axis = () if file.up == "z" else (f"Its {file.up} axis points up, and it is not turned.",)
+    surface = clean(file.parts.vertices, file.parts.faces, name)
+    return surface.of_file(file.metres, (*axis, *file.notes))
 
 
 def read_file(data: bytes, name: str) -> MeshFile:

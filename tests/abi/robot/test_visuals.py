@@ -130,6 +130,13 @@ def test_a_visual_that_cannot_be_read_leaves_the_shape_and_a_sentence(
         assert [shape.kind for shape in robot.links["a"].drawn] == ["box"]
 
 
+def test_what_of_a_mesh_is_left_out_is_noted_once() -> None:
+    scene = b'</visual_scene><visual_scene id="m"><node/></visual_scene>'
+    several = dae(0.1).replace(b"</visual_scene>", scene)
+    for robot in read({"a.urdf": looking("a.dae", "a.dae"), "a.dae": several}):
+        assert robot.notes == ("a.dae: 1 scene is left out: the file opens with another.",)
+
+
 @pytest.mark.parametrize("name", ["../a.dae", "/etc/passwd", "http://127.0.0.1/a.dae"])
 def test_a_visual_elsewhere_is_not_looked_for(name: str, tmp_path: Path) -> None:
     (tmp_path / "a.dae").write_bytes(dae(0.1))

@@ -14,7 +14,7 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_files import census
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh import mesh_reader
-from abi.obstacles.triangle_mesh.mesh_reader import read_file
+from abi.obstacles.triangle_mesh.mesh_reader import read_file, read_surface
 from tests.abi.obstacles.mesh_files.test_polygons import DOORWAY, files_of
 from tests.abi.obstacles.triangle_mesh.test_mesh_reader import OBJ, glb, primitive
 
@@ -106,14 +106,12 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
             dae("<library_v", f"<library_nodes>{NODE}</library_nodes><library_v"),
             "instance",
         ),
-        ("a.dae", DAE.encode(), "y axis points up"),
         ("a.3mf", model(ITEM, objects='<object id="2"><mesh/></object>'), "1 object is left out"),
         ("a.glb", glb(SCENES), "1 node is left out"),
         ("a.glb", glb(SCENES), "1 scene is left out"),
         ("a.glb", glb(MORPH), "morph targets are left out"),
         ("a.glb", glb({"animations": [{}]}), "animations are left out"),
         ("a.glb", glb(extensions={"ACME_lod": {}}), "'ACME_lod'"),
-        ("a.glb", glb(), "y axis points up"),
         ("a.obj", OBJ + b"f 1 2\nl 1 2 3\n", "2 lines are left out"),
         ("a.obj", OBJ + b"p 1\n", "1 point is left out"),
     ],
@@ -122,6 +120,26 @@ def test_what_has_no_place_or_no_surface_is_noted(name: str, data: bytes, note: 
     file = read_file(data, name)
     assert any(note in one for one in file.notes), file.notes
     assert len(file.parts.faces) > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "axis"),
+    [
+        ("a.glb", glb(), "y"),
+        ("a.dae", DAE.encode(), "y"),
+        ("a.dae", dae("<asset/>", "<asset><up_axis>X_UP</up_axis></asset>"), "x"),
+        ("a.dae", dae("<asset/>", "<asset><up_axis> Z_UP </up_axis></asset>"), "z"),
+        ("a.obj", OBJ, "z"),
+    ],
+)
+def test_no_mesh_is_turned_and_another_axis_than_z_is_noted(
+    name: str, data: bytes, axis: str
+) -> None:
+    surface, file = read_surface(data, name), read_file(data, name)
+    noted = f"Its {axis} axis points up, and it is not turned." in surface.notes
+    assert noted == (axis != "z")
+    wanted = {tuple(corner) for corner in file.parts.vertices.tolist()}
+    assert {tuple(corner) for corner in surface.vertices.tolist()} <= wanted
 
 
 def test_text_that_is_not_used_does_not_matter() -> None:
