@@ -67,7 +67,9 @@ def obj(chance: Chance) -> Written:
         faces.append("surf 0 1 0 1 1 2 3 4")
         refused = True
     rest = ["vt 0 0", "vn 0 0 1"]
-    head = chance.sample(["mtllib C:\\Teile\\größe.mtl", "# made", "o part", "cstype bezier"], 2)
+    head = chance.sample(
+        ["mtllib C:\\Teile\\größe.mtl", "# made", "o part", "cstype bezier", "# C:\\Teile\\"], 3
+    )
     if chance.random() < 0.2:  # faces before their vertices
         lines = [*head, *rest, *(faces if not relative else []), *vertices]
         lines += faces if relative else []

@@ -98,7 +98,7 @@ class MeshShape(Posed):
         if declared is None:
             return self.surface.notes
         name = _UNITS.get(declared, f"units of {declared:g} m")
-        unit = f"Its numbers count in {name}, as the file says."
+        unit = f"Its numbers count in {name}, the unit of the file."
         if self.unit and not math.isclose(METRES[self.unit], declared, rel_tol=1e-6):
             unit = f"The file counts in {name}; the scene says {self.unit}, and that is taken."
         return (unit, *self.surface.notes)

@@ -9,7 +9,7 @@ import viser
 from app.panels.widgets import DIGITS, Wake, label_of
 
 _FIELDS = ("size", "radius", "height", "scale", "unit")
-_UNITS: dict[str, str | None] = {"the scene's unit": None, "m": "m", "cm": "cm", "mm": "mm"}
+_UNITS: dict[str, str | None] = {"its own unit": None, "m": "m", "cm": "cm", "mm": "mm"}
 
 
 class ObstacleSizes:
@@ -29,7 +29,11 @@ class ObstacleSizes:
         self.scale = gui.add_number(
             "scale", 1.0, step=0.1, hint="Factor for the lengths in the file. Above 0."
         )
-        self.unit = gui.add_dropdown("file is in", tuple(_UNITS), hint="The unit of the file.")
+        self.unit = gui.add_dropdown(
+            "file is in",
+            tuple(_UNITS),
+            hint="The unit of the file. Its own is the one that it gives, or else the scene's.",
+        )
         for box in (self.size, self.radius, self.height, self.scale):
             box.precision = DIGITS
             box.on_update(wake)

@@ -189,7 +189,7 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     (mesh,) = session.plan.scene.obstacles  # type: ignore[union-attr]
     low, high = mesh.bounds()
     assert float(max(high - low)) == pytest.approx(2.0, rel=0.01)  # a third of the workspace
-    page.choose("file is in", "the scene's unit")
+    page.choose("file is in", "its own unit")
     page.until(lambda: session.plan.scene.obstacles[0].unit is None, "no unit")  # type: ignore[union-attr]
     page.click("Original size: 200 cm")
     page.reads("is the file in mm?")

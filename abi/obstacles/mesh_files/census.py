@@ -17,6 +17,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 _DEEPEST = 250
+_OBJ_TEXT = (
+    rb"(?<![^\r\n])[ \t]*"
+    rb"(#|(g|o|s|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)[ \t])[^\r\n]*"
+)
+"""Lines of an OBJ that are for people, or name something."""
 _SIZES = {
     **{"char": 1, "uchar": 1, "short": 2, "ushort": 2, "int": 4, "uint": 4, "float": 4},
     **{"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "float32": 4},
@@ -51,7 +56,8 @@ def _stl(data: bytes) -> int:
 
 
 def _obj(data: bytes) -> int:
-    text = re.sub(rb"\\(\r\n|\r|\n)", b" ", data)
+    text = re.sub(_OBJ_TEXT, b"", data)
+    text = re.sub(rb"\\(\r\n|\r|\n)", b" ", text)
     faces = re.finditer(rb"(?:^|[\r\n])[ \t]*fo?[ \t]([^\r\n]*)", text)
     return sum(max(len(face[1].split()) - 2, 0) for face in faces)
 

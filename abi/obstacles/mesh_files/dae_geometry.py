@@ -80,7 +80,7 @@ class GeometryReader:
             kind = name_of(element)
             if kind in _LINES:
                 self._lines += integer(element, "count")
-            elif kind in _POLYGONS:
+            elif kind in _POLYGONS and child(element, "p", "ph") is not None:
                 found.append(self._primitive(mesh, element, kind))
         check_count(sum(len(one.parts.faces) for one in found) or 1, self._most)
         return tuple(found)

@@ -277,7 +277,10 @@ def _ids(values: object) -> list[object]:
 def _pose(node: dict[str, Any]) -> FloatArray:
     """Local pose (4, 4) of a node: its matrix, or translation times rotation times scale."""
     if "matrix" in node:
-        return _floats(node["matrix"], 16).reshape(4, 4).T
+        pose = _floats(node["matrix"], 16).reshape(4, 4).T
+        if (pose[3] != (0, 0, 0, 1)).any():
+            raise ValueError("a GLB file whose matrices end with 0, 0, 0, 1 in their last row")
+        return pose
     pose = np.eye(4)
     x, y, z, w = _floats(node.get("rotation", [0, 0, 0, 1]), 4).tolist()
     if not math.hypot(x, y, z, w) > 1e-6:

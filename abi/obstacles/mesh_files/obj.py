@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count
+from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.words import counted, shown
 
@@ -22,6 +22,8 @@ _UNIT = re.compile(r"# abi unit (\S{1,40})")
 """First line of a file that this package has written, of a mesh whose own file gives a unit."""
 _CURVED = {"surf", "bzp", "bsp", "cdp"}
 """Statements of free-form surfaces, the last three from old versions of the format."""
+_TEXT = re.compile(r"\s*(?:#|(?:[gos]|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)\s)").match
+"""Lines of text, at whose end a backslash is that of a path."""
 _LINES = {"l": "line", "p": "point", "curv": "curve", "cdc": "curve"}
 
 
@@ -89,15 +91,16 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     cut = triangulate(points, ids, sizes, lambda k: f"line {numbers[k]}")
     check_count(len(cut.faces), most_faces)
     notes = (f"{counted(n, noun)} left out: no surface." for noun, n in left_out.items())
-    return MeshFile(Parts(points, cut.faces), _unit(text), (*cut.notes, *notes))
+    parts = Parts(points, cut.faces)
+    return MeshFile(parts, _unit(text), (*cut.notes, *notes, *loose_points(parts)))
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers; one that ends with a backslash goes on in the next."""
+    """Lines with their numbers; one of numbers that ends with a backslash goes on in the next."""
     begun, start = "", 0
     for number, line in enumerate(_LINE_END.split(text), 1):
         start = start or number
-        if line.endswith("\\"):
+        if line.endswith("\\") and (begun or not _TEXT(line)):
             begun += line[:-1] + " "
             continue
         yield start, begun + line if begun else line

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count
+from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.words import counted, float_words, shown
 
@@ -62,7 +62,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     notes = list(cut.notes)
     if left := faces - len(polygons):
         notes.append(f"{counted(left, 'face')} of fewer than three corners left out.")
-    return MeshFile(Parts(points, cut.faces), notes=tuple(notes))
+    parts = Parts(points, cut.faces)
+    return MeshFile(parts, notes=(*notes, *loose_points(parts)))
 
 
 def _polygon(words: list[str], vertices: int, line: int) -> list[int]:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray, read_only
+from abi.obstacles.mesh_files.words import counted
 from abi.obstacles.pose import LARGEST
 
 NO_COLOURS: ByteArray = read_only(np.empty((0, 3), dtype=np.uint8))
@@ -68,6 +69,14 @@ def joined(several: Sequence[Parts]) -> Parts:
         ]
         colours = np.concatenate(rows)
     return Parts(np.concatenate([one.vertices for one in several]), np.concatenate(faces), colours)
+
+
+def loose_points(parts: Parts) -> tuple[str, ...]:
+    """A sentence on the vertices of a file that no face has; nothing is blocked by a point."""
+    used = np.zeros(len(parts.vertices), dtype=np.bool_)
+    used[parts.faces] = True
+    loose = len(used) - int(used.sum())
+    return (f"{counted(loose, 'point')} left out: no face has it.",) if loose else ()
 
 
 def check_count(faces: int, most: int) -> None:

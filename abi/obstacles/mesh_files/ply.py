@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
-from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count
+from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.ply_tables import Lists, Table, binary_tables, header, text_tables
 from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.words import counted, shown
@@ -46,7 +46,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     check_count(len(faces), most_faces)
     left_out = [e for e in elements if e.name not in ("vertex", "face", "tristrips") and e.rows]
     notes += [f"Its {e.rows:,} rows of {shown(e.name)} are left out." for e in left_out]
-    return MeshFile(Parts(vertices, faces, colours), notes=tuple(notes))
+    parts = Parts(vertices, faces, colours)
+    return MeshFile(parts, notes=(*notes, *loose_points(parts)))
 
 
 def _vertices(table: Table) -> FloatArray:

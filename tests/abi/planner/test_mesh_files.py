@@ -47,7 +47,7 @@ def test_a_way_through_a_doorway_is_straight(name: str) -> None:
 def test_a_way_past_a_part_in_inches_is_longer_and_says_so() -> None:
     plan = planned("a.3mf", INCH, "cm", position=[-2.3 * 2.54, -0.3 * 2.54, 0])
     assert length(plan) > 8.01
-    assert plan.to_dict()["notes"][0] == "a.3mf: Its numbers count in inches, as the file says."
+    assert plan.to_dict()["notes"][0] == "a.3mf: Its numbers count in inches, the unit of the file."
     # read in centimetres it is smaller, and beside the way
     small = planned("a.3mf", INCH, "cm", position=[-2.3 * 2.54, -0.3 * 2.54, 0], unit="cm")
     assert length(small) == pytest.approx(8, rel=1e-3)

@@ -114,6 +114,7 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
         ("a.glb", glb(extensions={"ACME_lod": {}}), "'ACME_lod'"),
         ("a.obj", OBJ + b"f 1 2\nl 1 2 3\n", "2 lines are left out"),
         ("a.obj", OBJ + b"p 1\n", "1 point is left out"),
+        ("a.obj", OBJ + b"v 0 0 0\n", "1 point is left out"),
     ],
 )
 def test_what_has_no_place_or_no_surface_is_noted(name: str, data: bytes, note: str) -> None:
@@ -145,7 +146,13 @@ def test_no_mesh_is_turned_and_another_axis_than_z_is_noted(
 def test_text_that_is_not_used_does_not_matter() -> None:
     names = "mtllib C:\\Teile\\größe.mtl\ng Türgriff\nusemtl a:b\no ?\n".encode("latin-1")
     wanted = read_file(OBJ, "a.obj").parts
-    for text in (names + OBJ, OBJ.replace(b"\n", b"\r\n"), OBJ.replace(b" ", b" \\\n ", 40)):
+    path = b"# in C:\\Teile\\\n"
+    for text in (
+        names + OBJ,
+        path + OBJ,
+        OBJ.replace(b"\n", b"\r\n"),
+        OBJ.replace(b" ", b" \\\n ", 40),
+    ):
         found = read_file(text, "a.obj")
         np.testing.assert_array_equal(found.parts.vertices, wanted.vertices)
         np.testing.assert_array_equal(found.parts.faces, wanted.faces)
