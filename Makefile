@@ -8,6 +8,8 @@
 #   make quick ARGS=tests/abi/test_kernels.py    some tests at once; without ARGS, most of them
 #   make coverage                            the lines that make check's tests leave out
 #   make test-wheel                          build the wheel, install it elsewhere, plan with it
+#   make test-lowest                         the fast tests with the oldest dependencies allowed
+#   make test-newest                         the same with the newest
 #   make docs                                the documentation, into docs/_build/html
 #   make pictures                            take the pictures of README and documentation anew
 #   make bench ARGS="quality --scenes 10"    measure speed and quality, beside peers where installed
@@ -29,7 +31,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run install test check quick coverage test-wheel lint docs pictures bench attack fuzz soak restarts poses format lock clean
+.PHONY: run install test check quick coverage test-wheel test-lowest test-newest lint docs pictures bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -67,6 +69,9 @@ coverage: $(DEV)
 
 test-wheel: $(DEV)
 	tools/test-wheel $(BIN)/python
+
+test-lowest test-newest: test-%: $(DEV)
+	tools/unlocked $* $(ARGS)
 
 docs: $(DOCS)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet docs docs/_build/html $(ARGS)

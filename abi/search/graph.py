@@ -15,6 +15,7 @@ import scipy
 
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
+from abi.errors import AbiError
 from abi.tet_mesh import adjacency
 from abi.tet_mesh.adjacency_kernels import LINKED_BIT
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -156,9 +157,17 @@ class Graph(ShortRepr):
         """The same graph for networkx: node attribute ``pos`` (tuple), edge attribute ``length``.
 
         It contains start, goal and the nodes that have an edge.
-        """
-        import networkx
 
+        Raises:
+            AbiError: networkx is not installed.
+        """
+        try:
+            import networkx
+        except ImportError:
+            raise AbiError(
+                "A graph for networkx needs networkx, which is not installed.",
+                "pip install networkx brings it.",
+            ) from None
         rows = self.lengths, self.indices, self.indptr
         matrix = scipy.sparse.csr_array(rows, (len(self.points),) * 2)
         graph = networkx.from_scipy_sparse_array(matrix, edge_attribute="length")

@@ -23,6 +23,7 @@ from abi.robot.robot import Robot
 from abi.robot.robot_files import file_of, load_robot, robot_from_archive
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
+from app.guard import sample_meshes
 
 Kind = Literal["mesh", "arm", "scene"]
 
@@ -116,8 +117,9 @@ def rehearse() -> None:
     pair: Any = trimesh.util.concatenate([box, other])
     files = [Job("scene", f"a.{ending}", b'{"version": 1}') for ending in ("json", "yaml")]
     files += [Job("arm", "a.urdf", b'<robot name="a"><link name="b"/></robot>')]
+    own = {".dae": sample_meshes.dae, ".3mf": sample_meshes.threemf}
     for suffix in mesh_reader.SUFFIXES:
-        content = pair.export(file_type=suffix[1:])
+        content = own[suffix]() if suffix in own else pair.export(file_type=suffix[1:])
         mesh = content if isinstance(content, bytes) else content.encode()
         files += [Job("mesh", f"a{suffix}", mesh), Job("mesh", f"a{suffix}", mesh[:200])]
     for kind, name in (("scene", "a.zip"), ("arm", "a.zip")):

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from abi.arrays import FloatArray
-from abi.errors import PointBlocked, StageError
+from abi.errors import AbiError, PointBlocked, StageError
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.obstacles.primitives import Box, Sphere
@@ -299,6 +300,14 @@ def test_networkx_graph_is_the_same_graph(seed: int) -> None:
         assert position == tuple(graph.points[node])
     for a, b, length in other.edges(data="length"):
         assert abs(length - np.linalg.norm(graph.points[a] - graph.points[b])) < 1e-12
+
+
+def test_without_networkx_its_graph_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    graph = build_graph(free_mesh(), NO_OBSTACLES, 0.0, (0.0, 0.0, 0.0), (SIDE, SIDE, SIDE), 0.0)
+    monkeypatch.setitem(sys.modules, "networkx", None)
+    with pytest.raises(AbiError, match="not installed") as caught:
+        graph.to_networkx()
+    assert caught.value.hint == "pip install networkx brings it."
 
 
 def test_networkx_graph_holds_a_start_without_edges() -> None:
