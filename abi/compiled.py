@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
+from abi import progress
 from abi.arrays import read_only
 from abi.compilation.callees import code_size
 
@@ -90,6 +91,7 @@ class Kernel(Generic[_P, _R]):
 
     def __call__(self, *arguments: _P.args, **_: _P.kwargs) -> _R:
         """Run the function: compiled if it is, else as Python."""
+        progress.check()
         result: _R = self._run(*arguments)
         return result
 
@@ -134,7 +136,7 @@ class Kernel(Generic[_P, _R]):
         elsewhere = self.elsewhere
         if elsewhere is not None and not elsewhere.is_set():
             self._interpreted = math.inf
-            elsewhere.wait()
+            progress.wait(elsewhere)
         with LOADING:
             if self.compiled:
                 return

@@ -19,6 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from abi import progress
 from abi.compiled import KERNELS, LOADING, Kernel, is_off, keeps
 from abi.errors import AbiError
 
@@ -213,7 +214,7 @@ def compile(spare: int = 0) -> None:
     _compilation.spare = spare
     _compilation.begin()
     _compilation.wanted.set()
-    _compilation.done.wait()
+    progress.wait(_compilation.done)
 
 
 def begin() -> None:
@@ -230,7 +231,7 @@ def wait_for_loading() -> None:
     """Wait until kernels that an earlier run cached are loaded, but not for the compiler."""
     if _compilation._thread is not None:
         _compilation.wanted.set()
-        _compilation.loaded.wait()
+        progress.wait(_compilation.loaded)
 
 
 def compile_named(gives_way: bool) -> None:

@@ -17,6 +17,7 @@ from abi import assets
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
+from abi.progress import CancelledError
 from abi.scene.scene import Scene
 from app import memory, metrics, notices, page
 from app.arm_size import oversize
@@ -30,6 +31,7 @@ from app.page_area import PageWatch
 from app.panels.bug_report import describe_fault
 from app.panels.classroom import ClassroomPanel
 from app.pause import IDLE, REST, Pause
+from app.plan_watch import PlanWatch
 from app.refused_files import RefusedFiles
 from app.shared_plans import SharedPlans
 from app.tab_memory import Report, TabMemory
@@ -71,7 +73,9 @@ class Session:
         self.frame = Frame(Plan(scene))
         self.plans = 0
         self._scene = scene
-        self._planner = TabPlanner(client.client_id)
+        self._watch = PlanWatch(self._tell)
+        self._planner = TabPlanner(client.client_id, self._watch)
+        self._unplanned = False  # whether the plan of the scene was ended by another choice
         self._woken = 0.0
         self._fault: str | None = None
         self._broken = False
@@ -139,6 +143,7 @@ class Session:
         if getattr(event, "client", None) is not None:
             if self._built:  # until then no widget has been read
                 self.panels.note(event)
+                self._watch.overtaken |= self.panels.chooses(event)
             if not self._worker.is_woken():
                 self._woken = time.monotonic()
             self._worker.hurry()
@@ -147,6 +152,8 @@ class Session:
         """Take a step, or go back."""
         try:
             self._step(woken)
+        except CancelledError:
+            self._unplanned = True  # what was chosen instead has woken the worker
         except Exception as error:
             self._recover(error)
 
@@ -160,6 +167,7 @@ class Session:
         demo = self._pause.demo
         resized = self._view.fit(self.frame)
         if woken:
+            self._watch.overtaken = False  # before it is read what was chosen
             self._demonstrated = demo.running
             demo.end()
             self._broken = False
@@ -230,7 +238,7 @@ class Session:
             self._draw(replace(self.panels.apply_switches(self.frame), refused=error))
         else:
             self.frame = replace(self.frame, refused=self.panels.refused)
-            if self.plans == 0 or restored or scene != self._scene:
+            if self.plans == 0 or restored or self._unplanned or scene != self._scene:
                 self._show(self._replan(scene), interactive=True)
             else:
                 self._show(self.frame.plan, interactive=True)
@@ -336,8 +344,13 @@ class Session:
             self._draw(replace(self.frame, outdated=True))
         return self._planner(scene, shared)
 
+    def _tell(self, doing: str) -> None:
+        """Show what the plan does that is being made."""
+        self.panels.messages.tell(doing)
+
     def _show(self, plan: Plan, interactive: bool = False) -> None:
         """Draw a plan; ``interactive`` while the input may still change."""
+        self._unplanned = False
         frame = self.panels.apply_switches(self.frame)
         if plan is not frame.plan:
             frame = replace(frame, plan=plan, reason=None)

@@ -7,12 +7,13 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from abi import compiling
+from abi import compiling, progress
 from abi.planner.live_planner import LivePlanner
 from abi.planner.node_budget import NodeBudget
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import metrics
+from app.plan_watch import PlanWatch
 from app.shared_plans import SharedPlans
 
 _log = logging.getLogger("abi.tab")
@@ -33,9 +34,13 @@ class TabPlanner:
             once it may have waited much longer, for which the plan can do nothing.
     """
 
-    def __init__(self, tab: int) -> None:
-        """Begin with an empty memory, for the tab of this number."""
+    def __init__(self, tab: int, watch: PlanWatch) -> None:
+        """Begin with an empty memory, for the tab of this number, whose plans are watched.
+
+        Each plan raises :class:`abi.progress.CancelledError` once something else has been chosen.
+        """
         self.live = LivePlanner()
+        self._watch = watch
         self._tab = tab
         self._ms: Mapping[str, float] = {}
         self._uncompiled: set[tuple[str, float]] = set()
@@ -69,7 +74,13 @@ class TabPlanner:
         """Plan, and count it."""
         compiled = compiling.is_done()
         begin = time.thread_time()
-        plan = planner(scene)
+        self._watch.begin()
+        try:
+            with progress.watched_by(self._watch):
+                plan = planner(scene)
+        except progress.CancelledError:
+            self.live.forget()  # of what was under way there may be a half
+            raise
         self.processor_ms = 1e3 * (time.thread_time() - begin)
         metrics.observe_plan(plan.total_ms / 1e3, self._ms, plan.ms)
         self._ms = plan.ms

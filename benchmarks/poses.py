@@ -40,7 +40,7 @@ from tests.browser.page import Page
 
 TOLERANCE = 1e-4
 """Error of a place, as a part of the workspace's size, and of an axis: single precision's."""
-_PATIENCE = 5.0
+_PATIENCE = 30.0
 """Seconds in which a pose comes right that is on its way."""
 _SEND = "([uuid, value]) => abi.send(uuid, value)"
 

@@ -25,7 +25,8 @@ from abi.planner.arm_diagnosis import arm_reason
 from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
-from abi.planner.what_if import CancelledError, WhatIf, components, rounded_down
+from abi.planner.what_if import WhatIf, components, rounded_down
+from abi.progress import CancelledError, Question, watched_by
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 
@@ -52,14 +53,14 @@ def explain(
     Args:
         scene: the scene of ``plan``.
         plan: a plan whose ``error`` is set.
-        cancelled: called before each trial; once it returns True the result is None.
+        cancelled: called often; once it returns True the result is None.
 
     Returns:
         The reason; None if the plan has no error, or one of another kind.
     """
-    what_if = WhatIf(scene, cancelled)
     try:
-        reason = _reason(scene, plan, what_if)
+        with watched_by(Question(cancelled)):
+            reason = _reason(scene, plan, WhatIf(scene))
     except CancelledError:
         return None
     if reason is None:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Any
 
-from abi import compiling
+from abi import compiling, progress
 from abi.arm.arm_clearance import ArmClearance, is_clear
 from abi.arm.arm_model import Course
 from abi.arm.models import model_of
@@ -152,18 +152,22 @@ class Planner:
         """Run the six stages of the method: each puts its result into ``results`` or raises."""
         workspace, clearance, search = scene.workspace, scene.spline.clearance, scene.search
         margin = clearance + workspace.slack
+        progress.tell("reading obstacles and arm")
         obstacles = self._obstacles(scene.obstacles)
         # the arm stands there even when no path is found
         model = self._arm(scene.arm, scene.unit)
         results["arm"] = model.arm
 
+        progress.tell("making the mesh")
         results["mesh"] = mesh = self._mesh(workspace, scene.mesh)
         results["free"] = free = self._exclude(mesh, obstacles, margin)
 
+        progress.tell("testing the mesh's edges")
         results["graph"] = graph = self._graph(
             free, obstacles, margin, scene.start, scene.goal, clearance
         )
 
+        progress.tell("searching")
         names: list[str] = [search.algorithm] if chosen_only else list(SEARCHES)
         searches = {name: self._searches[name](graph, search.weight) for name in names}
         results["searches"] = tuple(searches.values())
@@ -176,6 +180,7 @@ class Planner:
             vertices, away = taut.points, taut.clearance
         results["optimum"] = self._optimum(scene.start, scene.goal, obstacles, clearance, workspace)
 
+        progress.tell("fitting curves")
         results["bspline"] = bspline = self._bspline(
             vertices, scene.spline.degree, obstacles, clearance, search.taut, away
         )
@@ -188,6 +193,7 @@ class Planner:
         results["followed"] = followed = _followed(scene, bspline, quadratic)
         curve, arc = results[followed].curve, results[f"{followed}_arc"]
 
+        progress.tell("moving the arm")
         surroundings = self._surroundings(model.surroundings, obstacles, workspace.min[2])
         courses = self._courses(model.courses, curve, arc, scene.arm, obstacles, surroundings)
         task = ArmTask(
@@ -233,6 +239,7 @@ class Planner:
 
     def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
         """Replace results by those of a motion whose whole arm is clear, or raise."""
+        progress.tell("avoiding with the whole arm")
         begin = time.perf_counter()
         try:
             aware = self._arm_aware(task, names)
@@ -288,6 +295,7 @@ def _wait_for_compiler(scene: Scene) -> None:
         return
     many = scene.mesh.node_count(scene.workspace) > _MANY_NODES
     if many or len(scene.obstacles) > _MANY_OBSTACLES:
+        progress.tell("compiling inner loops, once on this machine")
         compiling.compile()
 
 

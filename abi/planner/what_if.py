@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import scipy
 
+from abi import progress
 from abi.arrays import IntArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -29,17 +30,12 @@ _NEGLIGIBLE = 1e-3  # part of the scene's clearance below which a clearance coun
 _RESOLUTION = 1e-2  # of the largest clearance, as a part of it
 
 
-class CancelledError(Exception):
-    """Raised when the caller has cancelled the trials."""
-
-
 class WhatIf:
     """Trials of a changed scene: whole plans, and connectivity of start and goal alone."""
 
-    def __init__(self, scene: Scene, cancelled: Callable[[], bool]) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.obstacles = ObstacleSet(scene.obstacles)
-        self._cancelled = cancelled
         self._planner = Planner()
         self._exclude = ExclusionCache()
 
@@ -49,7 +45,7 @@ class WhatIf:
         Raises:
             CancelledError: as in every method.
         """
-        self._check_cancelled()
+        progress.check()
         plan = self._planner(self.scene.replace(**change))
         if plan.error is None or _STAGES.index(plan.error.stage) > _STAGES.index(stage):
             return plan
@@ -59,7 +55,7 @@ class WhatIf:
         self, clearance: float, pitch: float | None = None, obstacles: ObstacleSet | None = None
     ) -> bool:
         """Check whether the graph connects start and goal; None means the scene's value."""
-        self._check_cancelled()
+        progress.check()
         scene = self.scene
         obstacles = self.obstacles if obstacles is None else obstacles
         margin = clearance + scene.workspace.slack
@@ -113,10 +109,6 @@ class WhatIf:
             if 1.05 * rounded >= high and works(rounded):
                 return rounded
         return low
-
-    def _check_cancelled(self) -> None:
-        if self._cancelled():
-            raise CancelledError
 
 
 def components(graph: Graph) -> IntArray:

@@ -73,7 +73,7 @@ class ArmLayer(Layer):
             # the page's clock may be behind: a link is to turn red as it touches
             self._playback.seek(frame.time)
         for nodes in self._kinds.values():
-            nodes.root.visible = shown and nodes is self._nodes
+            nodes.root.visible = shown and arm is not None and nodes is self._nodes
         self._trace.visible = "trace" in frame.shown
 
     def _place(self, arm: AnyArm) -> None:

@@ -66,9 +66,12 @@ class MeshLayer(Layer):
         if (seen := (frame.plan, frame.mesh_view, frame.interactive)) != self._seen:
             self._seen = seen
             self._draw_mesh(frame)
-        self._edges.show("edges" in frame.shown)
+        # of the scene before there may still be one, which is not true of this one
+        known = frame.plan.free is not None
+        self._edges.show(known and "edges" in frame.shown)
         for name, cloud in self._clouds.items():
-            cloud.show(name in frame.shown and not (self._stale and name == "excluded"))
+            fits_not = self._stale and name == "excluded"
+            cloud.show(known and name in frame.shown and not fits_not)
         if (state := (frame.plan, frame.partial, self._note)) != self._written:
             self._written = state
             self._text.content = (

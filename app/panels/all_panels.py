@@ -135,6 +135,16 @@ class AllPanels:
         if moved is None or all(gizmo is not moved for gizmo in gizmos):
             self.read_all()
 
+    def chooses(self, event: object) -> bool:
+        """Check whether an input chooses another scene, arm or file, from any thread.
+
+        What is planned until then is not wanted any more.
+        """
+        target, model = getattr(event, "target", None), self.stages.arm.model
+        files = self.files.choice, self.files.reset, self.files.upload
+        choosers = (*files, model.model, model.upload, self.lessons.choice)
+        return any(target is one for one in (*choosers, self.history.undo, self.history.redo))
+
     def read_all(self) -> None:
         """Read every widget the next time: the scene may not have what they show."""
         self._typed = True

@@ -71,7 +71,7 @@ class Messages:
                 "Not changed. " + sentence(frame.refused), kept(frame.refused, frame.plan.scene)
             )
         elif frame.outdated and frame.plan.mesh is None:
-            content = '<div class="abi-card">Planning this scene …</div>'
+            content = _planning("Planning this scene")
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         else:
@@ -80,6 +80,11 @@ class Messages:
             contact = self.banner.html(frame.plan)
         self._overlay.show("message", self._lesson.html + content)
         self._overlay.show("contact", contact)
+
+    def tell(self, doing: str) -> None:
+        """Tell what the plan does that is being made, until the next frame."""
+        self._drawn = ()
+        self._overlay.show("message", self._lesson.html + _planning(f"Planning: {doing}"))
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The change of the scene whose button was pressed since the last call."""
@@ -121,6 +126,12 @@ class Messages:
                 buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
         buttons += self._base.buttons(frame)
         return _with_buttons(content, buttons)
+
+
+def _planning(what: str) -> str:
+    """What is done for a plan that is being made, over a bar."""
+    bar = '<progress style="display:block;width:100%"></progress>'
+    return f'<div class="abi-card" role="status">{html.escape(what)} …{bar}</div>'
 
 
 def _progress(frame: Frame, still: bool = False) -> str:

@@ -13,6 +13,7 @@ from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from app.frame import Frame
 from app.panels.messages import _progress
+from app.plan_watch import PlanWatch
 from app.shared_plans import SharedPlans
 from app.tab_planner import TabPlanner
 
@@ -52,7 +53,7 @@ def test_one_tab_of_many_plans_a_scene_in_full() -> None:
 
 def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
     plans, made = SharedPlans(), plan(load_scene("two-boxes"))
-    planner = TabPlanner(1)
+    planner = TabPlanner(1, PlanWatch(print))
     plans.keep(made.scene, made, coarse=True, partial=True)
     assert planner.take(made.scene, plans) is made
     assert (planner.live.coarse, planner.live.partial) == (True, True)
@@ -62,7 +63,7 @@ def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
 
 
 def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_processor() -> None:
-    scene, planner = load_scene("two-boxes"), TabPlanner(1)
+    scene, planner = load_scene("two-boxes"), TabPlanner(1, PlanWatch(print))
     made = plan(scene)
 
     class Waiting(LivePlanner):
@@ -88,7 +89,7 @@ def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_pro
 def test_no_time_is_told_of_what_ran_before_it_was_compiled(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    planner, scene = TabPlanner(0), load_scene("two-boxes")
+    planner, scene = TabPlanner(0, PlanWatch(print)), load_scene("two-boxes")
     monkeypatch.setattr(compiling, "is_done", lambda: False)
     slow = planner(scene, None)
     assert slow.total_ms == 0

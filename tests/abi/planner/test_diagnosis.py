@@ -33,10 +33,6 @@ def passes(made: Plan, stage: str) -> bool:
     return made.error is None or _STAGES.index(made.error.stage) > _STAGES.index(stage)
 
 
-def never() -> bool:
-    return False
-
-
 def reason_of(scene: Scene) -> tuple[Plan, Reason]:
     made = plan(scene)
     found = explain(scene, made)
@@ -97,7 +93,7 @@ def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> 
 
     if found.change is None or found.obstacle is not None:
         assert "walled in" in found.message
-        what_if = WhatIf(scene, never)
+        what_if = WhatIf(scene)
         pitches = [scene.mesh.pitch, *what_if.finer_pitches()]
         assert not any(what_if.connected(0.0, pitch) for pitch in pitches)
         return
@@ -116,7 +112,7 @@ def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> 
             assert not passes(plan(more), "search")
         if finer is None:
             # a finer pitch alone would have been the better advice
-            what_if = WhatIf(scene, never)
+            what_if = WhatIf(scene)
             assert not any(
                 what_if.connected(scene.spline.clearance, pitch)
                 for pitch in what_if.finer_pitches()
@@ -210,7 +206,7 @@ def test_no_mesh_of_a_trial_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> No
     assert found is not None
     assert "walled in" in found.message
     finer = [pitch for pitch in made if pitch != scene.mesh.pitch]
-    assert finer == WhatIf(scene, never).finer_pitches()
+    assert finer == WhatIf(scene).finer_pitches()
     assert len(finer) > 1
 
 
@@ -219,7 +215,7 @@ def test_no_finer_pitch_is_tried_than_a_scene_may_have() -> None:
     scene = Scene.from_dict(
         {"version": 1, "workspace": {"max": side}, "goal": side, "mesh": {"pitch": 3e-6}}
     )
-    finer = WhatIf(scene, never).finer_pitches()
+    finer = WhatIf(scene).finer_pitches()
 
     assert finer == [1.5e-6]
     assert scene.replace(mesh={"pitch": finer[-1]}).mesh.pitch == finer[-1]
@@ -430,7 +426,7 @@ def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
 ) -> None:
     scene = load_scene("paper").replace(spline={"clearance": asked})
     threshold = part * asked
-    found = WhatIf(scene, never).largest_clearance(lambda value: value <= threshold)
+    found = WhatIf(scene).largest_clearance(lambda value: value <= threshold)
 
     assert found is not None
     assert found <= threshold
@@ -439,7 +435,7 @@ def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
         assert float(f"{found:.3g}") == found
     else:
         assert threshold <= 2e-3 * asked
-    assert WhatIf(scene, never).largest_clearance(lambda value: False) is None
+    assert WhatIf(scene).largest_clearance(lambda value: False) is None
 
 
 @settings(max_examples=100)
