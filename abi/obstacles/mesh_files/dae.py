@@ -124,10 +124,11 @@ class _Document:
             notes.append(f"{noun} left out: no node places it.")
         if elsewhere := sum(one not in self._placed for one in instances):
             notes.append(f"{counted(elsewhere, 'instance')} left out: not in the file's scene.")
-        if others := sum(kind == "visual_scene" for kind, _ in self._ids) - 1:
-            notes.append(f"{counted(others, 'scene')} left out: the file opens with another.")
-        if any(name_of(one) == "instance_physics_scene" for one in self.root.iter(etree.Element)):
-            notes.append("Its physics scene is left out.")
+        if scenes := sum(kind == "visual_scene" for kind, _ in self._ids) - 1:
+            notes.append(f"{counted(scenes, 'scene')} left out: the file opens with another.")
+        for scene in children(self.root, "scene"):
+            others = {name_of(one) for one in scene} - {"instance_visual_scene", "extra"}
+            notes += [f"What its <{name[:40]}> says is left out." for name in sorted(others)]
         if next(self.root.iter("{*}animation"), None) is not None:
             notes.append("Its animations are left out.")
         return tuple(notes)

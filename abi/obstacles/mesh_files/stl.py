@@ -71,10 +71,13 @@ def _colours(data: bytes) -> ByteArray:
 
 
 def _text_facets(data: bytes, most_faces: int) -> FloatArray:
-    lines = data.lower().rstrip()
+    lines = data.lower().replace(b"\r", b"\n").rstrip()
     if not lines.rpartition(b"\n")[2].lstrip().startswith(b"endsolid"):
         raise ValueError("a whole STL text, but it is cut off: endsolid is missing at its end")
     words = re.sub(rb"(?m)^[ \t]*(?:end)?solid\b[^\n]*$", b"", lines).split()
+    if crowded := re.search(rb"(?m)^[ \t]*(?:end)?solid\b[^\n]*\bouter[ \t]+loop\b", lines):
+        number = lines.count(b"\n", 0, crowded.start()) + 1
+        raise ValueError(f"an STL text whose facets begin in lines of their own, see line {number}")
     pattern = _FACET.split()
     count, surplus = divmod(len(words), len(pattern))
     if max(map(len, words), default=0) > 40:

@@ -56,6 +56,8 @@ def check_plain(data: bytes) -> None:
         raise ValueError("an XML file in UTF-8")
     if _ENTITIES.search(data):
         raise ValueError("an XML file without a document type")
+    if b"http://www.w3.org/2001/XInclude" in data:
+        raise ValueError("an XML file that includes no other")
 
 
 def name_of(element: etree._Element) -> str:

@@ -35,6 +35,11 @@ def model(build: str, unit: str = "", mesh: str = "", objects: str = "") -> byte
     return packed.getvalue()
 
 
+STL = b"""solid a
+facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet
+endsolid a
+"""
+INCLUDE = "http://www.w3.org/2001/XInclude"
 ITEM = '<item objectid="1"/>'
 
 
@@ -68,6 +73,8 @@ def controller(kind: str) -> bytes:
         ("a.dae", dae("<asset/>", "<asset><up_axis>UP</up_axis></asset>"), "'UP'"),
         ("a.dae", dae("<node>", "<node><matrix>1 2 3</matrix>"), "16 numbers in <matrix>"),
         ("a.dae", dae("<scene>", "<scena>").replace(b"</scene>", b"</scena>"), "with a scene"),
+        ("a.dae", dae("<asset/>", f'<x:include xmlns:x="{INCLUDE}"/>'), "includes no other"),
+        ("a.stl", STL.replace(b"\n", b" ", 1), "facets begin in lines of their own, see line 1"),
         ("a.3mf", model(""), "no triangles"),
         ("a.3mf", model('<item objectid="2"/>'), "object 2 is not in"),
         ("a.3mf", model(ITEM, 'unit="cubit"'), "'cubit'"),
@@ -100,6 +107,7 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
     [
         ("a.dae", dae("</polylist>", f"</polylist>{LINES}"), "2 lines are left out"),
         ("a.dae", dae("</visual_scene>", OTHER), "1 scene is left out"),
+        ("a.dae", dae("<scene>", "<scene><instance_physics_scene/>"), "<instance_physics_scene>"),
         ("a.dae", dae("</geometry>", '</geometry><geometry id="h"><mesh/></geometry>'), "geometry"),
         (
             "a.dae",
@@ -157,6 +165,11 @@ def test_text_that_is_not_used_does_not_matter() -> None:
         np.testing.assert_array_equal(found.parts.vertices, wanted.vertices)
         np.testing.assert_array_equal(found.parts.faces, wanted.faces)
         assert found.notes == ()
+
+
+def test_a_text_stl_may_have_any_line_ends() -> None:
+    for text in (STL, STL.replace(b"\n", b"\r\n"), STL.replace(b"\n", b"\r"), STL.upper()):
+        assert len(read_file(text, "a.stl").parts.faces) == 1
 
 
 def test_a_reader_that_misses_triangles_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
