@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from xml.etree import ElementTree
 
 import numpy as np
 import scipy
@@ -104,6 +105,51 @@ def random_robot(random: np.random.Generator) -> RandomRobot:
     return RandomRobot(text, f"l{order[0]}", tuple(joints))
 
 
+def robot_of(content: bytes) -> RandomRobot:
+    """The robot of a URDF, read by Python's own parser; other kinds of joints are fixed."""
+    xml = ElementTree.fromstring(content)
+    read = [_joint_of(one) for one in xml.findall("joint")]
+    children = {one.child for one in read}
+    (root,) = {one.get("name", "") for one in xml.findall("link")} - children
+    joints: list[RandomJoint] = []
+    reached = [root]
+    for link in reached:
+        joints += (below := [one for one in read if one.parent == link])
+        reached += [one.child for one in below]
+    return RandomRobot(content.decode(errors="replace"), root, tuple(joints))
+
+
+def _joint_of(xml: ElementTree.Element) -> RandomJoint:
+    origin, axis, mimic = (xml.find(name) for name in ("origin", "axis", "mimic"))
+    return RandomJoint(
+        name=xml.get("name", ""),
+        kind=kind if (kind := xml.get("type", "")) in KINDS else "fixed",
+        parent=_link_of(xml, "parent"),
+        child=_link_of(xml, "child"),
+        xyz=_numbers(origin, "xyz", "0 0 0"),
+        rpy=_numbers(origin, "rpy", "0 0 0"),
+        axis=_numbers(axis, "xyz", "1 0 0"),
+        low=0.0,
+        high=0.0,
+        mimic=None
+        if mimic is None
+        else Mimic(
+            mimic.get("joint", ""),
+            float(mimic.get("multiplier", 1)),
+            float(mimic.get("offset", 0)),
+        ),
+    )
+
+
+def _link_of(xml: ElementTree.Element, side: str) -> str:
+    found = xml.find(side)
+    return "" if found is None else found.get("link", "").strip()
+
+
+def _numbers(xml: ElementTree.Element | None, name: str, default: str) -> FloatArray:
+    return np.array((default if xml is None else xml.get(name, default)).split(), dtype=float)
+
+
 def link_poses(robot: RandomRobot, state: Mapping[str, float]) -> dict[str, FloatArray]:
     """Pose of every link in the root, (4, 4), by name.
 
@@ -119,7 +165,7 @@ def link_poses(robot: RandomRobot, state: Mapping[str, float]) -> dict[str, Floa
         own[:3, :3] = _turn((0, 0, z)) @ _turn((0, y, 0)) @ _turn((x, 0, 0))
         own[:3, 3] = joint.xyz
         moved, position = np.eye(4), _position(by_name, joint, state)
-        axis = joint.axis / np.sqrt(joint.axis @ joint.axis)
+        axis = joint.axis / max(float(np.linalg.norm(joint.axis)), 1e-300)
         if joint.kind == "prismatic":
             moved[:3, 3] = position * axis
         elif joint.kind != "fixed":

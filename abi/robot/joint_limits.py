@@ -27,58 +27,61 @@ class Limits(NamedTuple):
         low, high: of its position, [rad] or [m].
         speed: largest, [rad/s] or [m/s]; inf for none.
         effort: largest torque or force, [N·m] or [N]; inf for none.
-        notes: why it is limited otherwise than its ``<limit>`` says, as the beginnings of
-            sentences that end in names of joints.
     """
 
     low: float
     high: float
     speed: float
     effort: float
-    notes: tuple[str, ...] = ()
 
 
 def read_limits(joint: Element, kind: str) -> Limits:
-    """Limits of a joint that moves.
+    """Limits of a joint that moves, with a note where they are not as its ``<limit>`` says.
 
     Args:
         joint: its element.
         kind: ``revolute``, ``continuous`` or ``prismatic``.
 
     Raises:
-        SceneError: one is NaN or no number, or lower is above upper.
+        SceneError: one is NaN or no number.
     """
     limit = joint.child("limit")
-    notes: list[str] = []
     rates = [0.0 if limit is None else limit.bound(name, _MOST_RATE) or 0.0 for name in _RATES]
     # many files have 0 where they mean no limit, and nothing is made of that
     speed, effort = (rate if rate > 0 else math.inf for rate in rates)
     for name, rate in zip(_RATES, rates, strict=True):
         if rate < 0 or math.isinf(rate):
-            notes.append(f"Without limit, as their {name} is negative or beyond sense")
+            joint.tell(f"Without limit of {name}, as that is negative or beyond sense:")
     if kind == "continuous":
-        return Limits(-TURN, TURN, speed, effort, tuple(notes))
+        return Limits(-TURN, TURN, speed, effort)
     sides = [None if limit is None else limit.bound(name, _MOST) for name in ("lower", "upper")]
     if sides == [None, None] and joint.child("mimic") is None:
-        notes.append("Joints that stand still, as their <limit> has no lower and upper")
+        joint.tell("Stands still, as its <limit> has no lower and upper:")
     low, high = (side or 0.0 for side in sides)
     if math.isinf(low) or math.isinf(high):
         most = TURN if kind == "revolute" else _SLIDE
         unit = "rad" if kind == "revolute" else "m"
-        notes.append(f"Without limit, so taken to go as far as {most:.3g} {unit}")
+        joint.tell(f"Without limit, so taken to go as far as {most:.3g} {unit}:")
         low = min(-most, high - most) if low == -math.inf else low
         high = max(most, low + most) if high == math.inf else high
     if not low <= high or math.isinf(low) or math.isinf(high):
-        raise joint.refuse("limit", (low, high), "lower at most upper")
+        joint.tell("Stands still at 0, as its lower limit is above the upper:")
+        return Limits(0.0, 0.0, speed, effort)
+    return Limits(*_softened(joint, low, high), speed, effort)
+
+
+def _softened(joint: Element, low: float, high: float) -> tuple[float, float]:
+    """Limits within those of a joint's safety controller."""
     soft = _soft(joint)
-    if soft is not None:
-        inner = max(low, soft[0]), min(high, soft[1])
-        if inner[0] > inner[1]:
-            notes.append("Soft limits outside the others are not used of")
-        elif inner != (low, high):
-            notes.append("Planned within the soft limits of their <safety_controller>")
-            low, high = inner
-    return Limits(low, high, speed, effort, tuple(notes))
+    if soft is None:
+        return low, high
+    inner = max(low, soft[0]), min(high, soft[1])
+    if inner[0] > inner[1]:
+        joint.tell("Soft limits are not used, as they are outside the others:")
+        return low, high
+    if inner != (low, high):
+        joint.tell("Planned within the soft limits of the <safety_controller>:")
+    return inner
 
 
 def _soft(joint: Element) -> tuple[float, float] | None:

@@ -21,6 +21,8 @@ def reference(text: str) -> str | None:
     """
     name = _SCHEME.sub(PACKAGE, text.replace("\\", "/"))
     path = name.removeprefix(PACKAGE)
+    if path != name:  # of three slashes, which some files have, the third means nothing
+        path = path.lstrip("/")
     if "://" in path or path.startswith("/") or ":" in path.partition("/")[0]:
         return None
     inside = _inside(PurePosixPath(path))

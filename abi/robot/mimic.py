@@ -8,13 +8,10 @@ from dataclasses import replace
 from abi.arrays import read_only
 from abi.robot.robot import Joint, Mimic
 from abi.robot.strict_xml import Element
-from abi.robot.urdf_joints import some_of
 
 
-def with_masters(
-    root: Element, joints: Sequence[Joint]
-) -> tuple[tuple[Joint, ...], tuple[str, ...]]:
-    """The joints, each that follows another following one that moves by itself, and notes.
+def with_masters(root: Element, joints: Sequence[Joint]) -> tuple[Joint, ...]:
+    """The joints, each that follows another following one that moves by itself.
 
     What follows a fixed joint is fixed at its offset: that joint's position is 0.
 
@@ -22,20 +19,19 @@ def with_masters(
         SceneError: one follows a joint that there is not, or some follow each other in a ring.
     """
     by_name = {joint.name: joint for joint in joints}
-    found, still = [], []
+    found = []
     for joint in joints:
         if joint.kind != "fixed" and joint.mimic is not None:
             mimic = _master(root, joint, by_name)
             if by_name[mimic.joint].kind == "fixed":
-                still.append(joint.name)
+                note = "Fixed, as it follows a fixed joint:"
+                root.told.setdefault(note, []).append(f"joint {joint.name}")
                 pose = read_only(joint.origin @ joint.motion(mimic.offset))
                 joint = replace(joint, kind="fixed", origin=pose, mimic=None)
             else:
                 joint = replace(joint, mimic=mimic)
         found.append(joint)
-    if not still:
-        return tuple(found), ()
-    return tuple(found), (f"Fixed, as they follow a fixed joint: {some_of(still)}.",)
+    return tuple(found)
 
 
 def _master(root: Element, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:

@@ -20,6 +20,7 @@ _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,4})?", re.ASCII)
 _MOST_DIGITS, _LONGEST_NAME = 400, 100
 _NOT_IN_NAMES = '<>"\\`'
 _ENDLESS = ("inf", "infinity")
+_COMMA = re.compile(r",(\s|$)")  # between numbers; one inside a number is not let pass
 _MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 _LENGTHS = ("xyz", "size", "radius", "length")
@@ -33,14 +34,29 @@ class Element:
         xml: the element.
         file: name of the file.
         title: name of the element in error messages.
+        told: beginnings of sentences on what of the file is not as it should be, with the elements
+            that they are told of; shared with the elements inside.
     """
 
-    def __init__(self, element: etree._Element, file: str, title: str) -> None:
+    def __init__(
+        self,
+        element: etree._Element,
+        file: str,
+        title: str,
+        told: dict[str, list[str]] | None = None,
+    ) -> None:
         self.xml, self.file, self.title = element, file, title
+        self.told: dict[str, list[str]] = {} if told is None else told
 
     def refuse(self, what: str, value: object, expected: str) -> SceneError:
         """Error that names this element, a part of it, its value and what would work."""
         return SceneError(f"arm.urdf {self.file}: {self.title}, {what}", value, expected)
+
+    def tell(self, note: str) -> None:
+        """Add this element to those that a sentence ends in."""
+        named = self.told.setdefault(note, [])
+        if self.title not in named:
+            named.append(self.title)
 
     def called(self) -> Element:
         """The same element under the name that its ``name`` attribute gives."""
@@ -52,12 +68,12 @@ class Element:
                 f"but none of {' '.join(_NOT_IN_NAMES)} and no .. between slashes"
             )
             raise Element(self.xml, self.file, tag).refuse("name", name, expected)
-        return Element(self.xml, self.file, f"{tag} {name}")
+        return Element(self.xml, self.file, f"{tag} {name}", self.told)
 
     def all(self, tag: str) -> Iterator[Element]:
         """Children with a tag, under the same name in error messages."""
         for element in self.xml.iterfind(tag):
-            yield Element(element, self.file, self.title)
+            yield Element(element, self.file, self.title, self.told)
 
     def child(self, tag: str) -> Element | None:
         """First child with a tag; None if there is none."""
@@ -86,10 +102,12 @@ class Element:
         text = self.xml.get(attribute)
         if text is None:
             return default
-        words = str(text).split()
-        if len(words) != 3:
+        words = _COMMA.sub(" ", str(text)).split()
+        if len(words) < 3:
             raise self.refuse(attribute, text, "three numbers")
-        x, y, z = (self._number(attribute, word, low, high) for word in words)
+        if len(words) > 3:
+            self.tell(f"Of more numbers than three the first three count, as {attribute} of")
+        x, y, z = (self._number(attribute, word, low, high) for word in words[:3])
         return (x, y, z)
 
     def bound(self, attribute: str, most: float) -> float | None:
@@ -179,6 +197,7 @@ def parse(content: bytes, name: str) -> etree._Element:
         remove_pis=True,
         encoding="utf-8",
     )
+    text = text.rstrip("\0")  # of programs that write the end of their text, too
     try:
         # the encoding that the text declares must not matter any more
         root = etree.fromstring(_DECLARATION.sub("", text).encode(), parser)

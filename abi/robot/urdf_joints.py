@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from typing import NamedTuple, cast
+from typing import cast
 
 import numpy as np
 
@@ -16,18 +16,11 @@ from abi.robot.strict_xml import Element
 _MOVING = ("revolute", "continuous", "prismatic")
 _X = read_only(np.array([1.0, 0.0, 0.0]))
 _LEAST_AXIS = 1e-6
-_HELD = ("floating", "planar")
+_HELD = ("floating", "planar", "spherical")
 """Kinds that have more than one coordinate: they are held at their origin."""
 
 
-class ReadJoint(NamedTuple):
-    """A joint as read, and the beginnings of sentences on it, which end in names of joints."""
-
-    joint: Joint
-    notes: tuple[str, ...]
-
-
-def read_joint(element: Element) -> ReadJoint:
+def read_joint(element: Element) -> Joint:
     """Read a joint with its limits; what its kind does not use is not looked at.
 
     Raises:
@@ -38,7 +31,9 @@ def read_joint(element: Element) -> ReadJoint:
         raise element.refuse("type", kind, f"one of {', '.join((*_MOVING, 'fixed', *_HELD))}")
     moves = kind in _MOVING
     limits = read_limits(element, kind) if moves else Limits(0.0, 0.0, math.inf, math.inf)
-    joint = Joint(
+    if kind in _HELD:
+        element.tell(f"Held at the origin, as its kind is {kind}:")
+    return Joint(
         name=element.text("name"),
         kind=cast(JointKind, kind if moves else "fixed"),
         parent=element.needed("parent").text("link"),
@@ -51,17 +46,6 @@ def read_joint(element: Element) -> ReadJoint:
         effort=limits.effort,
         mimic=_mimic(element) if moves else None,
     )
-    held = (f"Held at their origin, as they are {kind} joints",) if kind in _HELD else ()
-    return ReadJoint(joint, (*held, *limits.notes))
-
-
-def notes_on(joints: Sequence[ReadJoint]) -> tuple[str, ...]:
-    """A sentence on all joints of which the same is told."""
-    named: dict[str, list[str]] = {}
-    for joint, notes in joints:
-        for note in notes:
-            named.setdefault(note, []).append(joint.name)
-    return tuple(f"{note}: {some_of(names)}." for note, names in named.items())
 
 
 def some_of(names: Sequence[str], most: int = 4) -> str:

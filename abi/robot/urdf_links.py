@@ -22,6 +22,8 @@ from abi.robot.urdf_masses import WEIGHTLESS, read_inertial
 from abi.robot.urdf_meshes import file_name
 
 MAX_SHAPES = 50
+_LARGEST = 1000.0
+"""Largest coordinate or size of a shape, [m]."""
 
 Meshes = Callable[[str], Parts]
 """Vertices, faces and their colours of the mesh file of that name."""
@@ -105,22 +107,26 @@ def _shape(element: Element, meshes: Meshes) -> Shape:
     geometry = element.needed("geometry")
     pose = element.origin()
     vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
-    part = next((Element(x, element.file, element.title) for x in geometry.xml), None)
+    part = next((Element(x, element.file, element.title, element.told) for x in geometry.xml), None)
     kind = None if part is None else part.xml.tag
     if part is None or kind not in ("box", "sphere", "cylinder", "mesh"):
         raise element.refuse("geometry", kind, "box, sphere, cylinder or mesh")
     if kind == "box":
-        size = part.vector("size", (0.0, 0.0, 0.0), 1e-9, 100)
+        size = part.vector("size", (0.0, 0.0, 0.0), 1e-9, _LARGEST)
     elif kind == "sphere":
-        size = (part.number("radius", None, 1e-9, 100), 0.0, 0.0)
+        size = (part.number("radius", None, 1e-9, _LARGEST), 0.0, 0.0)
     elif kind == "cylinder":
-        size = (part.number("radius", None, 1e-9, 100), part.number("length", None, 1e-9, 100), 0.0)
+        size = (
+            part.number("radius", None, 1e-9, _LARGEST),
+            part.number("length", None, 1e-9, _LARGEST),
+            0.0,
+        )
     else:
         size = part.vector("scale", (1.0, 1.0, 1.0), -1e4, 1e4)
         vertices, faces, colours = meshes(file_name(part))
         vertices = vertices * size
-        if not np.isfinite(vertices).all() or np.abs(vertices).max(initial=0) > 100:
-            raise part.refuse("scale", size, "a mesh of at most 100 m")
+        if not np.isfinite(vertices).all() or np.abs(vertices).max(initial=0) > _LARGEST:
+            raise part.refuse("scale", size, f"a mesh of at most {_LARGEST:g} m")
         if math.prod(size) < 0:
             faces = faces[:, ::-1]
     if kind == "box" and not all(size):

@@ -12,7 +12,7 @@ from abi.robot.mimic import with_masters
 from abi.robot.robot import Link, Robot
 from abi.robot.strict_xml import Element, parse
 from abi.robot.unused_elements import unused
-from abi.robot.urdf_joints import in_order, notes_on, read_joint, some_of
+from abi.robot.urdf_joints import in_order, read_joint, some_of
 from abi.robot.urdf_links import Meshes, add_colours, add_visuals, read_link
 from abi.robot.urdf_masses import has_sense
 
@@ -41,16 +41,17 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         links[link.name] = link
     if not links or len(links) > MAX_LINKS:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
-    read = [read_joint(element.called()) for element in root.all("joint")]
-    ordered, base = in_order(root, links, [one.joint for one in read])
-    ordered, following = with_masters(root, ordered)
-    notes = (*add_visuals(root, links, meshes), *notes_on(read), *following)
+    joints = [read_joint(element.called()) for element in root.all("joint")]
+    ordered, base = in_order(root, links, joints)
+    ordered = with_masters(root, ordered)
+    notes = [*add_visuals(root, links, meshes)]
+    notes += [f"{note} {some_of(named)}." for note, named in root.told.items()]
     if weightless:
-        notes += (f"No torques, as masses make no sense: {some_of(weightless)}.",)
+        notes.append(f"No torques, as masses make no sense: {some_of(weightless)}.")
     notes += unused(root)
     add_colours(root, links)
     title = root.text("name", "robot")
-    return Robot(title, base, MappingProxyType(links), ordered, notes)
+    return Robot(title, base, MappingProxyType(links), ordered, tuple(notes))
 
 
 def read_srdf(content: bytes, name: str) -> frozenset[frozenset[str]]:

@@ -52,6 +52,7 @@ def from_folder(files: Files, folder: Path) -> Robot:
 LAYOUTS: Mapping[str, tuple[str, str, str]] = {
     # path of the URDF, path of the mesh, and what the URDF calls it
     "package": ("pkg/urdf/r.urdf", "pkg/meshes/collision/a.stl", "package://pkg/meshes/collision/a.stl"),
+    "three slashes": ("pkg/r.urdf", "pkg/a.stl", "package:///pkg/a.stl"),
     "model": ("pkg/urdf/r.urdf", "pkg/meshes/collision/a.stl", "model://pkg/meshes/collision/a.stl"),
     "above": ("pkg/urdf/r.urdf", "pkg/meshes/collision/a.stl", "../meshes/collision/a.stl"),
     "zigzag": ("pkg/urdf/r.urdf", "pkg/meshes/a.stl", "package://pkg/urdf/../meshes/a.stl"),

@@ -38,12 +38,12 @@ def test_a_joint_without_limits_stands_still_and_a_note_says_so() -> None:
     for robot in (still, bare):
         assert (robot.joints[0].low, robot.joints[0].high) == (0, 0)
         (note,) = robot.notes
-        assert note == "Joints that stand still, as their <limit> has no lower and upper: p."
+        assert note == "Stands still, as its <limit> has no lower and upper: joint p."
     assert [one.high for one in held.joints] == [one.high for one in still.joints]
     assert not held.notes
 
 
-@pytest.mark.parametrize("kind", ["fixed", "floating", "planar"])
+@pytest.mark.parametrize("kind", ["fixed", "floating", "planar", "spherical"])
 @pytest.mark.parametrize("axis", ["0 0 0", "", "nan 0 0"])
 def test_a_joint_that_does_not_move_needs_no_axis(kind: str, axis: str) -> None:
     parts = [*map(link, "abc"), joint("p", "a", "b"), joint("q", "b", "c", kind, axis, extra="")]
@@ -52,7 +52,7 @@ def test_a_joint_that_does_not_move_needs_no_axis(kind: str, axis: str) -> None:
 
     assert chain.names == ("p",)
     assert robot.joints[1].kind == "fixed"
-    held = f"Held at their origin, as they are {kind} joints: q."
+    held = f"Held at the origin, as its kind is {kind}: joint q."
     assert robot.notes == (() if kind == "fixed" else (held,))
 
 
@@ -76,7 +76,7 @@ def test_notes_tell_of_limits_that_are_none() -> None:
     limit = '<limit lower="-1e16" upper="1e16" velocity="-1" effort="1e16"/>'
     notes = limited(limit).notes
     assert len(notes) == 3
-    assert "Without limit, so taken to go as far as 6.28 rad: p." in notes
+    assert "Without limit, so taken to go as far as 6.28 rad: joint p." in notes
     assert {name for note in notes for name in ("velocity", "effort") if name in note} == {
         "velocity",
         "effort",
@@ -98,7 +98,7 @@ def test_a_number_may_have_as_many_digits_as_its_author_likes() -> None:
         ('soft_lower_limit="-3" soft_upper_limit="3"', (-2, 2), None),
         ('soft_upper_limit="1"', (0, 1), "Planned within the soft"),
         ('k_velocity="10"', (-2, 2), None),
-        ('soft_lower_limit="4" soft_upper_limit="5"', (-2, 2), "Soft limits outside"),
+        ('soft_lower_limit="4" soft_upper_limit="5"', (-2, 2), "Soft limits are not used"),
     ],
 )
 def test_soft_limits_are_kept(soft: str, expected: tuple[float, float], note: str | None) -> None:
@@ -153,3 +153,27 @@ def test_links_and_joints_may_have_any_printable_name(name: str) -> None:
 def test_a_refused_name_is_told_what_names_may_be(name: str) -> None:
     with pytest.raises(SceneError, match="1 to 100 letters of any script"):
         read_of(arm(('link name="b"', f'link name="{name}"')))
+
+
+def test_a_joint_whose_limits_are_swapped_stands_still() -> None:
+    robot = limited('<limit lower="1" upper="-1" velocity="1"/>')
+    assert (robot.joints[0].low, robot.joints[0].high) == (0, 0)
+    note = "Stands still at 0, as its lower limit is above the upper: joint p."
+    assert robot.notes == (note,)
+
+
+@pytest.mark.parametrize("text", ["0, 0, 0.4", "0,\t0, 0.4,", "0 0 0.4 0 7"])
+def test_three_numbers_may_be_written_in_other_ways(text: str) -> None:
+    robot = read_of(arm(('xyz="0 0 0.4"', f'xyz="{text}"')))
+    np.testing.assert_array_equal(robot.joints[0].origin[:3, 3], [0, 0, 0.4])
+    told = "Of more numbers than three the first three count, as xyz of joint p."
+    assert robot.notes == ((told,) if text.endswith("7") else ())
+    for wrong in ("0,0,0.4", "0 0,4", "0,4 0 0"):
+        with pytest.raises(SceneError, match="xyz"):
+            read_of(arm(('xyz="0 0 0.4"', f'xyz="{wrong}"')))
+
+
+def test_a_text_may_end_in_zeros() -> None:
+    assert load_robot("r.urdf", MeshSource({"r.urdf": arm().encode() + b"\r\n\0\0"})).links
+    with pytest.raises(SceneError, match="XML"):
+        read_of(arm(("<robot", "\0<robot")))
