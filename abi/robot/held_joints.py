@@ -7,7 +7,8 @@ from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
 from abi.errors import SceneError
-from abi.robot.robot import Robot, joints_to
+from abi.robot.robot import MOST_JOINTS, Robot, joints_to
+from abi.robot.urdf_joints import some_of
 
 NOT_HELD: Mapping[str, float] = MappingProxyType({})
 """No position: every joint that is not planned rests nearest to 0."""
@@ -76,3 +77,23 @@ def held_in_metres(robot: Robot, held: Mapping[str, float], metres: float) -> di
     """
     slides = {joint.name for joint in robot.joints if joint.kind == "prismatic"}
     return {name: at * (metres if name in slides else 1.0) for name, at in held.items()}
+
+
+def planned_sentence(robot: Robot, tip: str, wanted: Mapping[str, float]) -> str:
+    """A sentence on the link that is the tool, the joints that move it, and those that are held.
+
+    Args:
+        robot: the robot.
+        tip: name of the link.
+        wanted: positions of joints that are held, [rad] or [m].
+    """
+    planned = planned_joints(robot, tip)
+    still = positions_held(robot, planned, wanted)
+    slides = {joint.name: "m" for joint in robot.joints if joint.kind == "prismatic"}
+    held = [
+        f"{joint.name} at {still[joint.name]:.4g} {slides.get(joint.name, 'rad')}"
+        for joint in robot.joints
+        if joint.name in still and joint.mimic is None
+    ]
+    text = f"The tool is {tip}; {some_of(planned, MOST_JOINTS)} are planned"
+    return f"{text}, held: {some_of(held, 6)}." if held else f"{text}."

@@ -14,22 +14,21 @@ _WRIST = re.compile(r"wrist|roll|rot|yaw|pitch", re.IGNORECASE)
 def usual_tip(robot: Robot) -> str:
     """The link that the most joints move but for a gripper's; the last one if there are several.
 
+    Joints that follow others count where links are else moved by as many.
+
     A gripper is where two or more rows of joints, the longest of equal length, begin at links that
     are fixed to each other, and are shorter than the row that carries them; or a last joint that is
     called one. What only follows joints before it, as a parallel linkage does, is no such row.
     """
-    parents = {joint.child: joint for joint in robot.joints}
-    depth = {robot.root: 0}
+    ways: dict[str, list[Joint]] = {robot.root: []}
     for joint in robot.joints:
-        depth[joint.child] = depth[joint.parent] + (joint.kind != "fixed")
-    most = max(depth.values())
-    deepest = [link for link, count in depth.items() if count == most][-1]
-    way: list[Joint] = []
-    link = deepest
-    while link in parents:
-        if parents[link].kind != "fixed":
-            way.insert(0, parents[link])
-        link = parents[link].parent
+        ways[joint.child] = ways[joint.parent] + ([joint] if joint.kind != "fixed" else [])
+    ranks = {
+        link: (len({joint.coordinate for joint in way}), len(way)) for link, way in ways.items()
+    }
+    deepest = [link for link, rank in ranks.items() if rank == max(ranks.values())][-1]
+    way = ways[deepest]
+    most = len(way)
     for count in range(1, most):
         if count > most - count and _branches(robot, way, count):
             return _last_of(robot, way[count - 1].child)

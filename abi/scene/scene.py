@@ -167,10 +167,11 @@ class Scene(Settings):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on its mesh files: their units, and what of them is left out or repaired."""
+        """Sentences on its files: units of meshes, and what is planned, left out or repaired."""
         shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
         sentences = (f"{shape.file}: {note}" for shape in shapes for note in shape.notes)
-        return tuple(dict.fromkeys(sentences))
+        on_arm = (f"{self.arm.urdf}: {note}" for note in self.arm.notes(METRES[self.unit]))
+        return tuple(dict.fromkeys((*sentences, *on_arm)))
 
     def replace(self, files: Mapping[str, bytes | Surface] | None = None, **changes: Any) -> Self:
         """Return a copy with changed fields, or the scene itself if nothing differs.

@@ -19,7 +19,12 @@ from pydantic import (
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.held_joints import held_in_metres, planned_joints, positions_held
+from abi.robot.held_joints import (
+    held_in_metres,
+    planned_joints,
+    planned_sentence,
+    positions_held,
+)
 from abi.robot.robot import Robot, bases_to, joints_to, part_from
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.robot.usual_tip import usual_tip
@@ -228,6 +233,17 @@ class ArmSettings(Settings):
         if self.model == "urdf":
             held = held_in_metres(self.robot, self.gripper, metres)
             positions_held(self.robot, planned_joints(self.robot, self.tool), held)
+
+    def notes(self, metres: float) -> tuple[str, ...]:
+        """Sentences on a URDF: which link and joints are planned, and what is left out of it.
+
+        Args:
+            metres: one [unit] of the scene in metres.
+        """
+        if self.model != "urdf":
+            return ()
+        held = held_in_metres(self.robot, self.gripper, metres)
+        return planned_sentence(self.robot, self.tool, held), *self.robot.notes
 
     def _from_base(self, robot: Robot, base: str) -> Robot:
         """The part of a robot that its base link carries, the tip among it."""

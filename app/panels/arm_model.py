@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
 import viser
 
-from abi.obstacles.pose import UNTURNED, Quaternion
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.held_joints import NOT_HELD, planned_sentence
 from abi.robot.robot import Robot, bases_to, part_from
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.robot.usual_tip import usual_tip
@@ -151,7 +152,7 @@ class ArmModelPanel:
             is_new = self.files.get(arm.urdf) != arm.robot.archive
             self._add(arm.urdf, arm.robot.archive)
             if is_new:
-                self._tell(arm.urdf, arm.robot)
+                self._tell(arm.urdf, arm.notes(METRES[scene.unit]))
         self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
         self._list_tips(arm.urdf, arm.tip, arm.base_link)
         self._list_bases(arm.urdf, arm.base_link)
@@ -174,12 +175,13 @@ class ArmModelPanel:
         self._add(name, robot.archive)
         self.model.value = name
         self._list_tips(name, None)
-        self._tell(name, robot)
+        planned = planned_sentence(robot, self.tip.value, NOT_HELD)
+        self._tell(name, (planned, *robot.notes))
         self._compare_size(name)
 
-    def _tell(self, name: str, robot: Robot) -> None:
-        """Notify the user of what was left out of an arm, as visuals that cannot be read."""
-        for note in robot.notes:
+    def _tell(self, name: str, notes: Sequence[str]) -> None:
+        """Notify the user of what of an arm is planned, and what was left out."""
+        for note in notes:
             self._client.add_notification(name, note, auto_close_seconds=8)
 
     def _add(self, name: str, archive: bytes) -> None:

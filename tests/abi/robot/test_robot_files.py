@@ -51,7 +51,7 @@ HOSTILE: dict[str, str | bytes] = {
     "Arabic digits": arm(('upper="2"', 'upper="٢"')),
     "no axis": arm(('xyz="0 0 1"', 'xyz="0 0 0"')),
     "NaN origin": arm(('xyz="0 0 0.4"', 'xyz="0 nan 0.4"')),
-    "four numbers": arm(('xyz="0 0 0.4"', 'xyz="0 0 0.4 1"')),
+    "two numbers": arm(('xyz="0 0 0.4"', 'xyz="0 0.4"')),
     "negative box": arm((MESH, '<box size="-0.1 0.1 0.3"/>')),
     "no size": arm((MESH, "<box/>")),
     "huge sphere": arm((MESH, '<sphere radius="1e308"/>')),
