@@ -31,7 +31,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run install test check quick coverage test-wheel test-lowest test-newest lint docs pictures bench attack fuzz soak restarts poses format lock clean
+.PHONY: run install test check quick coverage test-wheel test-lowest test-newest lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -80,6 +80,9 @@ docs: $(DOCS)
 pictures: $(DEV)
 	tools/chromium
 	$(BIN)/python -m tools.pictures $(ARGS)
+
+thumbnails: $(DEV)
+	$(BIN)/python -m tools.thumbnails $(ARGS)
 
 lint: $(DEV)
 	$(BIN)/ruff format --check

@@ -268,12 +268,12 @@ class ArmNotClear(StageError):
             if obstacle is not None:
                 fault = f"the {link.replace('_', ' ')} touches {name} at the {where}"
             message = f"{branch}, {fault}."
-        other = "let the elbow be auto" if has_elbow else "leave the direction of the tool free"
+        other = "let the elbow be auto" if has_elbow else "leave the direction of the gripper free"
         super().__init__(
             "arm",
             "arm_not_clear",
             sentences or message,
-            "The plan shown is for the tool alone. Move an obstacle or the arm's base, or "
+            "The plan shown is for the tool tip alone. Move an obstacle or the arm's base, or "
             f"{other}.",
         )
         self.branch = branch
@@ -310,7 +310,7 @@ class ArmNotClear(StageError):
 
     def along_tool(self, touched: str) -> ArmNotClear:
         """The same, and what the arm touches along the curve of the tool alone, as a sentence."""
-        text = f"{self._sentences[0]} Along the curve of the tool alone {touched}."
+        text = f"{self._sentences[0]} Along the curve of the tool tip alone {touched}."
         return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
 
 
@@ -329,7 +329,7 @@ class NotFollowed(StageError):
             "out_of_reach",
             f"From t = {first:.2f} s to {last:.2f} s the arm cannot follow the curve: out of reach "
             f"or past a joint's limit by up to {format_length(shortfall)}.",
-            "Move the base nearer, or leave the direction of the tool free.",
+            "Move the base nearer, or leave the direction of the gripper free.",
         )
         self.first = first
         self.last = last

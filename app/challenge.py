@@ -110,7 +110,7 @@ def _with_arm(frame: Frame, wording: str, *conditions: Condition, still: bool = 
     plan, task = frame.plan, _task(frame.plan) if still else ""
     touches = plan.arm_clearance is not None and bool(plan.arm_clearance.contacts)
     if touches and not plan.scene.arm.avoid:
-        text = f"{wording} (for the tool alone, whatever the arm touches)"
+        text = f"{wording} (for the tool tip alone, whatever the arm touches)"
         return Challenge(text=text, until=(*conditions, _TOOL_COMPLETE), task=task)
     text = f"{wording}, with the whole arm clear"
     return Challenge(text=text, until=(*conditions, _COMPLETE), task=task)

@@ -52,7 +52,7 @@ def _print_versions(ctx: click.Context, parameter: click.Parameter, asked: bool)
     help="Show the versions that matter and stop.",
 )
 def cli() -> None:
-    """Plan a smooth, clear path for a robot's tool, and see every stage of it."""
+    """Plan a smooth, clear path for a robot's tool tip, and see every stage of it."""
 
 
 for command in (serve, plan, verify, export, sweep, reproduce, bench):

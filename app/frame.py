@@ -54,6 +54,7 @@ class Frame:
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
         lesson: whether one is gone through: what else there is to read waits.
+        asks: whether its page asks something that is not answered yet: no number may give it away.
         lecture: whether the page is to be read from afar.
         stage: that a lecture shows alone, named as its folder; empty for all of them.
         label_scale: of the labels in the scene.
@@ -77,6 +78,7 @@ class Frame:
     time: float = 0.0
     playing: bool = False
     lesson: bool = False
+    asks: bool = False
     lecture: bool = False
     stage: str = ""
     label_scale: float = 1.0

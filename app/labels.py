@@ -66,7 +66,7 @@ def kept(error: AbiError, scene: Scene) -> str:
         return ""
     texts = ", ".join(format_setting(float(number)) for number in numbers)
     of_vector = f"({texts})" if len(numbers) > 1 else texts
-    return f"The plan keeps {of_vector}, and follows whatever else you change."
+    return f"Still using {of_vector}; other changes take effect."
 
 
 def label(field: str) -> str:

@@ -23,7 +23,7 @@ _SPILLS = 60
 """Tilt of a liquid's level at which no cup holds it, [°]."""
 _LAWS = {
     "time_optimal": "As fast as the joints may",
-    "jerk_limited": "Of limited jerk",
+    "jerk_limited": "Smooth (limited jerk)",
 }
 
 
@@ -58,9 +58,9 @@ def _control_points(plan: Plan) -> str:
         return ""
     counts = ((spline.inserted, "added"), (spline.moved, "moved"))
     first, *others = [(count, done) for count, done in counts if count]
-    text = f"{first[0]} point{'s' if first[0] > 1 else ''} {first[1]}"
+    text = f"{first[0]} control point{'s' if first[0] > 1 else ''} {first[1]}"
     text += "".join(f", {count} {done}" for count, done in others)
-    return style.paragraph(f"{text} to stay clear ({len(spline.control_points)} now).")
+    return style.paragraph(f"{text} to stay clear.")
 
 
 def _coefficients(plan: Plan) -> str:

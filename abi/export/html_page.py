@@ -136,7 +136,7 @@ def _kept(plan: Plan, name: str) -> str:
     if fit is None or not fit.holds:
         return "✗ nearer to an obstacle than asked"
     if plan.followed == name and not plan.is_arm_clear:
-        return "proven to keep the clearance, by the tool alone"
+        return "proven to keep the clearance, by the tool tip alone"
     return "proven to keep the clearance"
 
 

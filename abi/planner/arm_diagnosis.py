@@ -44,13 +44,13 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
     points = _places(scene, plan, error)
     for remedy, change in _remedies(scene, plan, error, what_if):
         if what_if.plan_past("arm", **change):
-            hint = f"{remedy} works: it has been tried."
+            hint = f"{remedy} works (tested)."
             return Reason(error.message, hint, change, points)
     without: dict[int, Plan] = {}
     for number, place in itertools.chain(_shifts(scene, plan), _past(scene, what_if, without)):
         change = {"obstacles": _with_moved(scene, number, place)}
         if what_if.plan_past("arm", **change):
-            hint = f"Obstacle {number + 1} at {format_point(place)} works: it has been tried."
+            hint = f"Obstacle {number + 1} at {format_point(place)} works (tested)."
             return Reason(error.message, hint, change, points, moved=number)
     if without:
         named = " or ".join(str(k + 1) for k in without)
@@ -69,7 +69,7 @@ def _remedies(
     remedies: list[tuple[str, dict[str, Any]]] = []
     if not error.has_elbow:
         if scene.arm.axis is not None:
-            remedies.append(("The direction of the tool left free", {"arm": {"axis": None}}))
+            remedies.append(("The direction of the gripper left free", {"arm": {"axis": None}}))
     elif scene.arm.elbow != "auto":
         other = "down" if scene.arm.elbow == "up" else "up"
         remedies.append((f"The elbow {other}", {"arm": {"elbow": other}}))

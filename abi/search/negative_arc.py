@@ -20,6 +20,10 @@ from abi.search.trace import last_labels
 
 _HEADS = 8
 """Nodes of the path that are tried."""
+_TAILS = 400
+"""Nodes from which an arc to each of them is tried."""
+_SAMPLES = 200
+"""Points of an arc whose distance from the obstacles is asked: it is drawn, not driven."""
 _TOO_LITTLE = 1e-3
 """Part of the largest weight: room that there must be between too small and too large a reward."""
 
@@ -72,13 +76,23 @@ def with_negative_arc(task: SearchTask, cycle: bool) -> SearchTask:
 
 
 def _place(task: SearchTask, cost: FloatArray, head: int) -> _Place:
-    """The best arc to a node of the path."""
+    """The best arc to a node of the path that goes through no obstacle."""
     way_back, _ = _distances(task, head)
     reached = np.where(np.isfinite(cost), cost, 0.0)
     least = reached - cost[head]  # a larger reward makes the detour pay
     room = np.where((least > 0) & np.isfinite(way_back), way_back - least, -np.inf)
-    tail = int(room.argmax())
-    return _Place(float(room[tail]), tail, head, float(way_back[tail]))
+    for tail in np.argsort(-room, kind="stable")[:_TAILS].tolist():
+        if np.isfinite(room[tail]) and _is_clear(task, tail, head):
+            return _Place(float(room[tail]), tail, head, float(way_back[tail]))
+    return _Place(-np.inf, head, head, 0.0)
+
+
+def _is_clear(task: SearchTask, tail: int, head: int) -> bool:
+    """Check whether the straight line between two nodes keeps its distance from the obstacles."""
+    ends = task.arcs.points[[tail, head]]
+    parts = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    line: FloatArray = ends[0] + parts * (ends[1] - ends[0])
+    return bool((task.obstacles.signed_distance(line) >= task.margin).all())
 
 
 def _distances(task: SearchTask, node: int) -> tuple[FloatArray, IntArray]:

@@ -25,8 +25,8 @@ from app.layers.urdf_poses import end_pose
 from app.layout import Layout
 
 _SENTENCES = (
-    "The arm's shadow, in red: with the tool there, a link would be inside an obstacle. The "
-    "arm's reach, in blue: where the tool can be within the limits of the joints."
+    "The arm's shadow, in red: with the tool tip there, a link would be inside an obstacle. The "
+    "arm's reach, in blue: where the tool tip can be within the limits of the joints."
 )
 _COLOURS = {"shadow": style.VIOLATION, "reach": style.A_STAR}
 _OPACITY = {"shadow": 0.28, "reach": 0.1}

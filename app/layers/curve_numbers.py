@@ -55,15 +55,15 @@ def curve_numbers(plan: Plan, curve: str) -> list[Number]:
     shown = f"{format_lower_bound(max(distance, 0.0) if fit.holds else distance)} {unit}"
     if not followed:
         hint = "Least distance of the curve from the obstacles; proven if there is a ✓."
-        numbers.append((judged(shown, fit.holds), "kept by the curve", hint))
+        numbers.append((judged(shown, fit.holds), "closest to an obstacle (curve)", hint))
     elif fit.holds and not plan.is_arm_clear:
         # no sign that all is well, while a link may go through something or cannot get there
-        hint = "The tool's curve keeps it, but the whole arm is not proven clear."
-        numbers.append((shown, "kept by the tool alone", hint))
+        hint = "The tool tip's curve keeps it, but the whole arm is not proven clear."
+        numbers.append((shown, "tool tip only, arm ignored", hint))
     else:
         hint = (
-            "Least distance of the tool's curve from the obstacles; proven if there is a ✓. "
+            "Least distance of the tool tip's curve from the obstacles; proven if there is a ✓. "
             "Stage 6 tells that of the links."
         )
-        numbers.append((judged(shown, fit.holds), "kept by the tool", hint))
+        numbers.append((judged(shown, fit.holds), "closest to an obstacle (tool tip)", hint))
     return numbers

@@ -84,5 +84,5 @@ class CurvesLayer(Layer):
     def _draw_control(self, plan: Plan) -> None:
         points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.curve.control_points
         self._polygon.points = segments(points)
-        size = 0.012 * max(plan.scene.workspace.size)
+        size = 0.025 * max(plan.scene.workspace.size)
         self._control.draw(points, style.BSPLINE, size)

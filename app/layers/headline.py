@@ -19,7 +19,9 @@ class HeadlineLayer(Layer):
     def draw(self, frame: Frame) -> None:
         """Write the plan's numbers; none while a search is stepped through, which counts itself."""
         plan, content = frame.plan, ""
-        if frame.theatre is None:
+        # a lesson without the curve has no use for its numbers, or asks for them
+        unused = frame.lesson and (frame.asks or plan.followed not in frame.shown)
+        if frame.theatre is None and not unused:
             content = blocks(stage_numbers(plan, frame.stage)) if frame.stage else headline(plan)
         if frame.refused is not None:  # what is proven of the plan is not of what was asked for
             content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'

@@ -31,7 +31,7 @@ _VIEW_NAMES = {
 }
 _FEW = 300
 """Nodes taken out up to which each is drawn in full size."""
-_ARM_NOTE = ", or the arm would, with its tool there"
+_ARM_NOTE = ", or the arm would, with its tool tip there"
 
 
 class MeshLayer(Layer):

@@ -26,7 +26,9 @@ class PathsLayer(Layer):
 
     switches: ClassVar[tuple[Switch, ...]] = (
         *(Switch(name, label, colour) for name, (label, colour) in style.ALGORITHMS.items()),
-        Switch("taut", "straightened path", style.TAUT, hint="Where stage 3 straightens the path."),
+        Switch(
+            "taut", "shortcut path", style.TAUT, hint="Where stage 3 cuts the corners of the path."
+        ),
     )
 
     def __init__(self, layout: Layout) -> None:

@@ -33,16 +33,16 @@ _ALONG = tuple(zip("xyz", style.AXES, strict=True))
 _ANGLES = tuple((_JOINTS[i - 1], style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
 _PLOTS: dict[str, tuple[str, Lines, int]] = {
     "speed": (
-        "speed of the tool, and along x, y, z [{}/s]",
+        "speed of the tool tip, and along x, y, z [{}/s]",
         (("speed", style.MARK), *_ALONG),
         _SPEED_HEIGHT,
     ),
     "angles": ("joint angles [rad]", _ANGLES, 250),
     "slide": ("slide [{}]", ((_JOINTS[4], style.JOINTS[4]),), 170),
     "clearance": ("clearance of the arm [{}]", (("links to obstacles", style.MARK),), 170),
-    "tool": ("clearance of the tool [{}]", (("tool to obstacles", style.BSPLINE),), 170),
+    "tool": ("clearance of the tool tip [{}]", (("tool tip to obstacles", style.BSPLINE),), 170),
     "acceleration": (
-        "acceleration of the tool [{}/s²]",
+        "acceleration of the tool tip [{}/s²]",
         (("acceleration", style.MARK), *_ALONG),
         190,
     ),

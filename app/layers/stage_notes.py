@@ -23,14 +23,14 @@ class StageNotesLayer(Layer):
                 self._notes[stage] = layout.client.gui.add_html("")
         with layout.result:
             self._notes["motion"] = layout.client.gui.add_html("")
-        self._drawn: Plan | None = None
+        self._drawn: tuple[Plan, bool] | None = None
 
     def draw(self, frame: Frame) -> None:
         """Write the plan's numbers."""
         plan = frame.plan
-        if plan is self._drawn:
+        if (plan, frame.asks) == self._drawn:
             return
-        self._drawn = plan
-        texts = notes(plan)
+        self._drawn = plan, frame.asks
+        texts = dict.fromkeys(notes(plan), "") if frame.asks else notes(plan)
         for name, handle in self._notes.items():
             handle.content = _FRAME.format(_HEIGHTS[name], unbroken(texts[name]))

@@ -70,7 +70,7 @@ def _search(plan: Plan) -> list[Number]:
             "Length of the path along the grid's edges.",
         ),
         excess(plan, plan.path.length),
-        (visited, "nodes visited", "Nodes that the search expanded before it had the path."),
+        (visited, "nodes visited", "Nodes that the search visited before it had the path."),
     ]
 
 
@@ -84,7 +84,7 @@ def _quadratic(plan: Plan) -> list[Number]:
         (
             f"{format_length(profile.peak_speed)} {unit}/s",
             "top speed",
-            "Greatest speed of the tool along the curve that the arm follows.",
+            "Greatest speed of the tool tip along the curve that the arm follows.",
         ),
     ]
     if isinstance(profile, SpeedProfile):
@@ -94,7 +94,7 @@ def _quadratic(plan: Plan) -> list[Number]:
     else:
         numbers.append((f"{profile.duration:.2f} s", "motion", "Time from start to goal."))
     hint = "Distance of the quadratic's ends from start and goal: it passes through both."
-    return [*numbers, (f"{format_length(off)} {unit}", "off start and goal", hint)]
+    return [*numbers, (f"{format_length(off)} {unit}", "misses start and goal by", hint)]
 
 
 def _arm(plan: Plan) -> list[Number]:
@@ -116,7 +116,7 @@ def _arm(plan: Plan) -> list[Number]:
     distance = f"{format_lower_bound(clearance.distance)} {unit}"
     shown = judged(distance, plan.is_arm_clear)
     hint = "Least distance of any link from the obstacles; proven if there is a ✓."
-    return [time, (shown, "kept by the links", hint)]
+    return [time, (shown, "links to an obstacle, at least", hint)]
 
 
 _STAGES = {

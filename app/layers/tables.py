@@ -130,7 +130,7 @@ def _path_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
     if plan.path is not None:
         clearance = _clearance(plan.path_clearance, required, proven=True)
         rows = [_stage_row(title, plan.path.length, best, clearance)]
-    title = f"{style.swatch(style.TAUT, 'taut')}straightened"
+    title = f"{style.swatch(style.TAUT, 'taut')}shortcut"
     if plan.taut is not None:
         clearance = _clearance(plan.taut.clearance, required, proven=True)
         rows.append(_stage_row(title, plan.taut.length, best, clearance))

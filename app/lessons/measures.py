@@ -89,6 +89,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "mesh.nodes": partial(_number, "plan.free.nodes"),
         "mesh.excluded": lambda f: None if f.plan.free is None else int(f.plan.free.excluded.sum()),
         "mesh.pitch": partial(_number, "plan.mesh.pitch"),
+        "mesh.asked": partial(_number, "plan.scene.mesh.pitch"),
         "graph.edges": partial(_number, "plan.graph.edge_count"),
         "graph.crossing": partial(_number, "plan.graph.crossing"),
         "path.length": partial(_number, "plan.path.length"),
@@ -141,8 +142,8 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
 
 _COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
 _COUNTS |= {"degree", "pieces", "step"}
-_LENGTHS = {"length", "clearance", "wanted", "pitch"}
-_SETTINGS = {"wanted", "speed", "a", "b"}
+_LENGTHS = {"length", "clearance", "wanted", "pitch", "asked"}
+_SETTINGS = {"wanted", "asked", "speed", "a", "b"}
 _LOWER_BOUNDS = {"optimum.length"}
 
 

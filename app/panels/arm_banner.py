@@ -131,7 +131,7 @@ def _remark(plan: Plan) -> str:
     """What is to be known beside the fault."""
     touches = plan.arm_clearance is not None and plan.arm_clearance.contacts
     if touches and _follows_clear(plan):
-        return "Only the tool's path avoids obstacles."
+        return "Only the tool tip's path avoids obstacles."
     if not touches and _follows_clear(plan) and _is_driven_too_far(plan):
         return "Its drive in stage 6 is too strong for so long a motion."
     passed = len(plan.limits_passed)

@@ -72,7 +72,7 @@ class ArmModelPanel:
             visible=False,
         )
         self.axis = gui.add_dropdown(
-            "tool points",
+            "gripper points",
             tuple(_AXES),
             hint="Direction in which the tip's z axis is held.",
             visible=False,

@@ -13,12 +13,17 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
 from app import notices
+from app.cards import cards
+from app.frame import Frame
 from app.panels.file_uploads import FileKind, FileUploads, shown_name
 from app.panels.scene_uploads import SceneFile, parse, read
 from app.panels.widgets import Wake, pressed
+from app.scene_cards import scene_cards
 
 _OPENED = " (opened)"
 """Behind the name of a file that is called as a shipped scene."""
+_HEIGHT = "185px"
+"""Of the list of scenes: three of them are seen at once."""
 _FOLDER = re.compile(r"^.*[/\\]")
 _ENDING = re.compile(r"\.(ya?ml|json|zip)$", re.IGNORECASE)
 _UNFIT = re.compile(r"[^\w.]+")
@@ -55,6 +60,8 @@ class FilesPanel:
             initial_value=name,
             hint="The scenes that come with the visualiser, and those you opened.",
         )
+        self._cards = gui.add_html("")
+        self._shown = ""
         self.reset = gui.add_button(
             "Reset scene",
             color="gray",
@@ -75,6 +82,12 @@ class FilesPanel:
         self.choice.on_update(wake)
         self.save.on_click(wake)
         self.reset.on_click(wake)
+
+    def draw(self, frame: Frame) -> None:
+        """Show what the scenes are about, once there is time, and which one is chosen."""
+        if self._shown != self.name and not (frame.interactive or frame.partial):
+            self._shown = self.name
+            self._cards.content = cards(self.choice, scene_cards(self.name), height=_HEIGHT)
 
     @property
     def name(self) -> str:

@@ -8,9 +8,11 @@ from typing import Any
 
 import viser
 
+from abi import assets
 from abi.errors import SceneError
 from abi.scene.scene import Scene
 from app import notices, style
+from app.cards import Card, cards
 from app.formulas import with_formulas
 from app.frame import Frame
 from app.lessons.cue import Cue
@@ -21,7 +23,7 @@ from app.panels.widgets import Wake
 _NONE = "choose a lesson"
 _MOST_CHOICES = 4
 _INTRO = style.paragraph(
-    "A lesson takes a few minutes. It asks before it explains, lets you try for yourself, and "
+    "Choose a lesson. It asks before it explains, lets you try for yourself, and "
     "brings your own scene back at the end."
 )
 
@@ -46,7 +48,8 @@ class LessonPanel:
         self._ended = False
         self._pressed: list[str] = []
         self._drawn: tuple[object, ...] = ()
-        self.choice = gui.add_dropdown("lesson", (_NONE,), hint="Each takes a few minutes.")
+        self._finished = ""
+        self.choice = gui.add_dropdown("lesson", (_NONE,), visible=False)  # set by the cards
         self._intro = gui.add_html(_INTRO)
         self._place = gui.add_html("", visible=False)
         self._text = gui.add_markdown("", visible=False)
@@ -60,6 +63,7 @@ class LessonPanel:
             "Show me", visible=False, color="gray", hint="Does it for you."
         )
         self.next = gui.add_button("Next", visible=False)
+        self.next_lesson = gui.add_button("Next lesson", visible=False)
         self.back = gui.add_button("Back", visible=False, color="gray")
         self.leave = gui.add_button(
             "End lesson", visible=False, color="gray", hint="Brings your own scene back."
@@ -68,6 +72,7 @@ class LessonPanel:
         for number, button in enumerate(self.answers):
             button.on_click(partial(self._press, str(number)))
         steps = {"show": self.show_me, "next": self.next, "back": self.back, "leave": self.leave}
+        steps["lesson"] = self.next_lesson
         for name, button in steps.items():
             button.on_click(partial(self._press, name))
 
@@ -75,6 +80,12 @@ class LessonPanel:
     def chosen(self) -> bool:
         """Whether a lesson is gone through, which says itself what is shown."""
         return self._step is not None
+
+    @property
+    def asks(self) -> bool:
+        """Whether the page asks a question that has not been answered yet."""
+        step = self._step
+        return step is not None and step.question is not None and not self._is_passed
 
     @property
     def place(self) -> str:
@@ -109,7 +120,7 @@ class LessonPanel:
         if place := self._parse(text):
             self._name, self._number = place
             self._done = place in self._passed  # with all that was revealed
-            self.choice.value = self._titles()[list(self._lessons).index(self._name)]
+            self.choice.value = self.titles[list(self._lessons).index(self._name)]
 
     def recall(self, text: str) -> None:
         """Take over what was passed in tabs that are closed; its lesson goes on where it stood."""
@@ -149,14 +160,16 @@ class LessonPanel:
         ):
             self._pass(step)
         if step is None:
-            if self._drawn:
-                self._drawn = ()
+            state = self._lessons is NO_LESSONS, self._finished, len(self._passed)
+            if state != self._drawn:
+                self._drawn = state
                 self._write(frame)
+                self._intro.content = _INTRO + self._cards()
             return
         place = self._name, self._number, self._answer, self._is_passed, self._done
-        state = (frame.plan, frame.theatre, *place)
-        if state != self._drawn:
-            self._drawn = state
+        page = (frame.plan, frame.theatre, *place)
+        if page != self._drawn:
+            self._drawn = page
             self._write(frame)
 
     @property
@@ -186,17 +199,51 @@ class LessonPanel:
     def _list(self) -> None:
         """List the lessons, which take longer to read than a frame."""
         self._lessons = self._library()
-        self.choice.options = (_NONE, *self._titles())
+        self.choice.options = (_NONE, *self.titles)
 
-    def _titles(self) -> list[str]:
+    @property
+    def titles(self) -> list[str]:
+        """The lessons with their numbers, in order; none until they are listed."""
         return [
             f"{number}. {lesson.title}"
             for number, (lesson, _) in enumerate(self._lessons.values(), 1)
         ]
 
+    def _title(self, name: str) -> str:
+        return self.titles[list(self._lessons).index(name)]
+
+    @property
+    def _following(self) -> str:
+        """The lesson after this one, or after the one finished last; empty behind the last."""
+        names = list(self._lessons)
+        name = self._name or self._finished
+        place = names.index(name) + 1 if name in names else len(names)
+        return names[place] if place < len(names) else ""
+
+    def _is_done(self, name: str) -> bool:
+        """Check whether all that a lesson asks was answered or done."""
+        steps = self._lessons[name][0].steps
+        asked = [k for k, one in enumerate(steps) if one.question or one.task]
+        return bool(asked) and all((name, number) in self._passed for number in asked)
+
+    def _cards(self) -> str:
+        """The lessons to choose from, as HTML; the one to go on with stands out."""
+        following = self._following
+        entries = []
+        for name, (lesson, _) in self._lessons.items():
+            note = f"{lesson.minutes} minutes"
+            if self._is_done(name):
+                note += " · ✓ done"
+            elif name == following:
+                note += " · next"
+            picture = assets.path("pictures", "lessons", f"{name}.webp")
+            title = self._title(name)
+            entries.append(Card(title, title, note, picture, name == following))
+        return cards(self.choice, entries)
+
     def _take_presses(self) -> None:
         """Do what the student pressed or chose since the last call."""
-        titles = self._titles()
+        titles = self.titles
         chosen = self.choice.value
         name = list(self._lessons)[titles.index(chosen)] if chosen in titles else ""
         if name != self._name:
@@ -214,8 +261,13 @@ class LessonPanel:
         elif press == "next" and self._is_passed:
             last = self._number + 1 == len(self._lessons[self._name][0].steps)
             if last:
+                self._finished = self._name
                 self.choice.value = _NONE
             self._go("" if last else self._name, 0 if last else self._number + 1)
+        elif press == "lesson" and self._is_passed and self._following:
+            self._finished = self._name
+            self._go(self._following, 0)
+            self.choice.value = self._title(self._name)
         elif press == "leave":
             self.choice.value = _NONE
             self._go("", 0)
@@ -246,6 +298,7 @@ class LessonPanel:
         step, passed = self._step, self._is_passed
         for widget in (self._place, self._text, self.next, self.back, self.leave):
             widget.visible = step is not None
+        self.next_lesson.visible = False
         self._intro.visible = step is None
         if step is None:
             for text in (self._question, self._reply, self._after):
@@ -283,6 +336,10 @@ class LessonPanel:
         self.next.disabled = not passed
         last = self._number + 1 == len(lesson.steps)
         self.next.label = "Finish" if last else "Next"
+        if last and self._following:
+            self.next_lesson.visible = True
+            self.next_lesson.disabled = not passed
+            self.next_lesson.label = f"Next lesson: {self._title(self._following)}"
         self.back.disabled = self._number == 0
 
     def _label(self, choice: Choice, number: int) -> str:

@@ -28,8 +28,11 @@ from app.panels.widgets import Wake, hidden_button, pressed
 
 _OBSTACLES = "obstacles"
 """Switch of the layers that shows them."""
+_ARM = "arm"
 
-_TOOL_ALONE = "As in the paper, only the path of the tool is planned: links may touch obstacles."
+_TOOL_ALONE = (
+    "As in the paper, only the path of the tool tip is planned: links may touch obstacles."
+)
 
 
 class Messages:
@@ -59,7 +62,14 @@ class Messages:
         shown = frame.plan, frame.refused, frame.reason, frame.interactive, frame.demonstrates
         preview = frame.coarse, frame.partial
         still = self._share.keeps_task
-        told = self._lesson.html, frame.theatre is not None, still, _OBSTACLES in frame.shown
+        told = (
+            self._lesson.html,
+            frame.asks,
+            _ARM in frame.shown,
+            frame.theatre is not None,
+            still,
+            _OBSTACLES in frame.shown,
+        )
         state = *shown, *preview, *told, *self._base.state(frame)
         if state == self._drawn:
             return
@@ -75,9 +85,10 @@ class Messages:
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         else:
-            progress = f"{_progress(frame, still)} {self._remark(frame)}".rstrip()
-            content = f'<div class="abi-card">{progress}</div>'
-            contact = self.banner.html(frame.plan)
+            progress = f"{_progress(frame, still)} {self._remark(frame)}".strip()
+            content = f'<div class="abi-card">{progress}</div>' if progress else ""
+            if not frame.lesson or (_ARM in frame.shown and not frame.asks):
+                contact = self.banner.html(frame.plan)
         self._overlay.show("message", self._lesson.html + content)
         self._overlay.show("contact", contact)
 
@@ -137,7 +148,7 @@ def _planning(what: str) -> str:
 def _progress(frame: Frame, still: bool = False) -> str:
     """Task, and what the last plan did, in numbers; ``still`` where nothing is to be dragged."""
     plan = frame.plan
-    if plan.free is None or plan.path is None:
+    if plan.free is None or plan.path is None or frame.asks:
         return ""
     name = style.ALGORITHMS[plan.path.algorithm][0]
     preview = "≈ one search while you drag · " if frame.partial else ""
@@ -160,7 +171,7 @@ def _progress(frame: Frame, still: bool = False) -> str:
         return did
     invitation = _invitation(plan, _OBSTACLES in frame.shown)
     if frame.demonstrates:
-        invitation = f"A demonstration, until you touch something. {invitation}"
+        invitation = f"Demo: touch anything to take over. {invitation}"
     return f"<b>{invitation}</b> {did}"
 
 

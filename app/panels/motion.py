@@ -14,7 +14,7 @@ from app.panels.widgets import Choice, Wake
 FITS = {
     "paper's fit (may hit)": "least_squares",
     "closest that does not hit": "clear",
-    "several that do not hit": "pieces",
+    "several joined curves, none hitting": "pieces",
 }
 FOLLOWED = {
     "quadratic if it keeps clear": "auto",
@@ -25,7 +25,7 @@ LAWS = {
     "three phases": "three_phase",
     "three phases, joints in limits": "slowed",
     "as fast as joints allow": "time_optimal",
-    "limited jerk": "jerk_limited",
+    "smooth (limited jerk)": "jerk_limited",
 }
 _JERK_STEPS = 10
 """Steps of a length that are one of the jerk, which is a larger number."""
@@ -52,11 +52,11 @@ class MotionPanel:
             gui,
             "motion",
             LAWS,
-            "The paper's three phases heed only the tool. The others also keep the joints within "
-            "their speeds and accelerations.",
+            "The paper's three phases heed only the tool tip. The others also keep the joints "
+            "within their speeds and accelerations.",
         )
         self.speed = gui.add_number(
-            "speed [{unit}/s]", 1.0, step=0.1, hint="Of the tool, once it has sped up. Above 0."
+            "speed [{unit}/s]", 1.0, step=0.1, hint="Of the tool tip, once it has sped up. Above 0."
         )
         self.rates = gui.add_vector2(
             "speed up, brake [{unit}/s²]",
@@ -68,7 +68,7 @@ class MotionPanel:
             "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of any joint. Above 0."
         )
         self.jerk = gui.add_number(
-            "jerk [{unit}/s³]", 1.0, step=1.0, hint="Largest jerk of the tool. Above 0."
+            "jerk [{unit}/s³]", 1.0, step=1.0, hint="Largest jerk of the tool tip. Above 0."
         )
         self._shown = ""
         widgets = {

@@ -40,7 +40,7 @@ _FORESEEN = "mesh.stl"
 _FIELDS = ("obstacles", "start", "goal")
 """Fields of a scene that are typed here."""
 
-_END_HINT = "The gripper's {}: x, y and z."
+_END_HINT = "Where the tool tip is at the {}: x, y and z."
 
 
 class ObstacleEditor:
@@ -70,7 +70,7 @@ class ObstacleEditor:
         self.sizes = ObstacleSizes(gui, wake)
         self._mesh_note = MeshNote(gui, wake)
         self._position = VectorBox(gui, "position", 0.1, "The obstacle's centre.", wake)
-        self._angles = VectorBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
+        self._angles = VectorBox(gui, "rotation [°]", 5.0, "About x, then y, then z.", wake)
         self.kind = gui.add_dropdown(
             "new shape",
             tuple(PRIMITIVES),

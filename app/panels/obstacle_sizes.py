@@ -30,7 +30,7 @@ class ObstacleSizes:
             "scale", 1.0, step=0.1, hint="Factor for the lengths in the file. Above 0."
         )
         self.unit = gui.add_dropdown(
-            "file is in",
+            "file's unit",
             tuple(_UNITS),
             hint="The unit of the file. Its own is the one that it gives, or else the scene's.",
         )

@@ -32,7 +32,7 @@ class SearchPanel:
             "each may find another, of another length (the paper's Table I).",
         )
         self.taut = gui.add_checkbox(
-            "straighten",
+            "shortcut the corners",
             scene.search.taut,
             hint="Cuts the zigzag that the grid forces on the path. Not in the paper.",
         )

@@ -10,14 +10,14 @@ from app.frame import Frame
 from app.panels.widgets import Wake, hidden_button, pressed
 
 ABOUT = """
-A robot arm is to bring its tool from start to goal and touch nothing on the way. The **ABI method**
-(A\\* and B-spline Interpolation) plans that in six stages:
+A robot arm is to bring its tool tip from start to goal and touch nothing on the way. The **ABI
+method** (A\\* and B-spline Interpolation) plans that in six stages:
 
 1. **Mesh**: the box is cut into tetrahedra.
-2. **Graph**: the nodes and edges that no obstacle covers.
+2. **Graph**: the nodes and edges outside every obstacle.
 3. **Search**: A\\*, Dijkstra and Bellman-Ford look for the shortest path in it.
 4. **B-spline**: a smooth curve along that path, proven to keep its distance.
-5. **Quadratic**: a simpler curve, and how fast the tool moves along it.
+5. **Quadratic**: a simpler curve, and how fast the tool tip moves along it.
 6. **Arm**: how each joint has to turn.
 
 Drag anything, and all six are computed anew. The method is that of the paper *A Hybrid Method for
@@ -42,8 +42,7 @@ KEYS = """
 Drag with the left mouse button to turn the scene, with the right one to shift it; the wheel zooms.
 Obstacles, start and goal can be dragged directly or by their arrows.
 
-A number box takes digits, one point and a minus, but no 1e6. What is out of its range, which it
-tells under the pointer, it leaves out.
+Type plain numbers such as −2.5. Values outside the range shown under the pointer are ignored.
 """
 
 

@@ -27,6 +27,8 @@ _MAX_LENGTH = 30
 """Letters of a heading that fit beside its arrow in a wide font."""
 _FAILURES = {"graph": "blocked ✗", "search": "no path ✗", "bspline": "too close ✗"}
 """Heading of a stage that has no result."""
+_DRAWN = ("bspline", "quadratic", "arm")
+"""Stages of which a lesson that does not show their layer of that name has no use."""
 _STAGE_OF_FIELD = {
     "mesh": "mesh",
     "search": "search",
@@ -53,11 +55,14 @@ class StageHeaders:
     def draw(self, frame: Frame) -> None:
         """Write the plan's results into the headings, and where an error belongs."""
         plan = frame.plan
-        state = plan, frame.refused
+        state = plan, frame.refused, frame.asks, frame.lesson and frame.shown
         if state == self._drawn:
             return
         self._drawn = state
         results = dict(_results(plan))
+        if frame.lesson:
+            unused = {stage for stage in _DRAWN if stage not in frame.shown}
+            results |= dict.fromkeys(results if frame.asks else unused, "")
         if frame.refused is not None:
             # what is true of the plan is not of what was asked for
             results = {name: result.removesuffix(" ✓") for name, result in results.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app import page
 from app.frame import Frame
 from app.layout import Layout
 from app.overlay import button
@@ -29,20 +30,32 @@ STEPS = (
 )
 
 
+_NAMED: tuple[tuple[str, ...], ...] = (
+    ("scene",),
+    ("left",),
+    ("right",),
+    ("player",),
+    ("Scene", "Learn"),
+)
+"""What each step speaks of, as ``pointOut`` of ``assets/page`` has it."""
+
+
 class Tour:
-    """A card with the step, and buttons to go on or to end it.
+    """A card with the step, and buttons to go on, back, or to end it; its subject is framed.
 
     Attributes:
         begin: button of the toolbar that begins it; hidden itself.
     """
 
     def __init__(self, layout: Layout, wake: Wake) -> None:
-        self._overlay = layout.overlay
+        self._overlay, self._client = layout.overlay, layout.client
         gui = layout.client.gui
         self.begin = hidden_button(gui, "Tour", wake)
         self._next = hidden_button(gui, "Next", wake)
+        self._back = hidden_button(gui, "Back", wake)
         self._end = hidden_button(gui, "End", wake)
         self._step: int | None = None
+        self._framed: int | None = None
         self._in_lesson = False
 
     def draw(self, frame: Frame) -> None:
@@ -54,13 +67,20 @@ class Tour:
             self._step = 0
         if pressed(self._next) and self._step is not None:
             self._step = self._step + 1 if self._step + 1 < len(STEPS) else None
+        if pressed(self._back) and self._step:
+            self._step -= 1
         if pressed(self._end):
             self._step = None
+        if self._step != self._framed:
+            self._framed = self._step
+            named = None if self._step is None else _NAMED[self._step]
+            page.call(self._client, "pointOut", named)
         self._overlay.show("tour", "" if self._step is None else self._card(self._step))
 
     def _card(self, step: int) -> str:
         last = step == len(STEPS) - 1
-        buttons = button(self._next, "Done" if last else "Next")
+        buttons = button(self._back, "Back", enabled=step > 0)
+        buttons += button(self._next, "Done" if last else "Next")
         if not last:
             buttons += button(self._end, "End")
         return (

@@ -9,7 +9,7 @@ window.abiKeyboard = {
   ICONS: {"list-search": "Commands", "adjustments": "Connection"},
   CONTROLS: "button, input, [role=button], [role=slider], [role=tab]",
   KEPT: /^( |Enter|Arrow\w+|Page\w+)$/,  // keys that a control keeps to itself
-  AXES: /^(start|goal|base|position|size|turned|region \w+)\b/,  // vectors along x, y and z
+  AXES: /^(start|goal|base|position|size|rotation|region \w+)\b/,  // vectors along x, y and z
 
   heading(heading) {
     const folded = heading.nextElementSibling?.getAttribute("aria-hidden");

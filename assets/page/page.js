@@ -133,6 +133,52 @@ window.abi = {
     this.parts[part] = html;
     this.overlay().querySelector(`[data-part=${part}]`).innerHTML = html;
   },
+  // A card in a panel sets a widget that is hidden itself.
+  cardPressed({target}) {
+    const card = target.closest?.("[data-choose]");
+    if (card) this.send(card.dataset.choose, card.dataset.value);
+  },
+
+  // Frame what the tour speaks of: "scene" an obstacle, "left" and "right" the panels, "player", or
+  // tabs by their names; null for nothing.
+  spotlight: null,
+  pointOut(parts) {
+    this.spotlight = parts;
+    this.drawSpotlight();
+  },
+  spotlit(part) {
+    if (part === "player") return document.querySelector("#abi-overlay .abi-player");
+    if (part !== "left" && part !== "right") return [...document.querySelectorAll("[role=tab]")].find(tab => tab.textContent === part);
+    const phone = innerWidth <= this.PHONE && document.querySelector(this.SHEET);
+    if (phone) return phone;
+    const middle = part === "left" ? 40 : innerWidth - 40;
+    return document.elementsFromPoint(middle, innerHeight / 2).filter(each => each.matches(".mantine-Paper-root")).at(-1);
+  },
+  drawSpotlight() {
+    const boxes = (this.spotlight ?? []).flatMap(part => {
+      if (part === "scene") return this.obstacleBox();
+      const box = this.spotlit(part)?.getBoundingClientRect();
+      return box?.width ? [box] : [];
+    });
+    const wanted = boxes.map(({left, top, width, height}) =>
+      `left:${left}px;top:${top}px;width:${width}px;height:${height}px`);
+    const frames = [...document.querySelectorAll(".abi-spotlight")];
+    frames.slice(wanted.length).forEach(frame => frame.remove());
+    wanted.forEach((style, k) => {
+      const frame = frames[k] ?? document.body.appendChild(Object.assign(document.createElement("div"), {className: "abi-spotlight"}));
+      if (frame.style.cssText !== style) frame.style.cssText = style;
+    });
+  },
+  obstacleBox() {
+    const {nodeRefFromName, camera, canvas} = window.__viserMutable;
+    const node = nodeRefFromName["/obstacle_0"] ?? Object.entries(nodeRefFromName).find(([name]) => /^\/obstacle/.test(name))?.[1];
+    if (!node) return [];
+    const place = node.getWorldPosition(node.position.clone()).project(camera), view = canvas.getBoundingClientRect();
+    const size = 0.22 * Math.min(view.width, view.height);
+    const left = view.left + view.width * (1 + place.x) / 2 - size / 2, top = view.top + view.height * (1 - place.y) / 2 - size / 2;
+    return [{left, top, width: size, height: size}];
+  },
+
   // What assets/page/nodes.js tells of a search's nodes; null for none.
   showNodes(numbers) { window.abiNodes.show(numbers); },
   clear() {
@@ -446,7 +492,7 @@ for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
   ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"],
   ["mouseover", "nameHovered"], ["mouseout", "nameHovered"], ["keydown", "keyPressed"],
-  ["mousedown", "besideClicked"], ["click", "boxTicked"],
+  ["mousedown", "besideClicked"], ["click", "boxTicked"], ["click", "cardPressed"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
@@ -468,7 +514,7 @@ window.abiNotices = new MutationObserver(() => {
 });
 window.abiNotices.observe(document.body, {childList: true, subtree: true, characterData: true});
 clearInterval(window.abiMending);
-window.abiMending = setInterval(() => document.hidden || (abi.mendCharts(), abi.tellArea()), 400);
+window.abiMending = setInterval(() => document.hidden || (abi.mendCharts(), abi.tellArea(), abi.drawSpotlight()), 400);
 document.addEventListener("visibilitychange", () => abi.tellArea(), {signal: window.abiListeners.signal});
 window.addEventListener("resize", () => abi.tellArea(), {signal: window.abiListeners.signal});
 
@@ -511,6 +557,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   font-variant-numeric: tabular-nums; white-space: nowrap;
 }
 #abi-overlay .abi-numbers span { font-size: clamp(11px, min(2.3cqw, 2.5vh), 16px); }
+#abi-overlay .abi-numbers > div > span { display: block; max-width: 12em; line-height: 1.2; }
 #abi-overlay .abi-old { opacity: .55; }
 #abi-overlay [data-part=numbers] { align-self: flex-start; }
 #abi-overlay .abi-player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; }
@@ -637,6 +684,20 @@ body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-par
 .abi-node td:last-child { padding: 0; text-align: right; }
 .abi-table tr.abi-pointed { background: color-mix(in srgb, #1f84d6 22%, transparent); }
 .abi-table tr:has([data-place]) { cursor: pointer; }
+/* lists of lessons and scenes */
+.abi-cards { margin: 0 8px 6px; display: grid; gap: 4px; scrollbar-width: thin; }
+.abi-cards button {
+  display: grid; grid-template-columns: 84px 1fr; gap: 9px; align-items: center; text-align: left; width: 100%;
+  padding: 3px; border: 1px solid rgba(128, 128, 128, .35); border-radius: 6px; background: none; color: inherit;
+  font: 12.5px/1.3 var(--mantine-font-family); cursor: pointer;
+}
+.abi-cards button:is(:hover, :focus-visible) { border-color: #1f84d6; }
+.abi-cards button[aria-pressed=true] { border-color: #1f84d6; background: color-mix(in srgb, #1f84d6 12%, transparent); }
+.abi-cards :is(img, i) { width: 84px; height: 52px; border-radius: 4px; object-fit: cover; background: rgba(128, 128, 128, .2); }
+.abi-spotlight {
+  position: fixed; z-index: 90; pointer-events: none; border: 3px solid #1f84d6; border-radius: 8px;
+  box-shadow: 0 0 0 4px rgba(31, 132, 214, .25);
+}
 .abi-now {
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;
   pointer-events: none;

@@ -425,7 +425,7 @@ def test_no_headline_is_green_while_the_arm_is_not_proven_clear(arm: dict[str, o
     assert not result.is_arm_clear
     assert "✓" not in arm_result(result)
     assert "✓" not in headline(result)
-    assert "kept by the tool alone" in headline(result)
+    assert "tool tip only, arm ignored" in headline(result)
 
 
 def test_links_nearer_than_asked_for_are_told_with_both_numbers() -> None:

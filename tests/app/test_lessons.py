@@ -227,7 +227,7 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     fake, session = tab
     panel = session.panels.lessons
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
-    fake.set(panel.choice, panel._titles()[2])
+    fake.set(panel.choice, panel.titles[2])
     until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
     assert session.frame.theatre is not None
     assert session.frame.theatre.state.step == 24
@@ -267,7 +267,7 @@ def test_a_page_that_is_turned_to_again_says_nothing_that_is_no_longer_so(
     fake, session = tab
     panel = session.panels.lessons
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
-    fake.set(panel.choice, panel._titles()[list(LESSONS).index("01-mesh")])
+    fake.set(panel.choice, panel.titles[list(LESSONS).index("01-mesh")])
     for again in (False, True):
         until(lambda: "### A box" in panel._text.content and "obstacles" in session.frame.shown)
         until(lambda: not panel._after.visible and panel.next.disabled != again)  # noqa: B023
@@ -292,7 +292,7 @@ def test_a_lesson_is_told_of_over_the_scene(tab: tuple[FakeTab, Session]) -> Non
     shown = panels.layout.overlay.shown
     until(lambda: session.resting and len(panels.lessons.choice.options) > 1)
     until(lambda: "Drag the orange box." in shown["message"])
-    fake.set(panels.lessons.choice, panels.lessons._titles()[2])
+    fake.set(panels.lessons.choice, panels.lessons.titles[2])
     title = LESSONS["03-search"][0].title
     pages = len(LESSONS["03-search"][0].steps)
     place = f"<b>Lesson 3 of {len(LESSONS)}: {title}, page 1 of {pages}</b>"
@@ -347,7 +347,7 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
             fake.set(panels.figures.buttons[0], "3")
             until(lambda: session.frame.plan.scene.search.weight == "hops" and session.resting)
         if leave != "figure":
-            fake.set(lessons.choice, lessons._titles()[2])
+            fake.set(lessons.choice, lessons.titles[2])
             until(lambda: session.frame.theatre is not None)
             assert not panels.figures._folder.visible
             assert not layer(session, PaperTextLayer)._text.visible
@@ -369,7 +369,7 @@ def test_a_lesson_left_after_a_reload_shows_the_layers_again(tab: tuple[FakeTab,
     fake, session = tab
     lessons = session.panels.lessons
     until(lambda: len(lessons.choice.options) == len(LESSONS) + 1)
-    fake.set(lessons.choice, lessons._titles()[2])
+    fake.set(lessons.choice, lessons.titles[2])
     until(lambda: session.frame.theatre is not None and "arm" not in session.frame.shown)
     session._view._before = None
     fake.set(lessons.choice, lessons.choice.options[0])

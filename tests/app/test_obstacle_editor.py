@@ -178,7 +178,7 @@ def test_an_obstacle_that_is_refused_stays_and_all_others_follow(
     until(lambda: session.frame.refused is not None)
     message = session.panels.layout.overlay.shown["message"]
     assert "The size of obstacle 1 must be above 0; it is −1." in message
-    assert "The plan keeps 2, and follows whatever else you change." in message
+    assert "Still using 2; other changes take effect." in message
     assert session.frame.plan.scene.obstacles == before
 
     # the other one is dragged, and then itself
@@ -220,7 +220,7 @@ def test_a_point_that_is_too_far_stops_no_obstacle(tab: tuple[FakeTab, Session])
     assert session.frame.refused is not None
     assert session.frame.plan.scene.goal == (6.0, 6.0, 6.0)
     shown = session.panels.layout.overlay.shown
-    assert "The plan keeps (6, 6, 6)" in shown["message"]
+    assert "Still using (6, 6, 6)" in shown["message"]
 
 
 @pytest.mark.slow

@@ -119,7 +119,7 @@ def test_a_challenge_through_a_wall_says_that_it_is_for_the_tool_alone() -> None
     wall = frame_of(load_scene("wall-with-window"))
     challenge = challenge_of("find a plan", wall)
     assert challenge is not None
-    assert "for the tool alone" in challenge.text
+    assert "for the tool tip alone" in challenge.text
     assert challenge.is_met(wall)
     farther = challenge_of("keep the arm farther away", wall)
     assert farther is not None

@@ -43,7 +43,7 @@ LINES: Colours = {
     "Bellman-Ford": style.BELLMAN_FORD,
     "B-spline": style.BSPLINE,
     "quadratic": style.QUADRATIC,
-    "straightened": style.TAUT,
+    "shortcut": style.TAUT,
     "trace": style.TRACE,
     "obstacle": style.OBSTACLE,
     "too close": style.VIOLATION,

@@ -299,7 +299,10 @@ def test_nothing_moves_in_the_panel_whose_value_is_changed(page: Page, session: 
         before = page.tab.evaluate(_CONTROLS)
         notes = [_notes(session)]
         # with them the notes of stages 4 to 6 are of other lengths
-        for clearance, fit in ((0.2, "several that do not hit"), (0.05, "paper's fit (may hit)")):
+        for clearance, fit in (
+            (0.2, "several joined curves, none hitting"),
+            (0.05, "paper's fit (may hit)"),
+        ):
             page.set_number("link clearance [cm]", clearance)
             page.choose("curve", fit)
             page.until(lambda: session.frame.plan.scene.arm.clearance == clearance, "it")  # noqa: B023

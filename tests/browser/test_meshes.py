@@ -184,12 +184,12 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     _delete(page, session)
     page.upload(ADD, "far too large.stl", meshes.stl(meshes.box((200, 200, 200))))
     page.reads("It was scaled to fit the workspace.")
-    page.choose("file is in", "m")
+    page.choose("file's unit", "m")
     page.until(lambda: session.plan.scene.obstacles[0].unit == "m", "the unit")  # type: ignore[union-attr]
     (mesh,) = session.plan.scene.obstacles  # type: ignore[union-attr]
     low, high = mesh.bounds()
     assert float(max(high - low)) == pytest.approx(2.0, rel=0.01)  # a third of the workspace
-    page.choose("file is in", "its own unit")
+    page.choose("file's unit", "its own unit")
     page.until(lambda: session.plan.scene.obstacles[0].unit is None, "no unit")  # type: ignore[union-attr]
     page.click("Original size: 200 cm")
     page.reads("is the file in mm?")

@@ -41,7 +41,7 @@ def test_the_hint_of_a_control_comes_up_for_its_name(page: Page) -> None:
     hint = page.tab.locator(".mantine-Tooltip-tooltip")
     for name, words in (
         ("degree", "Of the curve's polynomials"),
-        ("straighten", "Cuts the zigzag"),
+        ("shortcut the corners", "Cuts the zigzag"),
         (RATES, "Acceleration from rest"),
     ):
         label = page.tab.locator("label", has_text=name).filter(visible=True)
@@ -145,12 +145,12 @@ def test_what_is_no_number_is_ignored(page: Page, session: Session) -> None:
 def test_a_choice_changes_the_curve_that_the_arm_follows(page: Page, session: Session) -> None:
     page.choose("arm follows", "B-spline")
     page.until(lambda: session.plan.followed == "bspline", "the B-spline to be followed")  # type: ignore[union-attr]
-    page.choose("curve", "several that do not hit")
+    page.choose("curve", "several joined curves, none hitting")
     page.until(lambda: _scene(session).quadratic.mode == "pieces", "the pieces")
     page.until(lambda: drawn.shows(page, session.plan), "their picture")
     assert "/path/taut" in page.shown()
     assert drawn.is_nothing(page.points("/path/taut"))
-    page.tick("straighten", True)
+    page.tick("shortcut the corners", True)
     page.until(lambda: not drawn.is_nothing(page.points("/path/taut")), "the taut path")
     page.until(lambda: drawn.shows(page, session.plan), "the curves along it")
     assert session.plan is not None

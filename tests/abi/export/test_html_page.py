@@ -116,7 +116,7 @@ def test_an_arm_that_touches_something_is_told_and_red() -> None:
     assert arm["name"].endswith("✗")
     assert contact_sentence(contacts[0], "cm") in arm["text"]
     assert f"{len(contacts)} contacts" in arm["text"]
-    assert "by the tool alone" in "".join(step["text"] for step in (curve, data["steps"][-3]))
+    assert "by the tool tip alone" in "".join(step["text"] for step in (curve, data["steps"][-3]))
     links = [capsule.link for capsule in planned.arm.placed(planned.motion.positions[:1])]
     for contact in contacts:
         row = min(

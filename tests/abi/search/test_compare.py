@@ -10,6 +10,7 @@ import pytest
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.comparison import search_task
 from abi.planner.planner import Planner
+from abi.scene.scene import load_scene
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
 from abi.search.graph import Graph
@@ -170,6 +171,16 @@ def test_a_negative_arc_deceives_dijkstra_and_not_bellman_ford(seed: int) -> Non
     assert changed.arcs.negative in set(pairwise(right.vertices.tolist()))
     assert not len(right.cycle)
     assert wrong.cost > right.cost + 1e-9
+
+
+@pytest.mark.parametrize("name", ["paper", "two-boxes", "forest"])
+@pytest.mark.parametrize("cycle", [False, True])
+def test_a_negative_arc_goes_through_no_obstacle(name: str, cycle: bool) -> None:
+    scene = load_scene(name).replace(arm={"avoid": False})
+    task = with_negative_arc(search_task(Planner()(scene)), cycle)
+    tail, head = task.arcs.points[list(task.arcs.negative or ())]
+    line = tail + np.linspace(0, 1, 1000)[:, None] * (head - tail)
+    assert ObstacleSet(scene.obstacles).signed_distance(line).min() > 0
 
 
 @pytest.mark.parametrize("seed", SEEDS)
