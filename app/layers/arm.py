@@ -39,7 +39,9 @@ class ArmLayer(Layer):
     """
 
     switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("trace", "tool trace", style.TRACE, hint="Where the tool has been since 0 s."),
+        Switch(
+            "trace", "tool tip trace", style.TRACE, hint="Where the tool tip has been since 0 s."
+        ),
         Switch("arm", "arm", None),
     )
 

@@ -392,3 +392,44 @@ def test_a_figure_is_one_click(tab: tuple[FakeTab, Session]) -> None:
 def test_numbers_beside_the_papers_have_the_pages_minus_sign() -> None:
     assert "+0.213, −0.099 for side 3" in _wrapped("+0.213, -0.099 for side 3")
     assert "B-spline, 1-2, 7e-13" in _wrapped("B-spline, 1-2, 7e-13")
+
+
+def test_a_lesson_that_is_done_leads_to_the_next(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.lessons
+    names, steps = list(LESSONS), LESSONS["01-mesh"][0].steps
+    until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
+    until(lambda: panel._intro.content.count("<button") == len(LESSONS))
+    assert "✓ done" not in panel._intro.content
+    fake.set(panel.choice, panel.titles[0])
+    until(lambda: panel.chosen)
+    panel._passed |= {("01-mesh", number) for number in range(len(steps))}
+    for number in range(len(steps) - 1):
+        assert not panel.next_lesson.visible
+        fake.set(panel.next, True)
+        until(lambda: panel._number == number + 1 and panel._text.visible)  # noqa: B023
+    until(lambda: panel.next_lesson.visible and not panel.next_lesson.disabled)
+    assert panel.titles[1] in panel.next_lesson.label
+    fake.set(panel.next_lesson, True)
+    until(lambda: panel.place.startswith("Lesson 2 of"))
+    assert panel.choice.value == panel.titles[1]
+    fake.set(panel.leave, True)
+    until(lambda: not panel.chosen and "✓ done" in panel._intro.content)
+    cards = panel._intro.content.split("<button")[1:]
+    assert [names[k] for k, card in enumerate(cards) if "✓ done" in card] == ["01-mesh"]
+    assert [k for k, card in enumerate(cards) if "· next" in card] == [1]
+    assert all("<img" in card for card in cards)
+
+
+def test_a_page_that_asks_gives_no_answer_away(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel, shown = session.panels.lessons, session.panels.layout.overlay.shown
+    headings = session.panels.stage_headers.folders
+    until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
+    fake.set(panel.choice, panel.titles[list(LESSONS).index("05-quadratic")])
+    until(lambda: session.frame.asks and session.resting)
+    until(lambda: not any(re.search("[✓✗]", str(one.label)) for one in headings.values()))
+    assert not any(shown.get(part) for part in ("numbers", "contact"))
+    fake.set(panel.answers[1], True)
+    until(lambda: "✗" in str(headings["quadratic"].label))
+    assert str(headings["arm"].label).endswith("Arm")  # which the lesson does not use

@@ -36,7 +36,7 @@ def test_a_student_walks_through(name: str, student: tuple[Page, Session]) -> No
     panel = session.panels.lessons
     page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
     title = panel.titles[list(LESSONS).index(name)]
-    page.choose("lesson", title)
+    page.click(title)
     for number, step in enumerate(lesson.steps):
         page.reads(f"{number + 1} of {len(lesson.steps)}, ")
         _do(step, page, session)
@@ -67,7 +67,7 @@ def test_a_lesson_is_found_again_after_a_reload(tabs: Tabs, server: Server) -> N
     page.click("Learn")
     panel = server.sessions[page.client].panels.lessons
     page.until(lambda: len(panel.choice.options) > 1, "the list of lessons")
-    page.choose("lesson", panel.titles[1])
+    page.click(panel.titles[1])
     page.reads("Lesson 2 of ")
     state = server.sessions[page.client]
     page.until(lambda: state.resting, "rest")
