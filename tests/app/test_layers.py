@@ -403,8 +403,8 @@ def test_what_the_start_reaches_has_no_second_mark() -> None:
 
 def test_a_demonstration_says_that_it_is_one() -> None:
     frame = Frame(plan(load_scene("paper")))
-    assert "demonstration" not in _progress(frame)
-    assert "demonstration" in _progress(replace(frame, demonstrates=True))
+    assert "Demo:" not in _progress(frame)
+    assert "Demo:" in _progress(replace(frame, demonstrates=True))
 
 
 @pytest.mark.parametrize(
