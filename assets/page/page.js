@@ -171,9 +171,9 @@ window.abi = {
   },
   obstacleBox() {
     const {nodeRefFromName, camera, canvas} = window.__viserMutable;
-    const node = nodeRefFromName["/obstacle_0"] ?? Object.entries(nodeRefFromName).find(([name]) => /^\/obstacle/.test(name))?.[1];
+    const node = Object.entries(nodeRefFromName).find(([name, node]) => node && /^\/obstacle_\d+$/.test(name))?.[1];
     if (!node) return [];
-    const place = node.getWorldPosition(node.position.clone()).project(camera), view = canvas.getBoundingClientRect();
+    const place = node.localToWorld(node.position.clone().set(0, 0, 0)).project(camera), view = canvas.getBoundingClientRect();
     const size = 0.22 * Math.min(view.width, view.height);
     const left = view.left + view.width * (1 + place.x) / 2 - size / 2, top = view.top + view.height * (1 - place.y) / 2 - size / 2;
     return [{left, top, width: size, height: size}];
