@@ -8,17 +8,15 @@ left out is in the notes, and what would move or multiply the surface is refused
 from __future__ import annotations
 
 import json
-import math
 import struct
 from collections import Counter
 from typing import Any
 
 import numpy as np
 
-from abi.arrays import FloatArray
+from abi.obstacles.mesh_files.glb_nodes import placed_meshes
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
 from abi.obstacles.mesh_files.words import counted, shown
-from abi.obstacles.pose import rotation
 
 _TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _HARMLESS = {
@@ -33,8 +31,6 @@ _MULTIPLYING = {
 }
 """Extensions that stand for triangles which the rest of the file does not have."""
 _MOST_JSON = 8_000_000
-_MOST_NODES = 10_000
-_LARGEST = 1e9
 _NO_AREA = {0: "point", 1: "line", 2: "line", 3: "line"}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
@@ -52,7 +48,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     file = _File(document, binary, most_faces)
     parts: list[Parts] = []
     corners_read, faces_read = 0, 0
-    meshes = _placed_meshes(file)
+    meshes = placed_meshes(file.item, document.get("scene", 0))
     for mesh, pose, weights in meshes:
         for triangles in file.triangles(mesh, weights):
             corners_read += len(triangles.vertices)
@@ -237,64 +233,3 @@ class _File:
             (count, columns), dtype, self._binary, outer + inner, (stride, dtype.itemsize)
         )
         return values.copy()
-
-
-def _placed_meshes(file: _File) -> list[tuple[object, FloatArray, object]]:
-    """Meshes of the default scene, the pose (4, 4) of each, and the weights of its morphs.
-
-    Nodes form a forest.
-    """
-    roots = file.item("scenes", file.document.get("scene", 0)).get("nodes", [])
-    waiting: list[tuple[object, FloatArray]] = [(root, np.eye(4)) for root in _ids(roots)]
-    seen: set[object] = set()
-    found = []
-    while waiting:
-        index, outer = waiting.pop()
-        node = file.item("nodes", index)
-        if index in seen or len(seen) > _MOST_NODES:
-            raise ValueError("a GLB file whose nodes form a tree of at most 10,000")
-        seen.add(index)
-        pose = outer @ _pose(node)
-        if not np.isfinite(pose).all() or np.abs(pose).max() > _LARGEST:
-            raise ValueError("a GLB file whose nodes stay within 1e9")
-        if "skin" in node:
-            raise ValueError(
-                f"a GLB file without a skeleton, nodes[{index}] has one: apply the pose in the "
-                "program that wrote it"
-            )
-        if "mesh" in node:
-            found.append((node["mesh"], pose, node.get("weights")))
-        waiting += [(child, pose) for child in _ids(node.get("children", []))]
-    return found
-
-
-def _ids(values: object) -> list[object]:
-    if not isinstance(values, list):
-        raise ValueError("a GLB file whose nodes are lists")
-    return values
-
-
-def _pose(node: dict[str, Any]) -> FloatArray:
-    """Local pose (4, 4) of a node: its matrix, or translation times rotation times scale."""
-    if "matrix" in node:
-        pose = _floats(node["matrix"], 16).reshape(4, 4).T
-        if (pose[3] != (0, 0, 0, 1)).any():
-            raise ValueError("a GLB file whose matrices end with 0, 0, 0, 1 in their last row")
-        return pose
-    pose = np.eye(4)
-    x, y, z, w = _floats(node.get("rotation", [0, 0, 0, 1]), 4).tolist()
-    if not math.hypot(x, y, z, w) > 1e-6:
-        raise ValueError("a GLB file whose rotations are not zero")
-    pose[:3, :3] = rotation((w, x, y, z)) * _floats(node.get("scale", [1, 1, 1]), 3)
-    pose[:3, 3] = _floats(node.get("translation", [0, 0, 0]), 3)
-    return pose
-
-
-def _floats(values: object, count: int) -> FloatArray:
-    if (
-        not isinstance(values, list)
-        or len(values) != count
-        or any(type(v) not in (int, float) or not abs(v) <= _LARGEST for v in values)
-    ):
-        raise ValueError(f"a GLB file whose poses are {count} numbers within 1e9")
-    return np.array(values, dtype=np.float64)

@@ -129,6 +129,15 @@ def test_every_format_keeps_a_doorway_and_names_what_crosses_itself(name: str) -
         read(files_of(CROSSED)[name], name)
 
 
+def test_a_hole_of_a_dae_stays_open() -> None:
+    square, hole = [(0, 0), (4, 0), (4, 4), (0, 4)], [(1, 1), (1, 2), (2, 2), (2, 1)]
+    text = files_of([*square, *hole])["a.dae"].decode()
+    start, end = text.index("<vcount>"), text.index("</polylist>")
+    holed = f"{text[:start]}<ph><p>0 1 2 3</p><h>4 5 6 7</h></ph>{text[end:]}"
+    vertices, faces = read(holed.replace("polylist", "polygons").encode(), "a.dae")
+    assert areas_of(vertices[faces]).sum() == pytest.approx(16 - 1)
+
+
 def test_a_polygon_in_no_plane_is_noted() -> None:
     bent = b"v 0 0 0\nv 1 0 0\nv 1 1 0.3\nv 0 1 0\n"
     assert "not flat" in read_file(bent + b"f 1 2 3 4\n", "a.obj").notes[0]
