@@ -65,7 +65,7 @@ class GeometryReader:
             noun = counted(self._bent, "polygon")
             notes.append(f"{noun} not flat: the triangles are one of several ways to fill them.")
         if self._lines:
-            notes.append(f"{counted(self._lines, 'line')} left out: it has no surface.")
+            notes.append(f"{counted(self._lines, 'line')} left out: no surface.")
         return tuple(notes)
 
     def _primitives(self, geometry: etree._Element) -> tuple[Primitive, ...]:

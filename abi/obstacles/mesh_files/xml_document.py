@@ -52,8 +52,11 @@ def check_plain(data: bytes) -> None:
         ValueError: says what is expected instead.
     """
     encoding = _ENCODING.search(data[:200])
-    if b"\0" in data or (encoding and encoding[1].lower() not in _ENCODINGS):
+    if encoding and encoding[1].lower() not in _ENCODINGS:
         raise ValueError("an XML file in UTF-8")
+    if (zero := data.find(b"\0")) >= 0:
+        line = data.count(b"\n", 0, zero) + 1
+        raise ValueError(f"an XML file in UTF-8, there is a byte 0 in line {line}")
     if _ENTITIES.search(data):
         raise ValueError("an XML file without a document type")
     if b"http://www.w3.org/2001/XInclude" in data:
