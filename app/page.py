@@ -8,9 +8,10 @@ import json
 import re
 import time
 import uuid as uuids
-from collections.abc import Callable, Sequence
+import weakref
+from collections.abc import Callable, MutableMapping, Sequence
 from concurrent.futures import Executor, Future
-from typing import Any, Literal
+from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
 import viser
@@ -24,7 +25,9 @@ from app import node_poses, viser_shortcuts
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
 
 SILENCE = 60.0
-"""Seconds after which a file of which nothing more has come is taken for lost."""
+"""Seconds after which a file of which nothing more has come is taken for lost, unless it comes."""
+LIFETIME = 900.0
+"""Seconds in which the whole of a file must have come: 50 MB over a slow line."""
 
 Function = Literal[
     "clock",
@@ -61,6 +64,7 @@ _SLOTS: dict[Function, str] = {
 """Calls of one slot replace each other while unsent; so do those of ``show`` for one part.
 
 A motion does not replace the end of the one before: that comes before the nodes of another arm."""
+_Store = TypeVar("_Store", bound=MutableMapping[int, bytes])
 _COMMENT = re.compile(r"(//.*|/\*[^*]*\*/)?")
 
 viser_shortcuts.install()
@@ -126,26 +130,43 @@ def on_arrival(
     gui: viser.GuiApi,
     button: viser.GuiUploadButtonHandle,
     tell: Callable[[str, float | None], None],
-) -> None:
+    store: Callable[[], _Store],
+) -> Callable[[], _Store | None]:
     """Have ``tell`` called with the name of a file on its way to ``button``, and the part there.
 
     viser itself calls back once the whole file is there. These calls come from the first word of a
     file until then, and in the thread of the connections; with None for the part when nothing more
-    of it has come for ``SILENCE`` seconds.
+    of it has come for ``SILENCE`` seconds. Parts of a file by their numbers are put into what
+    ``store`` makes, and dropped after ``LIFETIME``, or once the tab is gone.
+
+    Returns:
+        A function for viser's call: the file that is there, or None for one without a byte.
     """
-    arrivals = _Arrivals(gui, uuid(button), tell)
+    arrivals = _Arrivals(gui, uuid(button), tell, store)
     for message in (_messages.FileTransferStartUpload, _messages.FileTransferPart):
         gui._websock_interface.register_handler(message, arrivals.hear)
+    return arrivals.take
 
 
-class _Arrivals:
+def forget_file(button: viser.GuiUploadButtonHandle) -> None:
+    """Let go of the content of the last file, which viser keeps until the next one."""
+    button._impl.value = viser.UploadedFile("", b"")
+
+
+class _Arrivals(Generic[_Store]):
     """Files on their way to a button."""
 
     def __init__(
-        self, gui: viser.GuiApi, button: str, tell: Callable[[str, float | None], None]
+        self,
+        gui: viser.GuiApi,
+        button: str,
+        tell: Callable[[str, float | None], None],
+        store: Callable[[], _Store],
     ) -> None:
-        self._gui, self._button, self._tell = gui, button, tell
+        self._gui, self._button, self._tell, self._store = gui, button, tell, store
         self._silence: asyncio.TimerHandle | None = None
+        # viser has the files, and drops those of a tab that is gone
+        self._files = weakref.WeakValueDictionary[str, _Store]()
 
     def hear(self, _: int, message: Any) -> None:
         if message.source_component_uuid != self._button:
@@ -157,13 +178,30 @@ class _Arrivals:
         if state is None:
             return
         loop = asyncio.get_running_loop()
-        self._silence = loop.call_later(SILENCE, self._give_up, message.transfer_uuid)
+        transfer = message.transfer_uuid
+        if transfer not in self._files:
+            self._files[transfer] = state["parts"] = file = self._store()  # type: ignore[typeddict-item]
+            loop.call_later(LIFETIME, self._drop, transfer, weakref.ref(file))
+        self._silence = loop.call_later(SILENCE, self._give_up, transfer)
         self._tell(state["filename"], state["transferred_bytes"] / max(state["total_bytes"], 1))
+
+    def take(self) -> _Store | None:
+        """The file that has just become whole, of which viser knows no more: once."""
+        known = self._gui._current_file_upload_states
+        whole = next((name for name in self._files if name not in known), None)
+        return None if whole is None else self._files.pop(whole, None)
 
     def _give_up(self, transfer: str) -> None:
         state = self._gui._current_file_upload_states.get(transfer)
         if state is not None:  # the tab is still there
             self._tell(state["filename"], None)
+
+    def _drop(self, transfer: str, file: Callable[[], _Store | None]) -> None:
+        """Drop a file that has not come in time."""
+        state = self._gui._current_file_upload_states.get(transfer)
+        if state is not None and state["parts"] is file():
+            self._give_up(transfer)
+            del self._gui._current_file_upload_states[transfer]
 
 
 def disable_sharing(server: viser.ViserServer) -> None:

@@ -24,6 +24,7 @@ from app.guard import guarded_server, token
 from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
 from app.guard.porter import Porter
+from app.guard.process_memory import memory_in_all
 from app.look import OPENING, Look
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from abi.scene.scene import Scene
     from app.classroom import Classroom
     from app.lessons.lesson import Lessons, Library
+    from app.memory_budget import MemoryBudget
     from app.session import Session
     from app.warm_up import WarmUp
 
@@ -93,6 +95,15 @@ class Server:
         )
         self.guard.ready = True
 
+    @functools.cached_property
+    def budget(self) -> MemoryBudget:
+        """Memory for the tabs of this process."""
+        from app.memory_budget import MemoryBudget, memory_for_tabs
+
+        seats = self.guard.seats
+        processes = 1 if seats is None else seats.processes
+        return MemoryBudget(memory_for_tabs(memory_in_all(), processes))
+
     def meet(self, channel: socket.socket) -> None:
         """Share tabs with the process at the other end of a channel."""
         porter = self.guard.entrance
@@ -125,7 +136,9 @@ class Server:
 
         alone = len(self.sessions) < _DEMOS
         look = replace(self._look, demo=self._look.demo and alone)
-        session = Session(client, name, scene, look, warm_up.planned, library, self.classroom)
+        session = Session(
+            client, name, scene, look, warm_up.planned, library, self.budget, self.classroom
+        )
         warm_up.add(client)
         with self._lock:
             if client.client_id in self.viser.get_clients():

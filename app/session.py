@@ -27,6 +27,7 @@ from app.labels import sentence
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
+from app.memory_budget import MemoryBudget
 from app.page_area import PageWatch
 from app.panels.bug_report import describe_fault
 from app.panels.classroom import ClassroomPanel
@@ -34,6 +35,7 @@ from app.pause import IDLE, REST, Pause
 from app.plan_watch import PlanWatch
 from app.refused_files import RefusedFiles
 from app.shared_plans import SharedPlans
+from app.tab_budget import TabBudget
 from app.tab_memory import Report, TabMemory
 from app.tab_planner import TabPlanner
 from app.tab_state import TabState
@@ -66,9 +68,14 @@ class Session:
         look: Look,
         planned: threading.Event,
         library: Library,
+        budget: MemoryBudget,
         classroom: Classroom | None = None,
     ) -> None:
-        """Build the tab and start its worker; sets ``planned`` whenever a plan has been drawn."""
+        """Build the tab and start its worker.
+
+        It sets ``planned`` whenever a plan has been drawn, and takes memory for its scenes, but the
+        first, out of ``budget``.
+        """
         self.client = client
         self.frame = Frame(Plan(scene))
         self.plans = 0
@@ -76,6 +83,7 @@ class Session:
         self._watch = PlanWatch(self._tell)
         self._planner = TabPlanner(client.client_id, self._watch)
         self._unplanned = False  # whether the plan of the scene was ended by another choice
+        self._budget = TabBudget(budget, client, self)
         self._woken = 0.0
         self._fault: str | None = None
         self._broken = False
@@ -116,6 +124,7 @@ class Session:
         self._closed = True
         if self._class is not None:
             self._class.close()
+        self.panels.close()
         self._worker.close()
         metrics.TABS.dec()
         memory.give_back_soon()
@@ -228,6 +237,7 @@ class Session:
             restored |= self._follow(cue)
         elif self.panels.left():
             before, self._scene = self._scene, self._view.go_back(self._scene)
+            self._scene = self._budget.fitting(self._scene)
             restored |= self._scene != before
         if (direction := self.panels.lecture.requested_view()) is not None:
             self._view.viewpoint.look_from(direction)
@@ -261,11 +271,31 @@ class Session:
             SceneError: what they show is no scene.
         """
         try:
-            return self.panels.read(self._scene)
+            return self._within_memory(self.panels.read(self._scene))
         except AbiError as error:
             scene = self.panels.read(self._scene)
             notices.notify_refusal(self.client, "Not changed", sentence(error))
             return scene
+
+    def _within_memory(self, scene: Scene) -> Scene:
+        """The scene that the panels show, with the mesh of the last where theirs is too large.
+
+        One that was opened gets the finest mesh that is not.
+        """
+        if (scene.mesh, scene.workspace) == (self._scene.mesh, self._scene.workspace):
+            return scene
+        if self.panels.files.loaded is scene:
+            fitting = self._budget.fitting(scene)
+            if fitting is not scene:
+                self.panels.show(self.panels.step(fitting))
+            return fitting
+        try:
+            self._budget.take(scene)
+        except SceneError as error:
+            self.panels.refuse(error)
+            last = self._scene
+            return scene.replace(mesh=last.mesh.model_dump(), workspace=last.workspace.model_dump())
+        return scene
 
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""
@@ -291,6 +321,7 @@ class Session:
             notices.notify_warning(
                 self.client, "Part of the link is left out", " ".join(state.faults)
             )
+        state = replace(state, scene=self._budget.fitting(state.scene))
         self._view.restore(state)
         self._scene = state.scene
         return True
@@ -299,6 +330,7 @@ class Session:
         """Show what the teacher has sent; whether there is another scene to plan."""
         view = classroom.view()
         if view is not None:
+            view = replace(view, scene=self._budget.fitting(view.scene))
             before, self._scene = self._scene, view.scene
             self._view.mirror(before, view)
             return view.scene != before
@@ -314,6 +346,7 @@ class Session:
         if not self._demonstrated:
             self.panels.history.note(self.panels.step(self._scene))
         own = replace(self._state(), scene=self.panels.history.noted)
+        cue = replace(cue, scene=self._budget.fitting(cue.scene))
         before, self._scene = self._scene, cue.scene
         self._view.follow(cue, own)
         return cue.scene != before

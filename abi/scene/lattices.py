@@ -23,12 +23,15 @@ class LatticeKind:
         cube: edges of its cubes for each pitch, the distance between nearest neighbours.
         centred: whether there is a node in the centre of each cube, too.
         seeded: whether it is random, repeatably by a seed.
+        memory: bytes that a plan takes for each node, with room to spare; those of a lattice that
+            is random stand in tables.
     """
 
     label: str
     cube: float = 1.0
     centred: bool = False
     seeded: bool = False
+    memory: int = 250
 
 
 LATTICES: Mapping[Lattice, LatticeKind] = MappingProxyType(
@@ -36,6 +39,6 @@ LATTICES: Mapping[Lattice, LatticeKind] = MappingProxyType(
         # half a cube's diagonal between nearest neighbours
         "bcc": LatticeKind("BCC (14 neighbours)", cube=2 / sqrt(3), centred=True),
         "kuhn": LatticeKind("Kuhn (cube cut in 6)"),
-        "delaunay": LatticeKind("Delaunay (irregular)", seeded=True),
+        "delaunay": LatticeKind("Delaunay (irregular)", seeded=True, memory=4_000),
     }
 )

@@ -35,6 +35,11 @@ class Seats:
         self._tabs[place] = _ABSENT
 
     @property
+    def processes(self) -> int:
+        """Number of processes, this one included."""
+        return len(self._tabs)
+
+    @property
     def elsewhere(self) -> int:
         """Number of tabs of all the other processes."""
         return sum(max(tabs, 0) for k, tabs in enumerate(self._tabs) if k != self.own)

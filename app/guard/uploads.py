@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import PurePosixPath
 from typing import Any
 
+from app import page
 from app.guard.messages import UploadPart, UploadStart
 
 MAX_TRANSFERS = 2
@@ -16,6 +18,7 @@ class Uploads:
 
     def __init__(self) -> None:
         self._missing: dict[str, tuple[int, int]] = {}
+        self._begun: dict[str, float] = {}
 
     def begins(self, start: UploadStart, button: Any) -> bool:
         """Check whether a file may come, of a kind that the button takes."""
@@ -24,10 +27,12 @@ class Uploads:
         named = [kind for kind in kinds if kind.startswith(".")]
         if named and suffix not in named:
             return False
+        self._forget_late()
         if len(self._missing) >= MAX_TRANSFERS or start.transfer_uuid in self._missing:
             return False
         if start.part_count > 0:
             self._missing[start.transfer_uuid] = (start.size_bytes, start.part_count)
+            self._begun[start.transfer_uuid] = time.monotonic()
         return True
 
     def continues(self, part: UploadPart) -> bool:
@@ -37,7 +42,16 @@ class Uploads:
         if size < 0 or count < 0:
             return False
         if count == 0:
-            del self._missing[part.transfer_uuid]
+            self._forget(part.transfer_uuid)
         else:
             self._missing[part.transfer_uuid] = (size, count)
         return True
+
+    def _forget_late(self) -> None:
+        """Forget files that have not come in time: others may come in their place."""
+        end = time.monotonic() - page.LIFETIME
+        for transfer in [name for name, begin in self._begun.items() if begin <= end]:
+            self._forget(transfer)
+
+    def _forget(self, transfer: str) -> None:
+        del self._missing[transfer], self._begun[transfer]

@@ -120,6 +120,11 @@ class AllPanels:
             self.about,
         )
 
+    def close(self) -> None:
+        """Read no more of the tab's files."""
+        for uploads in (self.files.uploads, self.editor.uploads, self.stages.arm.model.uploads):
+            uploads.close()
+
     @property
     def held(self) -> bool:
         """Whether a hand holds an obstacle or an end: until it lets go the drag is one change."""
@@ -227,6 +232,11 @@ class AllPanels:
         """Show a scene of before, and what it was made from."""
         self.files.show(step.loaded)
         self._write(step.scene)
+
+    def refuse(self, error: AbiError) -> None:
+        """Leave what is typed as it is, to be read again, and say why it does not count."""
+        self.refused = error
+        self.read_all()
 
     def cue(self, scene: Scene) -> Cue | None:
         """Setting of a lesson or a figure now, starting from ``scene``; None for none."""

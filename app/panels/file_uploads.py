@@ -20,6 +20,7 @@ import viser
 from abi.errors import SceneError
 from app import page
 from app.guard.reader import StoppedError
+from app.guard.stored_upload import ROOM, StoredUpload
 from app.panels.widgets import Wake
 
 _T = TypeVar("_T")
@@ -108,12 +109,12 @@ class FileUploads(Generic[_T]):
         self._bar = gui.add_progress_bar(0.0, visible=False)
         self._stop = gui.add_button("Stop reading", visible=False)
         self._kind, self._wake = kind, wake
-        self._waiting: queue.SimpleQueue[tuple[viser.UploadedFile, Any]] = queue.SimpleQueue()
+        self._waiting: queue.SimpleQueue[tuple[str, StoredUpload | None, Any]] = queue.SimpleQueue()
         self._news: queue.SimpleQueue[News[_T]] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._pending = 0
-        page.on_arrival(gui, button, self._announce)
+        self._arrived = page.on_arrival(gui, button, self._announce, _new_upload)
         button.on_upload(self._receive)
         self._stop.on_click(self._cancel)
 
@@ -129,6 +130,10 @@ class FileUploads(Generic[_T]):
             found.append(self._news.get())
         return found
 
+    def close(self) -> None:
+        """Deal with no more files: the tab is gone."""
+        self._stopped.set()
+
     def _announce(self, name: str, part: float | None) -> None:
         """Tell how much of a file is there, unless another one is being dealt with."""
         with self._lock:
@@ -143,11 +148,12 @@ class FileUploads(Generic[_T]):
             self._bar.visible = part is not None
 
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
-        file = event.target.value
+        name, file = event.target.value.name, self._arrived()
+        page.forget_file(event.target)
         if event.client is not None and self._kind.several:
             page.call(event.client, "next")
         with self._lock:
-            self._waiting.put((file, event))
+            self._waiting.put((name, file, event))
             self._pending += 1
             if self._pending == 1:
                 self._stopped.clear()
@@ -161,9 +167,10 @@ class FileUploads(Generic[_T]):
     def _work(self) -> None:
         """Deal with files until none is left: the thread."""
         while True:
-            file, event = self._waiting.get()
-            name = self._kind.named(file.name)
+            name, file, event = self._waiting.get()
+            name = self._kind.named(name)
             result = None if self._stopped.is_set() else self._deal(file, name, event)
+            del file  # its room is for the next
             with self._lock:
                 self._pending -= 1
                 last = self._pending == 0
@@ -174,13 +181,15 @@ class FileUploads(Generic[_T]):
             if last:
                 return
 
-    def _deal(self, file: viser.UploadedFile, name: str, event: Any) -> _T | SceneError | None:
-        """Deal with one file; None where it was stopped."""
+    def _deal(self, file: StoredUpload | None, name: str, event: Any) -> _T | SceneError | None:
+        """Deal with one file, None for an empty one; None where it was stopped."""
+        if file is not None and file.lost:
+            return SceneError("file", name, file.lost)
         dealing = Dealing(
             name, self._stopped, self._tell_step, functools.partial(self._tell, event)
         )
         try:
-            return self._kind.deal(file.content, dealing)
+            return self._kind.deal(b"" if file is None else file.content(), dealing)
         except SceneError as error:
             return error
         except StoppedError:
@@ -202,6 +211,11 @@ class FileUploads(Generic[_T]):
     def _say(self, line: str | None) -> None:
         self._line.content = f'<div style="margin:0 10px">{html.escape(line or "")}</div>'
         self._line.visible = line is not None
+
+
+def _new_upload() -> StoredUpload:
+    """Place for the parts of a file."""
+    return StoredUpload(ROOM)
 
 
 def shown_name(name: str) -> str:
