@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from app.lessons.lesson import Lessons, Library
     from app.memory_budget import MemoryBudget
     from app.session import Session
+    from app.shared_plans import SharedPlans
     from app.warm_up import WarmUp
 
 _ADDRESS, _AS_THE_SYSTEM = Address(), Look()
@@ -104,6 +105,13 @@ class Server:
         processes = 1 if seats is None else seats.processes
         return MemoryBudget(memory_for_tabs(memory_in_all(), processes))
 
+    @functools.cached_property
+    def opening(self) -> SharedPlans:
+        """First plans of tabs: those of a class that opens at once show the same."""
+        from app.shared_plans import SharedPlans
+
+        return SharedPlans()
+
     def meet(self, channel: socket.socket) -> None:
         """Share tabs with the process at the other end of a channel."""
         porter = self.guard.entrance
@@ -137,7 +145,15 @@ class Server:
         alone = len(self.sessions) < _DEMOS
         look = replace(self._look, demo=self._look.demo and alone)
         session = Session(
-            client, name, scene, look, warm_up.planned, library, self.budget, self.classroom
+            client,
+            name,
+            scene,
+            look,
+            warm_up.planned,
+            library,
+            self.budget,
+            self.opening,
+            self.classroom,
         )
         warm_up.add(client)
         with self._lock:

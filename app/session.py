@@ -51,7 +51,7 @@ in grey while the next is made: a picture more, which is what a crowd of tabs ha
 
 
 class Session:
-    """State and worker of one tab; shared are the turns alone, and the plans of a class.
+    """State and worker of one tab; shared are the turns, and plans of a class or of what opens.
 
     Attributes:
         frame: what is drawn.
@@ -69,12 +69,13 @@ class Session:
         planned: threading.Event,
         library: Library,
         budget: MemoryBudget,
+        opening: SharedPlans,
         classroom: Classroom | None = None,
     ) -> None:
         """Build the tab and start its worker.
 
         It sets ``planned`` whenever a plan has been drawn, and takes memory for its scenes, but the
-        first, out of ``budget``.
+        first, out of ``budget``. A first plan that another tab has made is in ``opening``.
         """
         self.client = client
         self.frame = Frame(Plan(scene))
@@ -84,6 +85,7 @@ class Session:
         self._planner = TabPlanner(client.client_id, self._watch)
         self._unplanned = False  # whether the plan of the scene was ended by another choice
         self._budget = TabBudget(budget, client, self)
+        self._opening, self._first = opening, scene
         self._woken = 0.0
         self._fault: str | None = None
         self._broken = False
@@ -338,8 +340,10 @@ class Session:
 
     @property
     def _shared(self) -> SharedPlans | None:
-        """Plans of the class, where this tab shows what its teacher shows."""
-        return None if self._class is None else self._class.shared_plans(self._scene)
+        """Plans that others make, too: of what the teacher shows, or of what this tab opened."""
+        of_class = None if self._class is None else self._class.shared_plans(self._scene)
+        opened = self.plans == 0 or self._scene is self._first
+        return self._opening if of_class is None and opened else of_class
 
     def _follow(self, cue: Cue) -> bool:
         """Show what a lesson or a figure sets; whether there is another scene to plan."""
@@ -366,6 +370,8 @@ class Session:
         if scene.workspace != self._scene.workspace or loaded or grown:
             self._view.look_at(scene)
         self._scene = scene
+        if self.plans == 0:
+            self._first = scene
         shared = self._shared
         if shared is not None and (made := self._planner.take(scene, shared)) is not None:
             return made

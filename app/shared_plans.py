@@ -1,4 +1,4 @@
-"""Plans that several tabs share, for the scenes that a teacher shows to all."""
+"""Plans that several tabs share: of scenes that a teacher shows to all, or that all begin with."""
 
 from __future__ import annotations
 

@@ -59,6 +59,8 @@ class LivePlanner:
     def adopt(self, scene: Scene, coarse: bool = False, partial: bool = False) -> None:
         """Continue from a plan of ``scene`` that another planner has made."""
         self.coarse, self.partial = coarse, partial
+        self._planner.skip_first()
+        self._coarse_planner.skip_first()
         if not partial:
             self.budget.release()
         self._last_settings = () if partial else _path_settings(scene)

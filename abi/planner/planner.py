@@ -107,6 +107,10 @@ class Planner:
         self._arm_clearance = [Stage(operator.call) for _ in range(_BRANCHES)]
         self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
 
+    def skip_first(self) -> None:
+        """Take the first plan, which does not wait for kernels to be loaded, for made elsewhere."""
+        self._planned = True
+
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
         """Plan a scene.
 

@@ -11,6 +11,7 @@ import pytest
 import viser
 
 from abi.export.formats import FORMATS
+from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
@@ -295,6 +296,8 @@ def test_a_value_of_another_kind_never_ends_the_session(
 
 def test_a_speed_runs_the_motion_only(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
+    fake.set(session.panels.stages.spline.degree, 3)  # the first plan may be another tab's
+    until(lambda: session.plan.scene.spline.degree == 3 and session.resting)  # type: ignore[union-attr]
     before = session.plan
     fake.set(session.panels.stages.motion.speed, 2.0)
     until(lambda: session.plan is not before)
@@ -438,3 +441,29 @@ def test_a_motion_through_a_wall_is_exported_with_a_notice(
     session.panels.exports.send(plan(load_scene("wall-with-window")))
     assert len(sent) == 2
     assert told[0][1].startswith("The slide goes 0.549 cm into obstacle 2")
+
+
+def test_tabs_that_open_alike_share_their_first_plan_and_no_other(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    until(lambda: not server.sessions)
+    planned: list[object] = []
+    make = LivePlanner.__call__
+
+    def counted(planner: LivePlanner, scene: Scene) -> Plan:
+        planned.append(scene)
+        return make(planner, scene)
+
+    monkeypatch.setattr(LivePlanner, "__call__", counted)
+    fakes = [opened(server) for _ in range(3)]
+    sessions = [session for _, session in fakes]
+    assert len({id(session.plan) for session in sessions}) == 1
+    assert len(planned) <= 1
+    # where one goes on, it goes on alone
+    fakes[0][0].set(sessions[0].panels.stages.spline.degree, 3)
+    until(lambda: sessions[0].plan.scene.spline.degree == 3)  # type: ignore[union-attr]
+    assert sessions[1].plan is sessions[2].plan
+    assert sessions[1].plan.scene.spline.degree == 4  # type: ignore[union-attr]
+    for fake, _ in fakes:
+        fake.close()
+    until(lambda: not server.sessions)
