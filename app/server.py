@@ -90,9 +90,10 @@ class Server:
         from app.warm_up import WarmUp
 
         look_at(self.viser.initial_camera, scene)
+        warm_up = WarmUp(scene, self.opening)
         self.viser.on_client_disconnect(self._close_session)
         self.viser.on_client_connect(
-            functools.partial(self._open_session, name, scene, library, WarmUp())
+            functools.partial(self._open_session, name, scene, library, warm_up)
         )
         self.guard.ready = True
 

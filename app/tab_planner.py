@@ -52,6 +52,7 @@ class TabPlanner:
             return None
         self.live.adopt(scene, found.coarse, found.partial)
         self._ms, self.processor_ms = found.plan.ms, found.plan.total_ms
+        compiling.begin()
         return found.plan
 
     def __call__(self, scene: Scene, shared: SharedPlans | None) -> Plan:
@@ -82,6 +83,7 @@ class TabPlanner:
             self.live.forget()  # of what was under way there may be a half
             raise
         self.processor_ms = 1e3 * (time.thread_time() - begin)
+        compiling.begin()  # the next plan, of whichever tab, waits for kernels that are there
         metrics.observe_plan(plan.total_ms / 1e3, self._ms, plan.ms)
         self._ms = plan.ms
         if plan.total_ms > LOGGED_MS:

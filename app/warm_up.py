@@ -1,7 +1,8 @@
 """Loading in the background, while the page loads and after the first plan.
 
-First comes what a tab's first picture needs, then the kernels, with a notice if they take long, and
-the process that reads files.
+First comes what a tab's first picture needs, with the plan of the scene that tabs open with unless
+one is there already; then the kernels, with a notice if they take long, the bodies of the arm, and
+the process that reads files. A class that opens at once finds all of it made or being made, once.
 """
 
 from __future__ import annotations
@@ -9,11 +10,18 @@ from __future__ import annotations
 import contextlib
 import importlib
 import threading
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import viser
 
 from abi import compiling
 from app.memory import loaded
+
+if TYPE_CHECKING:
+    from abi.scene.scene import Scene
+    from app.shared_plans import SharedPlans
 
 PLAN_TIMEOUT = 10.0
 """Seconds after which compilation no longer waits for a first plan."""
@@ -28,7 +36,9 @@ class WarmUp:
         planned: to be set once a plan is drawn: until then the plan has the processor.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, scene: Scene, opening: SharedPlans) -> None:
+        """Begin to prepare for tabs that open ``scene``, whose plan goes into ``opening``."""
+        self._scene, self._opening = scene, opening
         self.planned = threading.Event()
         self._lock = threading.Lock()
         self._clients: list[viser.ClientHandle] = []
@@ -48,9 +58,11 @@ class WarmUp:
     def _work(self) -> None:
         try:
             prepare_picture()
+            self._plan_opening()
         finally:
             loaded()
         self.planned.wait(PLAN_TIMEOUT)
+        self._load()
         timer = threading.Timer(NOTICE_DELAY, self._notify_all)
         timer.daemon = True
         timer.start()
@@ -67,6 +79,30 @@ class WarmUp:
                 for notice in self._notices:
                     notice.remove()
                 self._notices.clear()
+
+    def _plan_opening(self) -> None:
+        """Plan what tabs will open with, unless one is there that does."""
+        from abi.planner.live_planner import LivePlanner
+
+        with self._lock:
+            if self._clients:
+                return
+        planner = LivePlanner()
+        plan = planner(self._scene)
+        # as of a tab: of code that is not compiled the times say nothing
+        plan = replace(plan, ms=MappingProxyType(dict.fromkeys(plan.ms, 0.0)), total_ms=0.0)
+        self._opening.keep(self._scene, plan, planner.coarse, planner.partial)
+        self.planned.set()
+
+    def _load(self) -> None:
+        """Load the kernels that an earlier run has kept, then make the bodies of the arm."""
+        from app.layers.arm import prepare_bodies
+
+        compiling.begin()
+        compiling.wait_for_loading()
+        found = self._opening.find(self._scene)
+        if found is not None and found.plan.arm is not None:
+            prepare_bodies(found.plan.arm)
 
     @staticmethod
     def _call_kernels() -> None:

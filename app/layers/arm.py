@@ -16,6 +16,7 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Layer, Switch
+from app.layers import paper_arm, urdf_arm
 from app.layers.arm_nodes import ArmNodes, JointNode
 from app.layers.arm_playback import ArmPlayback, samples_of
 from app.layers.paper_arm import PaperArmNodes
@@ -28,8 +29,18 @@ _KINDS: dict[type[AnyArm], Callable[[viser.SceneApi], ArmNodes]] = {
     UrdfArm: UrdfArmNodes,
 }
 """Nodes of each kind of arm."""
+_BODIES: dict[type[AnyArm], Callable[[AnyArm], object]] = {
+    Arm: paper_arm.bodies,
+    UrdfArm: urdf_arm.bodies,
+}
+"""How to make the bodies of each kind, which all tabs share."""
 _TRACE_SAMPLES = 100
 _NO_JOINTS: list[JointNode] = []
+
+
+def prepare_bodies(arm: AnyArm) -> None:
+    """Make what takes long to make of an arm's picture, before a tab needs it."""
+    _BODIES[type(arm)](arm)
 
 
 class ArmLayer(Layer):

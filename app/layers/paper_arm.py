@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 import viser
 import viser.transforms
@@ -16,6 +14,7 @@ from abi.arm.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.robot.robot import Shape
+from app.computed_once import computed_once
 from app.layers.arm_nodes import ArmNodes
 from app.layers.link_body import link_glbs
 
@@ -39,12 +38,11 @@ class PaperArmNodes(ArmNodes):
         return positions
 
     def _look_of(self, arm: AnyArm) -> tuple[float, ...]:
-        assert isinstance(arm, Arm)
-        return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
+        return _lengths(arm)
 
     def _build(self, arm: AnyArm) -> None:
-        lengths = self._look_of(arm)
-        (base, glbs), *moved = _links(*lengths).items()
+        lengths = _lengths(arm)
+        (base, glbs), *moved = bodies(arm).items()
         *heights, tool = map(_above, arm_links.joint_heights(*lengths))
         name = self._base_name
         self._add_body(base, name, glbs)
@@ -56,9 +54,19 @@ class PaperArmNodes(ArmNodes):
         self._scene.add_frame(f"{name}/tool", show_axes=False, position=tool.translation())
 
 
-@functools.lru_cache(_KEPT)
+def bodies(arm: AnyArm) -> dict[str, tuple[bytes, bytes]]:
+    """Bodies of the links that have any, from the base to the gripper, as :func:`link_glbs`."""
+    return _links(*_lengths(arm))
+
+
+def _lengths(arm: AnyArm) -> tuple[float, ...]:
+    assert isinstance(arm, Arm)
+    return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
+
+
+@computed_once(_KEPT)
 def _links(*lengths: float) -> dict[str, tuple[bytes, bytes]]:
-    """Bodies of the links that have any, from the base to the gripper, once for all tabs."""
+    """Bodies of the links of an arm of these lengths, once for all tabs."""
     links = arm_links.links(*lengths)
     shapes = {link: [_shape(one) for one in solids] for link, solids in links.items() if solids}
     return {link: link_glbs(own, np.eye(4), 1.0) for link, own in shapes.items()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import viser
@@ -14,13 +14,29 @@ from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import ByteArray, FloatArray
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
-from abi.robot.robot import Shape
+from abi.robot.robot import Robot, Shape
+from app.computed_once import computed_once
 from app.layers.arm_nodes import ArmNodes
 from app.layers.link_body import link_glbs
 from app.layers.link_colours import muted
 
 _COLOURS: ByteArray = np.array([[(226, 230, 234)], [(96, 108, 122)]], np.uint8)
 """Of every other link without a colour of its own, so that one sees where they meet."""
+
+
+_KEPT = 4
+"""Arms whose bodies are kept: some megabytes each."""
+
+
+@dataclass(frozen=True)
+class _Look:
+    """What an arm's bodies depend on, and an arm that has them."""
+
+    robot: Robot
+    tip: str
+    unit: str
+    held: frozenset[tuple[str, float]]
+    arm: UrdfArm = field(compare=False)
 
 
 class UrdfArmNodes(ArmNodes):
@@ -46,9 +62,8 @@ class UrdfArmNodes(ArmNodes):
         assert self._arm is not None
         return joint_values(self._arm, positions)
 
-    def _look_of(self, arm: AnyArm) -> object:
-        assert isinstance(arm, UrdfArm)
-        return arm.chain.robot, arm.tip, arm.unit, arm.held
+    def _look_of(self, arm: AnyArm) -> _Look:
+        return _look_of(arm)
 
     def _build(self, arm: AnyArm) -> None:
         assert isinstance(arm, UrdfArm)
@@ -58,15 +73,34 @@ class UrdfArmNodes(ArmNodes):
             names.append(f"{names[arm.chain.table.before[number] + 1]}/joint{number}")
             slides = joint.kind == "prismatic"
             self._add_joint(names[-1], joint_origin(arm, number), joint.axis, number, slides)
-        for number, carried in enumerate(arm.chain.carried):
-            link = arm.chain.robot.links[carried.link]
-            if link.drawn:
-                pose = np.array(carried.pose)
-                if carried.frame < 0:
-                    pose = np.linalg.inv(root_pose(arm)) @ pose
-                shapes = [_muted(shape, number % 2) for shape in link.drawn]
-                name = f"{names[carried.frame + 1]}/{number}"
-                self._add_body(link.name, name, link_glbs(shapes, pose, 1 / arm.metres))
+        for number, glbs in bodies(arm).items():
+            carried = arm.chain.carried[number]
+            self._add_body(carried.link, f"{names[carried.frame + 1]}/{number}", glbs)
+
+
+def bodies(arm: AnyArm) -> dict[int, tuple[bytes, bytes]]:
+    """Bodies of the links that are drawn, by their numbers among those that the chain carries."""
+    return _bodies(_look_of(arm))
+
+
+def _look_of(arm: AnyArm) -> _Look:
+    assert isinstance(arm, UrdfArm)
+    return _Look(arm.chain.robot, arm.tip, arm.unit, frozenset(arm.held.items()), arm)
+
+
+@computed_once(_KEPT)
+def _bodies(look: _Look) -> dict[int, tuple[bytes, bytes]]:
+    """Bodies of an arm that looks so, once for all tabs."""
+    arm, made = look.arm, {}
+    for number, carried in enumerate(arm.chain.carried):
+        link = arm.chain.robot.links[carried.link]
+        if link.drawn:
+            pose = np.array(carried.pose)
+            if carried.frame < 0:
+                pose = np.linalg.inv(root_pose(arm)) @ pose
+            shapes = [_muted(shape, number % 2) for shape in link.drawn]
+            made[number] = link_glbs(shapes, pose, 1 / arm.metres)
+    return made
 
 
 def joint_origin(arm: UrdfArm, number: int) -> viser.transforms.SE3:

@@ -67,7 +67,9 @@ def loading():
     {then}
 warm_up.prepare_picture = loading
 memory.load_at_once()
-work = warm_up.WarmUp()
+from abi.scene.scene import load_scene
+from app.shared_plans import SharedPlans
+work = warm_up.WarmUp(load_scene("paper"), SharedPlans())
 work.planned.set()
 import time
 while not gc.isenabled():
