@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import time
 from functools import partial
 from typing import Any
 
@@ -467,3 +469,20 @@ def test_tabs_that_open_alike_share_their_first_plan_and_no_other(
     for fake, _ in fakes:
         fake.close()
     until(lambda: not server.sessions)
+
+
+def test_a_clock_that_is_set_back_holds_nothing_up(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    now = time.time()
+    hours = itertools.count(1)
+    monkeypatch.setattr(time, "time", lambda: now - 3600.0 * next(hours))
+    (gizmo, *_) = session.panels.obstacles.gizmos
+    for x in (2.5, 3.5, 3.0):
+        fake.drag(gizmo, [x, 3.0, 3.0])
+        until(lambda x=x: session.plan.scene.obstacles[0].position[0] == x)  # type: ignore[misc, union-attr]
+    fake.set(session.panels.stages.mesh.pitch, 0.9)
+    until(lambda: session.plan.scene.mesh.pitch == 0.9 and session.resting)  # type: ignore[union-attr]
+    until(lambda: session._memory._kept is None or session._memory._kept.scene.mesh.pitch == 0.9)
+    assert session._fault is None
