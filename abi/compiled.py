@@ -54,6 +54,13 @@ if hasattr(os, "register_at_fork"):
     )
 
 
+class _OfThread(threading.local):
+    interpreted = 0
+
+
+_of_thread = _OfThread()
+
+
 class Kernel(Generic[_P, _R]):
     """A function that numba compiles, callable before and after.
 
@@ -145,6 +152,7 @@ class Kernel(Generic[_P, _R]):
 
     def interpret(self, *arguments: Any) -> Any:
         """Run the function as Python, on lists, which it reads faster than arrays."""
+        _of_thread.interpreted += 1
         self._begun = begun = time.perf_counter()
         plain = tuple(map(_plain, arguments))
         with np.errstate(all="ignore"):  # as compiled
@@ -177,6 +185,11 @@ def compiled(
         options: further options of ``numba.njit``.
     """
     return partial(Kernel, example=example, fallback=fallback, options=options)
+
+
+def interpreted_calls() -> int:
+    """Count the calls of kernels that this thread has run as Python."""
+    return _of_thread.interpreted
 
 
 def is_off() -> bool:

@@ -8,14 +8,19 @@ are loaded one by one as they are ready. First come those that plans spend most 
 from __future__ import annotations
 
 import atexit
+import gc
 import importlib
 import logging
+import math
 import os
 import pkgutil
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +40,9 @@ _PROCESSORS = (
 _GRACE = 0.2
 """Seconds before the first kernel is loaded: a program of one plan ends without waiting for it."""
 
+_PATIENCE = 0.1
+"""Seconds that a plan waits for kernels to be loaded even if they have hardly run as Python."""
+
 _CHILD = "from abi.compiling import compile_named; compile_named({})"
 
 _IDLE: int = getattr(subprocess, "IDLE_PRIORITY_CLASS", 0)
@@ -47,11 +55,25 @@ _UNASKED_PROCESSES = 2
 """Processes that compile, at most, where nobody has asked for more."""
 
 
+@dataclass(frozen=True)
+class Progress:
+    """How far the compilation is.
+
+    Attributes:
+        share: of what an earlier run has not cached, between 0 and 1.
+        left: time until all is compiled, [s]; None while that cannot be told.
+    """
+
+    share: float
+    left: float | None
+
+
 class _Compilation:
     """The one background compilation of a process.
 
     Attributes:
-        loaded: set once all kernels that an earlier run has kept are loaded.
+        loaded: set once the kernels that plans have called are loaded, as far as an earlier run has
+            kept them; all kernels where none has been called.
         done: set once all kernels run compiled that can.
         wanted: set once somebody waits for it, or the process ends.
         spare: processors on which it works only as long as nobody else does; as many as there are
@@ -64,6 +86,8 @@ class _Compilation:
         self.wanted = threading.Event()
         self.spare = _PROCESSORS - 1
         self._thread: threading.Thread | None = None
+        self._missing: tuple[Kernel[..., Any], ...] = ()
+        self._begun = 0.0
         self._lock = threading.Lock()
         self._ending = False
 
@@ -86,14 +110,30 @@ class _Compilation:
         self.wanted.set()
         LOADING.acquire()  # and never released
 
+    def progress(self) -> Progress | None:
+        """How far it is; None while nothing is being compiled."""
+        if not self._missing or self.done.is_set():
+            return None
+        done = sum(kernel.size for kernel in self._missing if kernel.compiled)
+        share = done / sum(kernel.size for kernel in self._missing)
+        spent = time.monotonic() - self._begun
+        return Progress(share, spent * (1 / share - 1) if share else None)
+
     def _work(self) -> None:
         self.wanted.wait(_GRACE)
         try:
-            kernels = [] if self._ending or is_off() else all_kernels()
-            missing = [kernel for kernel in kernels if not self._load(kernel)]
+            if self._ending or is_off():
+                return
+            # what the next plan is likely to call does not wait for the rest
+            needed = [kernel for kernel in KERNELS.values() if kernel.need]
+            loaded = [self._load(kernel) for kernel in needed]
+            if needed and all(loaded):
+                self.loaded.set()
+            missing = [kernel for kernel in all_kernels() if not self._load(kernel)]
             if not missing:
                 return
             self.loaded.set()
+            self._missing, self._begun = tuple(missing), time.monotonic()
             if keeps():
                 self._from_children(missing)
             for kernel in missing:
@@ -211,15 +251,27 @@ def compile(spare: int = 0) -> None:
     """
     if not isinstance(spare, int) or spare < 0:
         raise AbiError(f"spare is {spare!r}; expected a whole number of processors, at least 0.")
-    _compilation.spare = spare
-    _compilation.begin()
-    _compilation.wanted.set()
+    begin(spare)
     progress.wait(_compilation.done)
 
 
-def begin() -> None:
-    """Start compiling in the background, once."""
+def begin(spare: int | None = None) -> None:
+    """Start compiling in the background, once; at once if ``spare`` says who is waiting for it."""
+    if spare is not None:
+        _compilation.spare = spare
     _compilation.begin()
+    if spare is not None:
+        _compilation.wanted.set()
+
+
+def wait(timeout: float) -> bool:
+    """Wait until all kernels run compiled, but at most ``timeout`` [s]; whether they do."""
+    return _compilation.done.wait(timeout)
+
+
+def progress() -> Progress | None:
+    """How far the compilation is; None while nothing is being compiled."""
+    return _compilation.progress()
 
 
 def is_done() -> bool:
@@ -228,10 +280,15 @@ def is_done() -> bool:
 
 
 def wait_for_loading() -> None:
-    """Wait until kernels that an earlier run cached are loaded, but not for the compiler."""
+    """Wait until kernels that plans have called are loaded, but not for the compiler.
+
+    Nor much longer than these have run as Python so far: a plan that takes less without them does
+    not wait for them. Where none has been called, it waits for all.
+    """
     if _compilation._thread is not None:
         _compilation.wanted.set()
-        progress.wait(_compilation.loaded)
+        needs = [kernel.need for kernel in KERNELS.values() if 0 < kernel.need < math.inf]
+        progress.wait(_compilation.loaded, max(sum(needs), _PATIENCE) if needs else None)
 
 
 def compile_named(gives_way: bool) -> None:
@@ -247,10 +304,18 @@ def compile_named(gives_way: bool) -> None:
     if gives_way and hasattr(os, "nice"):
         os.nice(19)
     all_kernels()
-    for line in sys.stdin:
-        name = line.strip()
-        KERNELS[name].compile()
-        print(name, flush=True)
+    for kernel in compile_each(KERNELS[line.strip()] for line in sys.stdin):
+        print(kernel.name, flush=True)
+
+
+def compile_each(kernels: Iterable[Kernel[..., Any]]) -> Iterator[Kernel[..., Any]]:
+    """Compile kernels in a process that does nothing else, and yield each once it is cached."""
+    gc.disable()  # it would look through all that was compiled, again and again
+    for kernel in kernels:
+        kernel.compile()
+        yield kernel
+        gc.collect()
+        gc.freeze()
 
 
 def _after_fork() -> None:

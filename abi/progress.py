@@ -6,7 +6,9 @@ wanted: see :func:`watched_by`. Nobody watches by default, which costs next to n
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -85,14 +87,21 @@ def tell(doing: str) -> None:
         watch.told(doing)
 
 
-def wait(event: threading.Event) -> None:
+def wait(event: threading.Event, timeout: float | None = None) -> None:
     """Wait for another thread, if what it does is still wanted.
+
+    Args:
+        event: that it sets.
+        timeout: longest time to wait, [s]; None for any.
 
     Raises:
         CancelledError: it is not.
     """
     if getattr(_of_thread, "watch", None) is None:
-        event.wait()
+        event.wait(timeout)
         return
-    while not event.wait(_PERIOD):
+    end = math.inf if timeout is None else time.monotonic() + timeout
+    while not event.wait(min(_PERIOD, max(end - time.monotonic(), 0.0))):
         check()
+        if time.monotonic() >= end:
+            return

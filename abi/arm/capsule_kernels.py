@@ -59,7 +59,7 @@ def way(ends: FloatArray, k: int, before: int) -> float:
     return (1 + _ROUNDING) * max(distance(a, at_a), distance(b, at_b)) + _ROUNDING
 
 
-@compiled(example=(FLOATS, FLOATS, NO_OBSTACLES, 0.0, NEW_FLOATS, NEW_IDS), error_model="numpy")
+@compiled(example=(FLOATS, FLOATS, NO_OBSTACLES, 0.0, NEW_FLOATS, NEW_IDS))
 def capsule_clearances(
     ends: FloatArray,
     capsules: FloatArray,

@@ -43,7 +43,7 @@ def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     return separated
 
 
-@jitable
+@jitable(forceinline=True)
 def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     """Check whether row s is beyond one of the directions."""
     mesh = around.meshes[s]
@@ -58,7 +58,7 @@ def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     return False
 
 
-@jitable
+@jitable(forceinline=True)
 def keep_direction(latest: list[Direction], way: Vec3, level: float, mesh: int) -> None:
     """Add a direction, see :class:`Direction`, to the latest, of which the oldest go."""
     if len(latest) == _LATEST:

@@ -83,7 +83,7 @@ def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[flo
     return best, (0.0, 0.0, -1.0)
 
 
-@jitable
+@jitable(forceinline=True)
 def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, float, Vec3]:
     """Check if the segment from p to p + d, body frame, is separated by more than ``far``.
 
@@ -150,7 +150,7 @@ def open_box(
     return not is_solid(around, pair) and _opened(around, pair, moves, segment, work)
 
 
-@jitable
+@jitable(forceinline=True)
 def _opened(
     around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
 ) -> bool:

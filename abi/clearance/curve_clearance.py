@@ -10,7 +10,7 @@ import numpy as np
 from abi.arrays import ShortRepr, flat
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.certificate import Certificate, certify
-from abi.clearance.curve_clearance_kernels import measure_curve
+from abi.clearance.curve_clearance_kernels import measure_curve, measure_curve_near_meshes
 from abi.obstacles.obstacle_set import ObstacleSet
 
 # Distances that differ by less are the same, [unit]: rounding, not a violation.
@@ -87,12 +87,13 @@ def curve_clearance(
     tolerance = max(tolerance, ROUNDING)
     parts = -(-_FIRST_PIECES // (len(breaks) - 1))
     finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
+    curve_of_pieces = flat(pieces.points), flat(breaks), parts, obstacles.packed
+    demand = float(required), tolerance, finest
     if obstacles.meshes:
-        measure_curve.compile()  # as Python it would copy their triangles
-    distance, at, nearest, row, stretches = measure_curve(
-        *(flat(pieces.points), flat(breaks), parts, obstacles.packed, obstacles.surfaces),
-        (float(required), tolerance, finest),
-    )
+        measured = measure_curve_near_meshes(*curve_of_pieces, obstacles.surfaces, demand)
+    else:
+        measured = measure_curve(*curve_of_pieces, demand)
+    distance, at, nearest, row, stretches = measured
     obstacle = int(obstacles.rows[row])
     return Clearance(distance, at, nearest, obstacle, _joined(stretches[1:]))
 

@@ -7,7 +7,6 @@ successive numbers.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from abi.arrays import FloatArray
 from abi.clearance.bezier_kernels import divide, extent_of
@@ -26,7 +25,7 @@ from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primit
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import next_near
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
+from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
 from abi.obstacles.vector_kernels import Vec3
 
 _MOST_HALVINGS = 40
@@ -37,20 +36,6 @@ _ROUNDING = 1e-9  # by which a sample may be nearer than required
 Measured = tuple[float, float, float, int, list[tuple[float, float]]]
 """Lower bound of the distance; the parameter, distance and obstacle of the nearest sample;
 stretches that are too near, in no order, after one that means nothing."""
-
-
-class _Around(NamedTuple):
-    """Obstacles around a curve.
-
-    Attributes:
-        primitives: rows (k WIDTH,).
-        surfaces: the meshes.
-        room: for descents of their trees.
-    """
-
-    primitives: FloatArray
-    surfaces: SurfaceSet
-    room: Room
 
 
 @jitable(forceinline=True)
@@ -100,11 +85,10 @@ def _cut(control: FloatArray, breaks: FloatArray, parts: int) -> tuple[list[floa
 
 
 @jitable
-def _first_pieces(
-    around: _Around, points: list[float], places: list[float], required: float
-) -> tuple[Pieces, Nearest]:
-    """The pieces that are one curve, with samples at their ends, and the nearest of these."""
-    primitives, surfaces, room = around
+def _joints(
+    primitives: FloatArray, points: list[float], places: list[float], required: float
+) -> tuple[list[Sample], Nearest]:
+    """Samples at the ends of pieces that are one curve, and the nearest of these."""
     count = len(places) - 1
     nearest = Nearest(math.inf, places[0], -1)
     joints = [Sample(places[0], math.inf, math.inf)] * (count + 1)
@@ -114,10 +98,7 @@ def _first_pieces(
         joints[joint] = Sample(places[joint], distance, math.inf)
         if primitive >= 0 and distance < nearest.distance:
             nearest = Nearest(distance, places[joint], primitive)
-    if len(surfaces.whose) > 0:
-        found = joints_near_meshes(surfaces, points, joints, nearest.distance, required, room)
-        nearest = _nearer(nearest, found, primitives)
-    return Pieces(points, joints[:count], joints[1:]), nearest
+    return joints, nearest
 
 
 @jitable
@@ -130,10 +111,9 @@ def _nearer(nearest: Nearest, found: Nearest, primitives: FloatArray) -> Nearest
 
 @jitable
 def _sample_middles(
-    around: _Around, pieces: Pieces, demand: tuple[float, float, float], nearest: Nearest
+    primitives: FloatArray, pieces: Pieces, required: float, nearest: Nearest
 ) -> tuple[list[Sample], list[float], Nearest]:
     """Middles of pieces, lower bounds of the pieces' distances, and the nearest of all samples."""
-    primitives, surfaces, room = around
     points, firsts, lasts = pieces
     count = len(firsts)
     width = len(points) // (3 * count)
@@ -143,17 +123,12 @@ def _sample_middles(
     for piece in range(count):
         divide(points, piece * size, halves, 0, size, width, 0.5)
         x = (halves[size], halves[size + 1], halves[size + 2])
-        enough = max(nearest.distance, demand[0])
+        enough = max(nearest.distance, required)
         distance, primitive, bound = _bound(primitives, enough, points, piece * size, width, x)
         at = (firsts[piece].at + lasts[piece].at) / 2
         middles[piece], bounds[piece] = Sample(at, distance, math.inf), bound
         if distance < nearest.distance:
             nearest = Nearest(distance, at, primitive)
-    if len(surfaces.whose) > 0:
-        found = middles_near_meshes(
-            surfaces, pieces, middles, bounds, nearest.distance, demand, room
-        )
-        nearest = _nearer(nearest, found, primitives)
     return middles, bounds, nearest
 
 
@@ -208,8 +183,66 @@ def _halves(pieces: Pieces, middles: list[Sample], chosen: list[int]) -> Pieces:
     return Pieces(halves, starts, ends)
 
 
-@compiled(example=(FLOATS, FLOATS, 1, FLOATS, NO_SURFACES, (1.0, 0.1, 0.1)))
+@jitable
+def _settle(
+    pieces: Pieces,
+    middles: list[Sample],
+    bounds: list[float],
+    chosen: list[int],
+    required: float,
+    stretches: list[tuple[float, float]],
+) -> float:
+    """Least bound of the pieces not chosen; those that are too near go to ``stretches``."""
+    bottom = math.inf
+    j = 0
+    for piece in range(len(middles)):
+        if j < len(chosen) and chosen[j] == piece:
+            j += 1
+            continue
+        bottom = min(bottom, bounds[piece])
+        first, middle, last = pieces.firsts[piece], middles[piece], pieces.lasts[piece]
+        if min(first.distance, middle.distance, last.distance) < required - _ROUNDING:
+            stretches.append((first.at, last.at))
+    return bottom
+
+
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, (1.0, 0.1, 0.1)))
 def measure_curve(
+    control: FloatArray,
+    breaks: FloatArray,
+    parts: int,
+    primitives: FloatArray,
+    demand: tuple[float, float, float],
+) -> Measured:
+    """Distance of a curve of Bézier pieces to primitives; see ``curve_clearance``.
+
+    Args:
+        control: Bézier points of the s polynomials, flat (3 s (degree + 1),), [unit], world.
+        breaks: parameters between them (s + 1,).
+        parts: equal parts that each polynomial is first cut into.
+        primitives: rows (k WIDTH,), at least one.
+        demand: distance to keep, [unit]: nearer stretches are returned; largest excess of the
+            nearest sample over the bound, [unit]; and the length of stretches, in the parameter,
+            that are not halved for their ends alone.
+    """
+    points, places = _cut(control, breaks, parts)
+    joints, nearest = _joints(primitives, points, places, demand[0])
+    pieces = Pieces(points, joints[:-1], joints[1:])
+    bottom, stretches = nearest.distance, [(0.0, 0.0)]
+    for halvings in range(_MOST_HALVINGS + 1):
+        middles, bounds, nearest = _sample_middles(primitives, pieces, demand[0], nearest)
+        chosen = _undecided(pieces, middles, bounds, nearest.distance, demand, False)
+        if halvings == _MOST_HALVINGS or 2 * len(chosen) > _MOST_PIECES:
+            chosen.clear()
+        bottom = min(bottom, _settle(pieces, middles, bounds, chosen, demand[0], stretches))
+        if len(chosen) == 0:
+            break
+        pieces = _halves(pieces, middles, chosen)
+    return min(bottom, nearest.distance), nearest.at, nearest.distance, nearest.obstacle, stretches
+
+
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, NO_SURFACES, (1.0, 0.1, 0.1)), fallback=False)
+def measure_curve_near_meshes(
     control: FloatArray,
     breaks: FloatArray,
     parts: int,
@@ -217,43 +250,36 @@ def measure_curve(
     surfaces: SurfaceSet,
     demand: tuple[float, float, float],
 ) -> Measured:
-    """Distance of a curve of Bézier pieces to obstacles; see ``curve_clearance``.
+    """Distance of a curve of Bézier pieces to primitives and meshes; see ``curve_clearance``.
 
     Args:
-        control: Bézier points of the s polynomials, flat (3 s (degree + 1),), [unit], world.
-        breaks: parameters between them (s + 1,).
-        parts: equal parts that each polynomial is first cut into.
+        control, breaks, parts: as for :func:`measure_curve`.
         primitives: rows (k WIDTH,).
-        surfaces: the meshes; of both at least one.
-        demand: distance to keep, [unit]: nearer stretches are returned; largest excess of the
-            nearest sample over the bound, [unit]; and the length of stretches, in the parameter,
-            that are not halved for their ends alone.
+        surfaces: the meshes, at least one.
+        demand: as for :func:`measure_curve`.
     """
-    required = demand[0]
     own = new_room()
-    around = _Around(primitives, surfaces, borrowed(own))
+    room = borrowed(own)
+    required = demand[0]
     points, places = _cut(control, breaks, parts)
-    pieces, nearest = _first_pieces(around, points, places, required)
-    bottom = nearest.distance
-    stretches = [(0.0, 0.0)]
+    joints, nearest = _joints(primitives, points, places, required)
+    found = joints_near_meshes(surfaces, points, joints, nearest.distance, required, room)
+    nearest = _nearer(nearest, found, primitives)
+    pieces = Pieces(points, joints[:-1], joints[1:])
+    bottom, stretches = nearest.distance, [(0.0, 0.0)]
     for halvings in range(_MOST_HALVINGS + 1):
-        middles, bounds, nearest = _sample_middles(around, pieces, demand, nearest)
+        middles, bounds, nearest = _sample_middles(primitives, pieces, required, nearest)
+        found = middles_near_meshes(
+            surfaces, pieces, middles, bounds, nearest.distance, demand, room
+        )
+        nearest = _nearer(nearest, found, primitives)
         exactly = nearest.obstacle >= len(primitives) // WIDTH
         chosen = _undecided(pieces, middles, bounds, nearest.distance, demand, exactly)
         if halvings == _MOST_HALVINGS or 2 * len(chosen) > _MOST_PIECES:
             chosen.clear()
-        j = 0
-        for piece in range(len(middles)):
-            if j < len(chosen) and chosen[j] == piece:
-                j += 1
-                continue
-            bottom = min(bottom, bounds[piece])
-            first, middle, last = pieces.firsts[piece], middles[piece], pieces.lasts[piece]
-            if min(first.distance, middle.distance, last.distance) < required - _ROUNDING:
-                stretches.append((first.at, last.at))
+        bottom = min(bottom, _settle(pieces, middles, bounds, chosen, required, stretches))
         if len(chosen) == 0:
             break
         pieces = _halves(pieces, middles, chosen)
     held(own)
-    distance, at, obstacle = nearest
-    return min(bottom, distance), at, distance, obstacle, stretches
+    return min(bottom, nearest.distance), nearest.at, nearest.distance, nearest.obstacle, stretches

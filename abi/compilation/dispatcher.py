@@ -10,8 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
-from numba.extending import register_jitable
 
+from abi.compilation import helpers
 from abi.compilation.borrowing import Borrowing
 from abi.compilation.jitable import UNDECLARED, options_of
 from abi.compilation.kernel_cache import KernelCache, kernel_folder
@@ -21,6 +21,14 @@ from abi.compilation.kernel_stamp import fields_of, stamp
 def is_off() -> bool:
     """Check whether numba was told to compile nothing (``NUMBA_DISABLE_JIT``)."""
     return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+
+
+_OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "error_model": "numpy",  # as that of the helpers; kernels do not divide by zero
+    "no_cfunc_wrapper": True,  # for callers from C, of which there are none
+    "pipeline_class": Borrowing,
+}
 
 
 class Dispatcher:
@@ -34,7 +42,7 @@ class Dispatcher:
         self, function: Callable[..., Any], example: tuple[Any, ...], options: dict[str, Any]
     ) -> None:
         declare_helpers()
-        options = {"nogil": True, "pipeline_class": Borrowing, **options}
+        options = _OPTIONS | options
         self._signature = tuple(map(numba.typeof, example))
         self.of_numba: Any = numba.njit(**options)(function)
         self._cache: KernelCache | None = None
@@ -70,5 +78,4 @@ def declare_helpers() -> None:
     """Tell numba of the functions that kernels call; for who compiles one without a kernel, too."""
     while UNDECLARED:
         function = UNDECLARED.popleft()
-        options = options_of(function)
-        register_jitable(**options)(function) if options else register_jitable(function)
+        helpers.declare(function, options_of(function))

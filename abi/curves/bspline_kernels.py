@@ -6,7 +6,7 @@ from abi.arrays import FloatArray
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 
-@compiled(example=(FLOATS, FLOATS, 1, FLOATS, 0, NEW_FLOATS, NEW_FLOATS), error_model="numpy")
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, 0, NEW_FLOATS, NEW_FLOATS))
 def spline(
     knots: FloatArray,
     control: FloatArray,

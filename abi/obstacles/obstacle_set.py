@@ -25,7 +25,7 @@ from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
 from abi.obstacles.per_shape import PerShape
-from abi.obstacles.polyline_kernels import polyline_distances
+from abi.obstacles.polyline_kernels import polyline_distances, polyline_distances_near_meshes
 from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
 from abi.obstacles.surface_set import SurfaceSet, surface_set
@@ -246,10 +246,13 @@ class ObstacleSet(ShortRepr):
         if size < 2:
             raise ArgumentError("vertices of each polyline", size, "2 or more")
         clearances = np.empty(count)
+        points, primitives = flat(polylines), self.packed
         if self.meshes:
-            polyline_distances.compile()  # as Python it would copy their triangles
-        points = flat(polylines)
-        polyline_distances(points, size, self.packed, self.surfaces, enough, clearances)
+            polyline_distances_near_meshes(
+                points, size, primitives, self.surfaces, enough, clearances
+            )
+        else:
+            polyline_distances(points, size, primitives, enough, clearances)
         return clearances
 
     def segment_clearances(self, points: FloatArray, enough: float = math.inf) -> FloatArray:

@@ -38,7 +38,7 @@ class _Labels(NamedTuple):
     order: IntArray
 
 
-@compiled(example=EXAMPLE, error_model="numpy")
+@compiled(example=EXAMPLE)
 def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     """Bellman-Ford with a queue (Moore, 1959): runs until no cost can be lowered.
 

@@ -90,7 +90,7 @@ class _Progress(NamedTuple):
     done: bool
 
 
-@compiled(example=EXAMPLE, error_model="numpy")
+@compiled(example=EXAMPLE)
 def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     """A* (Hart, Nilsson and Raphael, 1968); Dijkstra's algorithm where the metric is none.
 

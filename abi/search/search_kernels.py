@@ -58,7 +58,7 @@ EXAMPLE = (
 """Example of a problem, for the compiler."""
 
 
-@compiled(example=(IDS, 1), error_model="numpy")
+@compiled(example=(IDS, 1))
 def reconstruct_path(parent: IntArray, goal: int) -> IntArray:
     """Nodes (k,) from the start, whose parent is -1, to the goal; by their parents (n,)."""
     count = 1
@@ -74,7 +74,7 @@ def reconstruct_path(parent: IntArray, goal: int) -> IntArray:
     return found
 
 
-@compiled(example=(IDS, FLOATS, FLOATS), error_model="numpy")
+@compiled(example=(IDS, FLOATS, FLOATS))
 def places_along(
     path: IntArray, places: FloatArray, own: FloatArray
 ) -> tuple[FloatArray, FloatArray]:

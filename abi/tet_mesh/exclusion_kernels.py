@@ -33,7 +33,7 @@ from abi.tet_mesh.adjacency_kernels import (
 from abi.tet_mesh.lattice_exclusion_kernels import Body, Found, exclusion_of_lattice
 
 
-@compiled(example=(NO_ADJACENCY, IDS, FLOATS, 0.0, 1.0), error_model="numpy")
+@compiled(example=(NO_ADJACENCY, IDS, FLOATS, 0.0, 1.0))
 def exclusion(
     adjacency: Adjacency, open_directions: IntArray, solid: FloatArray, margin: float, reach: float
 ) -> Found:
@@ -115,7 +115,7 @@ def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     return count
 
 
-@compiled(example=(NO_ADJACENCY, IDS, IDS, IDS, IDS, NEW_IDS), error_model="numpy")
+@compiled(example=(NO_ADJACENCY, IDS, IDS, IDS, IDS, NEW_IDS))
 def cut(
     adjacency: Adjacency,
     starts: IntArray,

@@ -61,7 +61,7 @@ _OPEN, _TOO_MANY = -2, -1
 _ROUNDING = 4.0  # room for that of a plane that is kept
 
 
-@compiled(example=(NO_ADJACENCY, IDS, NO_TABLES, NO_PLACEMENT, 0.0, 1.0), error_model="numpy")
+@compiled(example=(NO_ADJACENCY, IDS, NO_TABLES, NO_PLACEMENT, 0.0, 1.0))
 def exclusion_near_mesh(
     adjacency: Adjacency,
     open_directions: IntArray,

@@ -7,10 +7,11 @@ import os
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numba
 import numpy as np
@@ -157,16 +158,19 @@ def test_a_stamp_changes_with_the_order_of_fields() -> None:
 
 
 PLANS = """
-import abi, sys, time
+import abi, sys
+from abi.compiled import KERNELS
 plan = abi.plan if sys.argv[2:] else abi.Planner()
 scene = abi.load_scene("paper")
 x = 0.0
+most = int(sys.argv[1])
 used = []
-for _ in range(int(sys.argv[1])):
+while len(used) != most:
     x += 1e-3
     plan(scene.replace(goal=[6 - x, 6, 6]))
-    from abi.compiled import KERNELS
     used.append(sum(kernel.compiled for kernel in KERNELS.values()) / len(KERNELS))
+    if used[-1] == 1:
+        break
 print(*used)
 """
 
@@ -199,10 +203,75 @@ print("numba" in sys.modules)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", [[], ["abi.plan"]], ids=["one planner", "abi.plan"])
-def test_the_second_plan_of_a_script_runs_compiled(way: list[str]) -> None:
+def test_a_script_comes_to_run_compiled(way: list[str]) -> None:
     abi.compile()
-    first, second = map(float, run(PLANS, "3", *way).split()[:2])
-    assert first < second == 1
+    used = [*map(float, run(PLANS, "-1", *way).split())]
+    assert used[0] == 0
+    assert used[-1] == 1
+
+
+class Event(threading.Event):
+    """One that never comes, and tells how long it was waited for."""
+
+    timeouts: ClassVar[list[float | None]] = []
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.timeouts.append(timeout)
+        return False
+
+
+def test_a_plan_waits_for_loading_about_as_long_as_one_without_takes(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compilation = compiling._Compilation()
+    compilation.loaded, compilation._thread = Event(), threading.current_thread()
+    monkeypatch.setattr(compiling, "_compilation", compilation)
+    monkeypatch.setattr(compiling, "KERNELS", {"": kernel})
+    compiling.wait_for_loading()
+    kernel._interpreted = 7.0
+    compiling.wait_for_loading()
+    kernel._interpreted = 1e-9
+    compiling.wait_for_loading()
+    assert Event.timeouts == [None, 7.0, compiling._PATIENCE]
+
+
+def test_what_plans_have_called_is_loaded_first(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    others = [compiled(example=(FLOATS, NEW_FLOATS))(doubled) for _ in range(3)]
+    kernels = {str(k): one for k, one in enumerate((*others, kernel))}
+    compilation, loaded = compiling._Compilation(), []
+
+    def load(one: Kernel[..., Any]) -> bool:
+        loaded.append((one, compilation.loaded.is_set()))
+        return True
+
+    monkeypatch.setattr(compiling, "KERNELS", kernels)
+    monkeypatch.setattr(compiling, "all_kernels", lambda: list(kernels.values()))
+    monkeypatch.setattr(compilation, "_load", load)
+    kernel.interpret(np.ones(9), np.zeros(9))
+    compilation.wanted.set()
+    compilation._work()
+    assert loaded[:2] == [(kernel, False), (others[0], True)]
+    assert compilation.done.is_set()
+
+
+def test_the_progress_is_the_share_of_what_was_missing(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = compiled(example=(FLOATS, NEW_FLOATS))(doubled)
+    compilation = compiling._Compilation()
+    assert compilation.progress() is None
+    compilation._missing, compilation._begun = (kernel, other), time.monotonic() - 5
+    assert compilation.progress() == compiling.Progress(0.0, None)
+    monkeypatch.setattr(other, "_run", other._compiled)
+    progress = compilation.progress()
+    assert progress is not None
+    assert progress.left is not None
+    assert progress.share == 0.5  # they are of one size
+    assert progress.left == pytest.approx(5, abs=1)
+    compilation.done.set()
+    assert compilation.progress() is None
 
 
 @pytest.mark.slow
