@@ -56,16 +56,16 @@ _UNASKED_PROCESSES = 2
 
 
 @dataclass(frozen=True)
-class Progress:
+class Remaining:
     """How far the compilation is.
 
     Attributes:
-        share: of what an earlier run has not cached, between 0 and 1.
-        left: time until all is compiled, [s]; None while that cannot be told.
+        share: part of what no earlier run has cached that is compiled by now, from 0 to 1.
+        seconds: time until all is compiled, [s]; None while that cannot be told.
     """
 
     share: float
-    left: float | None
+    seconds: float | None
 
 
 class _Compilation:
@@ -110,14 +110,14 @@ class _Compilation:
         self.wanted.set()
         LOADING.acquire()  # and never released
 
-    def progress(self) -> Progress | None:
+    def remaining(self) -> Remaining | None:
         """How far it is; None while nothing is being compiled."""
         if not self._missing or self.done.is_set():
             return None
         done = sum(kernel.size for kernel in self._missing if kernel.compiled)
         share = done / sum(kernel.size for kernel in self._missing)
         spent = time.monotonic() - self._begun
-        return Progress(share, spent * (1 / share - 1) if share else None)
+        return Remaining(share, spent * (1 / share - 1) if share else None)
 
     def _work(self) -> None:
         self.wanted.wait(_GRACE)
@@ -269,9 +269,9 @@ def wait(timeout: float) -> bool:
     return _compilation.done.wait(timeout)
 
 
-def progress() -> Progress | None:
+def remaining() -> Remaining | None:
     """How far the compilation is; None while nothing is being compiled."""
-    return _compilation.progress()
+    return _compilation.remaining()
 
 
 def is_done() -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from abi import compiling, progress
+from abi.compiled import interpreted_calls
 from abi.planner.live_planner import LivePlanner
 from abi.planner.node_budget import NodeBudget
 from abi.planner.plan import Plan
@@ -25,7 +26,7 @@ LOGGED_MS = 1000.0
 class TabPlanner:
     """A :class:`LivePlanner` whose plans appear in metrics and log.
 
-    What ran before all code was compiled says nothing of the method: in a plan the times of such
+    What runs before its code is compiled says nothing of the method: in a plan the times of such
     stages are 0, and of such a plan that of the whole is.
 
     Attributes:
@@ -43,7 +44,6 @@ class TabPlanner:
         self._watch = watch
         self._tab = tab
         self._ms: Mapping[str, float] = {}
-        self._uncompiled: set[tuple[str, float]] = set()
         self.processor_ms = 0.0
 
     def take(self, scene: Scene, shared: SharedPlans, full: bool = False) -> Plan | None:
@@ -73,8 +73,7 @@ class TabPlanner:
 
     def _make(self, planner: Callable[[Scene], Plan], scene: Scene) -> Plan:
         """Plan, and count it."""
-        compiled = compiling.is_done()
-        begin = time.thread_time()
+        begin, before = time.thread_time(), interpreted_calls()
         self._watch.begin()
         try:
             with progress.watched_by(self._watch):
@@ -90,18 +89,9 @@ class TabPlanner:
             nodes = 0 if plan.mesh is None else len(plan.mesh.points)
             fields = {"tab": self._tab, "ms": plan.total_ms, "nodes": nodes}
             _log.info("slow plan", extra=fields)
-        return self._with_times(plan, compiled)
-
-    def _with_times(self, plan: Plan, compiled: bool) -> Plan:
-        """The plan with the times of what ran compiled, and without the others."""
-        if not compiled:
-            self._uncompiled.update(plan.ms.items())
-            self.live.budget = NodeBudget()  # nothing is to be learnt from them
-        if not self._uncompiled:
-            return plan
-        # a stage that has not run since still has the same time
-        ms = {
-            name: 0.0 if (name, took) in self._uncompiled else took
-            for name, took in plan.ms.items()
-        }
-        return replace(plan, ms=ms, total_ms=plan.total_ms if compiled else 0.0)
+        if interpreted_calls() > before:
+            self.live.budget = NodeBudget()  # nothing is to be learnt from such times
+            plan = replace(plan, total_ms=0.0)
+        if plan.interpreted:
+            plan = replace(plan, ms={**plan.ms, **dict.fromkeys(plan.interpreted, 0.0)})
+        return plan

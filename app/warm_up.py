@@ -1,14 +1,16 @@
 """Loading in the background, while the page loads and after the first plan.
 
 First comes what a tab's first picture needs, with the plan of the scene that tabs open with unless
-one is there already; then the kernels, with a notice if they take long, the bodies of the arm, and
-the process that reads files. A class that opens at once finds all of it made or being made, once.
+one is there already; then the kernels, with a notice of how far they are if they take long, the
+bodies of the arm, and the process that reads files. A class that opens at once finds all of it made
+or being made, once.
 """
 
 from __future__ import annotations
 
 import contextlib
 import importlib
+import math
 import threading
 from dataclasses import replace
 from types import MappingProxyType
@@ -23,10 +25,10 @@ if TYPE_CHECKING:
     from abi.scene.scene import Scene
     from app.shared_plans import SharedPlans
 
-PLAN_TIMEOUT = 10.0
+PLAN_TIMEOUT = 4.0
 """Seconds after which compilation no longer waits for a first plan."""
 NOTICE_DELAY = 2.0
-"""Seconds of compilation without a notice."""
+"""Seconds of compilation without a notice, and from one state of it to the next."""
 
 
 class WarmUp:
@@ -34,6 +36,7 @@ class WarmUp:
 
     Attributes:
         planned: to be set once a plan is drawn: until then the plan has the processor.
+        thread: in which all this is done.
     """
 
     def __init__(self, scene: Scene, opening: SharedPlans) -> None:
@@ -43,8 +46,10 @@ class WarmUp:
         self._lock = threading.Lock()
         self._clients: list[viser.ClientHandle] = []
         self._notices: list[viser.NotificationHandle] = []
-        self._announced, self._done = False, False
-        threading.Thread(target=self._work, name="warm-up", daemon=True).start()
+        self._told: tuple[str, str] | None = None
+        self._done = False
+        self.thread = threading.Thread(target=self._work, name="warm-up", daemon=True)
+        self.thread.start()
 
     def add(self, client: viser.ClientHandle) -> None:
         """Notify a new client of compilation, now or once it takes long."""
@@ -52,8 +57,8 @@ class WarmUp:
             if self._done:
                 return
             self._clients.append(client)
-            if self._announced:
-                self._notify(client)
+            if self._told is not None:
+                self._notify(client, *self._told)
 
     def _work(self) -> None:
         try:
@@ -63,16 +68,14 @@ class WarmUp:
             loaded()
         self.planned.wait(PLAN_TIMEOUT)
         self._load()
-        timer = threading.Timer(NOTICE_DELAY, self._notify_all)
-        timer.daemon = True
-        timer.start()
         try:
-            compiling.compile(spare=1)  # for the tabs
+            compiling.begin(spare=1)  # for the tabs
+            while not compiling.wait(NOTICE_DELAY):
+                self._tell(*_words(compiling.remaining()))
             self._call_kernels()
             if self.planned.is_set():
                 self._warm_reader()
         finally:
-            timer.cancel()
             with self._lock:
                 self._done = True
                 self._clients.clear()
@@ -120,22 +123,40 @@ class WarmUp:
         with contextlib.suppress(OSError):  # the first file tries again
             READER.warm()
 
-    def _notify_all(self) -> None:
+    def _tell(self, title: str, body: str) -> None:
+        """Say in all tabs how far the compilation is."""
         with self._lock:
-            self._announced = True
-            for client in self._clients:
-                self._notify(client)
+            first, self._told = self._told is None, (title, body)
+            if first:
+                for client in self._clients:
+                    self._notify(client, title, body)
+            else:
+                for notice in self._notices:
+                    notice.title, notice.body = title, body
 
-    def _notify(self, client: viser.ClientHandle) -> None:
+    def _notify(self, client: viser.ClientHandle, title: str, body: str) -> None:
         self._notices.append(
-            client.add_notification(
-                "First start: getting faster",
-                "The inner loops are being compiled, once on this machine. Everything works "
-                "meanwhile; fine meshes are slower.",
-                loading=True,
-                auto_close_seconds=None,
-            )
+            client.add_notification(title, body, loading=True, auto_close_seconds=None)
         )
+
+
+def _words(remaining: compiling.Remaining | None) -> tuple[str, str]:
+    """Title and text of the notice."""
+    share = "" if remaining is None else f": {remaining.share:.0%} are done"
+    return (
+        f"First start: {_faster(None if remaining is None else remaining.seconds)}",
+        f"The inner loops are being compiled, once on this machine{share}. What this scene needs "
+        "comes first. Everything works meanwhile; fine meshes are slower.",
+    )
+
+
+def _faster(seconds: float | None) -> str:
+    """When it is faster, of the ``seconds`` until then."""
+    if seconds is None:
+        return "getting faster"
+    if seconds > 90:
+        return f"faster in about {seconds / 60:.0f} minutes"
+    return f"faster in about {max(10 * math.ceil(seconds / 10), 10)} s"
 
 
 def prepare_picture() -> None:

@@ -62,6 +62,7 @@ class Plan(ReadOnlyCopies):
         tool_only: the curve planned for the tool alone, if the whole arm follows another one.
         error: why the plan ends early, or None.
         ms: time of each stage when it last ran, [ms].
+        interpreted: stages whose inner loops were not compiled then: their times say little.
         total_ms: time of this call, [ms].
     """
 
@@ -86,6 +87,7 @@ class Plan(ReadOnlyCopies):
     tool_only: AnyFit | None = None
     error: StageError | None = None
     ms: Mapping[str, float] = field(default_factory=dict)
+    interpreted: frozenset[str] = frozenset()
     total_ms: float = 0.0
 
     def __repr__(self) -> str:

@@ -20,6 +20,7 @@ from abi.arm.models import model_of
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
+from abi.compiled import interpreted_calls
 from abi.curves import fit_bspline, fit_quadratic
 from abi.curves.bspline import BSpline
 from abi.curves.curve import arc_length
@@ -105,7 +106,7 @@ class Planner:
         self._motion = [Stage(operator.call) for _ in range(_BRANCHES)]
         self._arm_clearance: list[Stage[..., ArmClearance]]
         self._arm_clearance = [Stage(operator.call) for _ in range(_BRANCHES)]
-        self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
+        self._arm_aware, self._arm_aware_ms, self._arm_aware_interpreted = ArmAware(), 0.0, False
 
     def skip_first(self) -> None:
         """Take the first plan, which does not wait for kernels to be loaded, for made elsewhere."""
@@ -140,7 +141,7 @@ class Planner:
         _wait_for_compiler(scene)
         begin = time.perf_counter()
         results: dict[str, Any] = {}
-        self._arm_aware_ms = 0.0
+        self._arm_aware_ms, self._arm_aware_interpreted = 0.0, False
         try:
             self._run(scene, chosen_only, results)
         except StageError as error:
@@ -150,7 +151,13 @@ class Planner:
         self._planned = True
         if self._compile:
             compiling.begin()
-        return Plan(scene, **results, ms=MappingProxyType(self._times()), total_ms=total)
+        return Plan(
+            scene,
+            **results,
+            ms=MappingProxyType(self._times()),
+            interpreted=self._interpreted(),
+            total_ms=total,
+        )
 
     def _run(self, scene: Scene, chosen_only: bool, results: dict[str, Any]) -> None:
         """Run the six stages of the method: each puts its result into ``results`` or raises."""
@@ -244,11 +251,12 @@ class Planner:
     def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
         """Replace results by those of a motion whose whole arm is clear, or raise."""
         progress.tell("avoiding with the whole arm")
-        begin = time.perf_counter()
+        begin, before = time.perf_counter(), interpreted_calls()
         try:
             aware = self._arm_aware(task, names)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
+            self._arm_aware_interpreted = interpreted_calls() > before
         results["tool_only"] = results[results["followed"]]
         results.update(aware)
 
@@ -259,21 +267,28 @@ class Planner:
 
     def _times(self) -> dict[str, float]:
         """Time of each stage when it last ran, [ms]."""
+        times = {name: sum(one.ms for one in parts) for name, parts in self._parts().items()}
+        return times | {"arm_aware": self._arm_aware_ms}
+
+    def _interpreted(self) -> frozenset[str]:
+        """Stages in which inner loops ran as Python when they last ran."""
+        parts = self._parts().items()
+        names = {name for name, stages in parts if any(stage.interpreted for stage in stages)}
+        return frozenset(names | {"arm_aware"} if self._arm_aware_interpreted else names)
+
+    def _parts(self) -> dict[str, Sequence[Stage[..., Any]]]:
+        """Parts of each stage that is told of."""
         return {
-            "mesh": self._mesh.ms + self._exclude.ms,
-            "graph": self._graph.ms,
-            **{name: search.ms for name, search in self._searches.items()},
-            "path_clearance": self._path_clearance.ms,
-            "taut": self._taut.ms,
-            "optimum": self._optimum.ms,
-            "bspline": self._bspline.ms + self._bspline_arc.ms,
-            "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
-            "timing": self._profiles.ms,
-            "arm": self._arm.ms
-            + self._surroundings.ms
-            + self._courses.ms
-            + sum(stage.ms for stage in self._on_branches),
-            "arm_aware": self._arm_aware_ms,
+            "mesh": (self._mesh, self._exclude),
+            "graph": (self._graph,),
+            **{name: (search,) for name, search in self._searches.items()},
+            "path_clearance": (self._path_clearance,),
+            "taut": (self._taut,),
+            "optimum": (self._optimum,),
+            "bspline": (self._bspline, self._bspline_arc),
+            "quadratic": (self._quadratic, self._quadratic_arc),
+            "timing": (self._profiles,),
+            "arm": (self._arm, self._surroundings, self._courses, *self._on_branches),
         }
 
 

@@ -8,6 +8,7 @@ from typing import Generic, ParamSpec, TypeVar
 
 import numpy as np
 
+from abi.compiled import interpreted_calls
 from abi.errors import StageError
 
 _P = ParamSpec("_P")
@@ -19,13 +20,14 @@ class Stage(Generic[_P, _R]):
 
     Attributes:
         ms: time of the last call that had to be computed, [ms].
+        interpreted: whether inner loops ran as Python in it, which says nothing of the method.
     """
 
     def __init__(
         self, function: Callable[_P, _R], clock: Callable[[], float] = time.perf_counter
     ) -> None:
         """Remember no call yet; ``clock`` tells the time, [s]."""
-        self.ms = 0.0
+        self.ms, self.interpreted = 0.0, False
         self._clock = clock
         self._function = function
         self._arguments: tuple[object, ...] | None = None
@@ -37,13 +39,14 @@ class Stage(Generic[_P, _R]):
         given = (*args, *kwargs, *kwargs.values())
         if self._arguments is None or not _same(self._arguments, given):
             self._arguments, self._result, self._error = None, None, None
-            begin = self._clock()
+            begin, before = self._clock(), interpreted_calls()
             try:
                 self._result = self._function(*args, **kwargs)
             except StageError as error:
                 self._error = error
             self._arguments = given
             self.ms = 1e3 * (self._clock() - begin)
+            self.interpreted = interpreted_calls() > before
         if self._error is not None:
             # without the frames of earlier calls, which would pile up
             raise self._error.with_traceback(None)

@@ -256,22 +256,22 @@ def test_what_plans_have_called_is_loaded_first(
     assert compilation.done.is_set()
 
 
-def test_the_progress_is_the_share_of_what_was_missing(
+def test_what_remains_is_told_by_the_share_of_what_was_missing(
     kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     other = compiled(example=(FLOATS, NEW_FLOATS))(doubled)
     compilation = compiling._Compilation()
-    assert compilation.progress() is None
+    assert compilation.remaining() is None
     compilation._missing, compilation._begun = (kernel, other), time.monotonic() - 5
-    assert compilation.progress() == compiling.Progress(0.0, None)
+    assert compilation.remaining() == compiling.Remaining(0.0, None)
     monkeypatch.setattr(other, "_run", other._compiled)
-    progress = compilation.progress()
-    assert progress is not None
-    assert progress.left is not None
-    assert progress.share == 0.5  # they are of one size
-    assert progress.left == pytest.approx(5, abs=1)
+    remaining = compilation.remaining()
+    assert remaining is not None
+    assert remaining.seconds is not None
+    assert remaining.share == 0.5  # they are of one size
+    assert remaining.seconds == pytest.approx(5, abs=1)
     compilation.done.set()
-    assert compilation.progress() is None
+    assert compilation.remaining() is None
 
 
 @pytest.mark.slow

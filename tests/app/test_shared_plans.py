@@ -6,7 +6,6 @@ import time
 
 import pytest
 
-from abi import compiling
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
@@ -16,6 +15,7 @@ from app.panels.messages import _progress
 from app.plan_watch import PlanWatch
 from app.shared_plans import SharedPlans
 from app.tab_planner import TabPlanner
+from tests.kernel_forms import kernels_as
 
 
 def test_a_plan_is_found_by_an_equal_scene_only() -> None:
@@ -86,19 +86,22 @@ def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_pro
     assert planner.processor_ms >= 200
 
 
-def test_no_time_is_told_of_what_ran_before_it_was_compiled(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_no_time_is_told_of_what_ran_before_it_was_compiled() -> None:
     planner, scene = TabPlanner(0, PlanWatch(print)), load_scene("two-boxes")
-    monkeypatch.setattr(compiling, "is_done", lambda: False)
-    slow = planner(scene, None)
+    with kernels_as(compiled=False):
+        slow = planner(scene, None)
     assert slow.total_ms == 0
-    assert not any(slow.ms.values())
+    assert not any(slow.ms[name] for name in slow.interpreted)
+    assert slow.ms["timing"] > 0  # it has no kernel
     assert " in " not in _progress(Frame(slow))
-    monkeypatch.setattr(compiling, "is_done", lambda: True)
-    other = planner(scene.replace(spline={"degree": 2}), None)
+    with kernels_as(compiled=True):
+        other = planner(scene.replace(spline={"degree": 2}), None)
+        moved = planner(scene.replace(goal=(0.5, 0.5, 0.5)), None)
+        remeshed = planner(scene.replace(mesh={"pitch": 0.7}), None)
     assert other.path is slow.path  # searched once, and no second time for its time
     assert other.ms["a_star"] == 0 < other.ms["bspline"]
     assert other.total_ms > 0
-    moved = planner(scene.replace(goal=(0.5, 0.5, 0.5)), None)
     assert moved.ms["a_star"] > 0
+    assert moved.interpreted <= {"mesh"}  # which is the same
+    assert not remeshed.interpreted
+    assert remeshed.ms["mesh"] > 0

@@ -61,7 +61,8 @@ def test_garbage_is_looked_for_again_once_all_is_loaded() -> None:
     code = """
 import gc
 from app import memory, warm_up
-warm_up.compiling.compile = lambda spare: None
+warm_up.compiling.begin = lambda spare=None: None
+warm_up.compiling.wait = lambda timeout: True
 def loading():
     assert not gc.isenabled() and gc.get_freeze_count() == 0
     {then}

@@ -3,8 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from abi.arrays import read_only
 from abi.errors import StageError
 from abi.planner.stage import Stage
+from abi.search.search_kernels import reconstruct_path
+from tests.kernel_forms import kernels_as
 
 
 class Clock:
@@ -87,3 +90,13 @@ def test_named_arguments_count_as_well() -> None:
     assert stage(1, b=0) == (1, 0)
     assert stage(1, b=5) == (1, 5)
     assert stage(1, b=5) is stage(1, b=5)
+
+
+def test_a_stage_tells_whether_its_inner_loops_ran_as_python() -> None:
+    stage = Stage(reconstruct_path)
+    with kernels_as(compiled=False):
+        stage(np.array([-1, 0], np.int32), 1)
+        assert stage.interpreted
+    with kernels_as(compiled=True):
+        stage(read_only(np.array([-1, 0], np.int32)), 0)
+        assert not stage.interpreted
