@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 import abi
 from app.scratch import ScratchFolder, remove_abandoned
 
-# how long an example takes says more of the machine than of the code
-settings.register_profile("any machine", settings(), deadline=None)
+# How long an example takes says more of the machine than of the code. What stays on is the check
+# that most examples are not filtered out: a property that assumes what it is about must meet it.
+_OFF = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.large_base_example]
+settings.register_profile("any machine", settings(), deadline=None, suppress_health_check=_OFF)
 settings.load_profile("any machine")
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, reject
 from hypothesis import strategies as st
 
 from abi import assets
@@ -94,7 +94,7 @@ def test_what_is_damaged_beside_the_scene_is_left_out(parts: dict[str, Any]) -> 
     try:
         state = TabState.decode(base64.urlsafe_b64encode(packed).decode(), MESHES)
     except SceneError:  # JSON knows no infinity
-        return
+        reject()
     assert state.scene.obstacles == ()
     assert math.isfinite(state.time)
     assert state.time >= 0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from abi.arm.arm import Arm, place
@@ -94,14 +94,13 @@ def random_case(seed: int, samples: int = 301) -> Case:
 
 
 @pytest.mark.slow
-@settings(max_examples=16)
+@settings(max_examples=10)
 @given(SEED)
 def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
     found = random_case(seed)
     clearance = found.clearance
     assert clearance.certified == (clearance.certificate is not None)
-    if clearance.certificate is None:
-        return
+    assume(clearance.certificate is not None)
     assert not clearance.contacts
     if len(found.obstacles):
         assert found.distances.min() > clearance.distance - 1e-9

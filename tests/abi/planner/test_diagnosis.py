@@ -7,7 +7,7 @@ from typing import Any
 import networkx
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
@@ -83,12 +83,11 @@ def walls_with_a_gap(draw: st.DrawFn) -> Scene:
 
 
 @pytest.mark.slow
-@settings(max_examples=15, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15)
 @given(walls_with_a_gap())
 def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> None:
     made = plan(scene)
-    if not isinstance(made.error, NoPath):
-        return
+    assume(isinstance(made.error, NoPath))
     _, found = reason_of(scene)
 
     if found.change is None or found.obstacle is not None:
@@ -241,7 +240,7 @@ def test_the_obstacle_that_shuts_the_way_is_named() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25)
 @given(
     start=points,
     goal=points,
@@ -262,8 +261,7 @@ def test_a_blocked_end_is_told_the_nearest_free_point(
         }
     )
     made = plan(scene)
-    if not isinstance(made.error, PointBlocked):
-        return
+    assume(isinstance(made.error, PointBlocked))
     _, found = reason_of(scene)
     slack = scene.workspace.slack
     ends = {"start": np.array(scene.start), "goal": np.array(scene.goal)}
@@ -308,8 +306,7 @@ def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: 
     )
     point = np.array(place)
     distance = float(ObstacleSet(scene.obstacles).nearest(point[None])[0][0])
-    if distance >= margin:
-        return
+    assume(distance < margin)
     none = np.zeros((0, 3))
     found = nearest_free_point(ObstacleSet(scene.obstacles), scene.workspace, point, margin, none)
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, given, reject, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
@@ -108,7 +108,7 @@ def numbered(made: TetMesh, edges: IntArray) -> IntArray:
 
 
 @pytest.mark.slow
-@settings(max_examples=150, suppress_health_check=list(HealthCheck))
+@settings(max_examples=70, suppress_health_check=list(HealthCheck))
 @given(cases(), st.booleans())
 def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> None:
     made, solids, margin, clearance, start, goal = case
@@ -117,7 +117,7 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
         try:
             found = build_graph(free, solids, margin, start, goal, clearance)
         except StageError:
-            return
+            reject()
     ends = np.array([start, goal])
     room = np.minimum(solids.nearest(ends)[0] - TIE, margin)
     expected, ties = map(pairs, explicit(made, solids, margin))
@@ -181,7 +181,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
 
 
 @pytest.mark.slow
-@settings(max_examples=70, suppress_health_check=list(HealthCheck))
+@settings(max_examples=35)
 @given(cases(), st.sampled_from(["length", "hops"]), st.booleans())
 def test_the_searches_find_what_scipy_finds_in_the_table(
     case: Any, weight: Weight, compiled: bool
@@ -192,7 +192,7 @@ def test_the_searches_find_what_scipy_finds_in_the_table(
         try:
             found = build_graph(free, solids, margin, start, goal, clearance)
         except StageError:
-            return
+            reject()
         expected = shortest(found, weight)
         edges = pairs(found.edges)
         for search_ in SEARCHES.values():
