@@ -33,11 +33,10 @@ class Card:
     chosen: bool = False
 
 
-def cards(widget: viser.GuiDropdownHandle[str], entries: Iterable[Card], height: str = "") -> str:
-    """HTML of cards that set ``widget``; of more than a ``height``, a CSS length, they scroll."""
+def cards(widget: viser.GuiDropdownHandle[str], entries: Iterable[Card], few: bool = False) -> str:
+    """HTML of cards that set ``widget``; of which only a ``few`` are seen at once, if asked."""
     content = "".join(_card(page.uuid(widget), entry) for entry in entries)
-    style = f' style="max-height:{height};overflow-y:auto"' if height else ""
-    return f'<div class="abi-cards"{style}>{content}</div>'
+    return f'<div class="abi-cards{" abi-few" if few else ""}">{content}</div>'
 
 
 def _card(uuid: str, card: Card) -> str:

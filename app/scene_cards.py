@@ -13,7 +13,7 @@ _SENTENCE = re.compile(r"(?<=[.!?]) ")
 
 
 def scene_cards(chosen: str) -> list[Card]:
-    """A card of each shipped scene, of which one is ``chosen``."""
+    """A card of each shipped scene, the ``chosen`` one first."""
     return [
         Card(
             name,
@@ -22,7 +22,7 @@ def scene_cards(chosen: str) -> list[Card]:
             assets.path("pictures", "scenes", f"{name}.webp"),
             name == chosen,
         )
-        for name in scene_names()
+        for name in sorted(scene_names(), key=lambda name: name != chosen)
     ]
 
 

@@ -22,8 +22,6 @@ from app.scene_cards import scene_cards
 
 _OPENED = " (opened)"
 """Behind the name of a file that is called as a shipped scene."""
-_HEIGHT = "185px"
-"""Of the list of scenes: three of them are seen at once."""
 _FOLDER = re.compile(r"^.*[/\\]")
 _ENDING = re.compile(r"\.(ya?ml|json|zip)$", re.IGNORECASE)
 _UNFIT = re.compile(r"[^\w.]+")
@@ -87,7 +85,7 @@ class FilesPanel:
         """Show what the scenes are about, once there is time, and which one is chosen."""
         if self._shown != self.name and not (frame.interactive or frame.partial):
             self._shown = self.name
-            self._cards.content = cards(self.choice, scene_cards(self.name), height=_HEIGHT)
+            self._cards.content = cards(self.choice, scene_cards(self.name), few=True)
 
     @property
     def name(self) -> str:

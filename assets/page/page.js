@@ -669,6 +669,7 @@ body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-par
 }
 /* a search that is stepped through: its legend, rings around nodes, and the node that is pointed at */
 #abi-overlay .abi-legend { display: flex; flex-wrap: wrap; gap: 2px 14px; align-self: flex-start; font-size: 13px; }
+#abi-overlay [data-part=lecture] .abi-legend span { width: auto; }
 #abi-overlay.abi-lecture .abi-legend { font-size: inherit; }
 .abi-disc { display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 4px; }
 .abi-ring { width: 7px; height: 7px; border: 2px solid light-dark(#111, #fff); margin-right: 4px; vertical-align: -1px; }
@@ -684,7 +685,11 @@ body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-par
 .abi-node td:last-child { padding: 0; text-align: right; }
 .abi-table tr.abi-pointed { background: color-mix(in srgb, #1f84d6 22%, transparent); }
 .abi-table tr:has([data-place]) { cursor: pointer; }
-/* lists of lessons and scenes */
+/* lists of lessons and scenes; of scenes the one chosen is seen, where there is room two more */
+.abi-cards.abi-few { max-height: 150px; overflow-y: auto; }
+@media (max-height: 880px) { .abi-cards.abi-few { max-height: 58px; } }
+/* on a small laptop the tab would scroll for it */
+@media (max-height: 760px) and (min-width: 601px) { .abi-cards.abi-few { display: none; } }
 .abi-cards { margin: 0 8px 6px; display: grid; gap: 4px; scrollbar-width: thin; }
 .abi-cards button {
   display: grid; grid-template-columns: 84px 1fr; gap: 9px; align-items: center; text-align: left; width: 100%;
