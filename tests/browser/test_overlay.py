@@ -126,8 +126,8 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
 
 def test_what_this_is_can_be_read_at_any_time(page: Page) -> None:
     page.click("What is this?")
-    page.reads("A robot arm is to bring its tool from start to goal")
+    page.reads("A robot arm is to bring its tool tip from start to goal")
     paper = "A Hybrid Method for Constructing Optimal Motion Path for Robot Manipulators"
     assert paper in " ".join(page.text().split())
     page.tab.keyboard.press("Escape")
-    page.until(lambda: "is to bring its tool" not in page.text(), "the sheet to close")
+    page.until(lambda: "is to bring its tool tip" not in page.text(), "the sheet to close")
