@@ -12,9 +12,10 @@ A d + B e of where it is at x; there n·y >= min(n·a, n·b), and for z in O n·
 The piece lies in the convex hull of its Bézier points, so d is the largest distance of these from
 x. If no direction separates a capsule from an obstacle, both halves of the piece are tried.
 One direction separates as many triangles of a mesh as lie beyond it.
-Rounding: the elbow is computed with errors of some 100 u S / sin q3, S being the largest
-coordinate; an extra 2^-40 S (1 + 1 / sin q3) is required. :mod:`abi.verify.verify` checks the
-directions in exact arithmetic.
+Rounding: the tool is computed with the errors of the curve's pieces, and the elbow with L times
+those, L being its rate and S the largest coordinate; an extra 2^-40 S (1 + L) is required.
+:mod:`abi.verify.verify` checks the directions in exact arithmetic, and
+``tests/abi/test_proof_constants.py`` derives the number.
 """
 
 from __future__ import annotations

@@ -36,7 +36,14 @@ from abi.arm.separate_arm_kernels import (
     level_at_ends,
     stance_near,
 )
-from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Span, separate_pairs
+from abi.arm.separate_pairs_kernels import (
+    ALLOWANCE,
+    FINEST,
+    LONGER,
+    Lists,
+    Span,
+    separate_pairs,
+)
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import NO_PLANE, REFUTED
@@ -142,7 +149,7 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
         start, end, lowest, highest = pending[at]
         at += 1
         middle = axpy((start + end) / 2, way, first)
-        farthest = (1 + 2.0**-40) * (end - start) / 2 * length
+        farthest = LONGER * (end - start) / 2 * length
         if not reaches(arm, middle, forearm):
             return False
         pose = pose_of(arm, middle, forearm)

@@ -28,7 +28,15 @@ from abi.arm.pose_kernels import (
     reaches,
     shoulder_holds,
 )
-from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, Span, separate_pairs
+from abi.arm.separate_pairs_kernels import (
+    ALLOWANCE,
+    FINEST,
+    LONGER,
+    Lists,
+    Moving,
+    Span,
+    separate_pairs,
+)
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
@@ -130,7 +138,7 @@ def level_at_ends(near: tuple[ArmTable, Stance], capsule: Moving, way: Vec3) -> 
 @jitable(forceinline=True)
 def allowance_of(around: Obstacles, rates: Rates) -> float:
     """Room for rounding, [unit]."""
-    return ALLOWANCE * around.size * (1.0 if math.isinf(rates.slide) else 1 + rates.slide)
+    return ALLOWANCE * around.size * (1.0 if math.isinf(rates.elbow) else 1 + rates.elbow)
 
 
 @jitable(forceinline=True)
@@ -139,7 +147,7 @@ def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
     farthest = 0.0
     for i in range(3 * piece.first, 3 * piece.last, 3):
         farthest = max(farthest, distance(middle, vec3_at(points, i)))
-    return farthest * (1 + 2.0**-40)
+    return farthest * LONGER
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NO_ARM, NO_OBSTACLES, NO_SLIDE, 9))

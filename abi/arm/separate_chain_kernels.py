@@ -32,7 +32,9 @@ from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at
 
-_WIDER = 1 + 2.0**-28  # of ways: the check takes the chain's matrices for rotations only nearly
+WIDER = 1 + 2.0**-36
+"""Factor of how far a link moves: its levers are rounded, and the chain's matrices are nearly
+rotations."""
 
 
 class Bodies(NamedTuple):
@@ -184,7 +186,7 @@ def _apart(
     moves = 0.0
     for k in range(count):
         moves += bodies.pair_levers[pair * count + k] * ways[k]
-    moves *= _WIDER
+    moves *= WIDER
     way = between_segments(q, sub(b, q), p, sub(a, p))
     away = math.sqrt(dot(way, way))
     radii = bodies.radii[i] + bodies.radii[j]
@@ -205,7 +207,7 @@ def _capsule_of(near: tuple[Bodies, FloatArray, FloatArray], c: int) -> Moving:
     for j in range(len(ways)):
         moves += bodies.levers[c * len(ways) + j] * ways[j]
     first, last = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
-    return Moving(c, first, last, bodies.radii[c], moves * _WIDER, math.inf)
+    return Moving(c, first, last, bodies.radii[c], moves * WIDER, math.inf)
 
 
 @jitable(forceinline=True)

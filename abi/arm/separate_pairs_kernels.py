@@ -17,7 +17,9 @@ from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body
 from abi.obstacles.vector_kernels import Vec3, dot, sub
 
 ALLOWANCE = 2.0**-40
-"""Part of the largest coordinate, for each place computed."""
+"""Rounding of each place computed, as a part of the largest coordinate."""
+LONGER = 1 + 2.0**-50
+"""Factor of a distance between places that makes up for its rounding."""
 FINEST = 2.0**-26
 """Part of the largest coordinate: pieces with a smaller way are not halved."""
 

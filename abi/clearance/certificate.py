@@ -14,11 +14,11 @@ above m + e, pieces smaller than e are separated, so this ends; halving stops at
 largest coordinate, and what is then left is undecided, which counts as not certified.
 
 Rounding. With u = 2^-53, S the sum of the largest coordinates of curve and obstacle, p the degree
-and k the halvings: turning into the body frame and the direction back take at most 200 u S, the
-Bézier points 16 p u S, each halving 12 p u S, the products and the support 20 u S, and abs(n) is
-within 60 u of 1. A piece is separated when that much more than m is found: so the claim holds for
+and k the halvings: turning into the body frame and the direction back, the products and the
+support take at most 128 u S, the Bézier points 16 p u S, each halving 12 p u S, and abs(n) is
+within 64 u of 1. A piece is separated when that much more than m is found: so the claim holds for
 the curve, the obstacles and the directions as the numbers say, in exact arithmetic.
-:mod:`abi.verify.verify` checks that.
+:mod:`abi.verify.verify` checks that, and ``tests/abi/test_proof_constants.py`` derives the numbers.
 """
 
 from __future__ import annotations

@@ -23,8 +23,18 @@ MOST_HALVINGS = 48
 FINEST = 2.0**-36
 """Pieces smaller than this part of the largest coordinate are not halved."""
 
-_UNIT = 2.0**-53
-TINY = 1e-140  # squares of anything smaller lose digits
+UNIT = 2.0**-53
+"""Largest rounding error of one operation, as a part of its result."""
+PER_SIZE = 128
+"""Rounding of a separation, in units of ``UNIT`` times the coordinates: what is always there."""
+PER_DEGREE = 16
+"""The same for each degree: of the Bézier points."""
+PER_HALVING = 12
+"""The same for each degree and halving."""
+PER_MARGIN = 64
+"""The same in units of ``UNIT`` times the margin: normals are nearly of length 1."""
+TINY = 2.0**-510
+"""Length from which on a direction can be trusted: squares of shorter ones lose digits."""
 
 
 class Piece(NamedTuple):
@@ -86,7 +96,8 @@ def table_of(planes: list[Plane]) -> FloatArray:
 @jitable
 def allowance_of(scale: float, degree: int, halvings: int, margin: float) -> float:
     """Rounding error of a separation, [unit]: see ``abi.clearance.certificate``."""
-    return _UNIT * ((256 + 16 * degree + 12 * degree * halvings) * scale + 64 * abs(margin))
+    per_scale = PER_SIZE + (PER_DEGREE + PER_HALVING * halvings) * degree
+    return UNIT * (per_scale * scale + PER_MARGIN * abs(margin))
 
 
 @jitable

@@ -25,7 +25,7 @@ _BITS = 200
 _ONE = 1 << _BITS
 _LARGEST_ANGLE = 64
 _NEARLY = Fraction(1, 1 << 45)
-WIDER = 1 + Fraction(1, 1 << 30)
+WIDER = 1 + Fraction(3, 1 << 38)
 """Bound of how much nearly-rotations may lengthen a vector over a whole chain."""
 
 Exact = NDArray[np.object_]  # of exact numbers, such as a matrix in 2^-200

@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.verify.exact import Vec3, dot, in_body, sub, times_length, vector
 
-_ROUNDING = 2.0**-48  # of the sum of the products' magnitudes: over ten times what can occur
-_SMALLEST = 1e-300  # and over what is lost where products are too small for their digits
+_ROUNDING = 2.0**-50
+"""Rounding of a sum of products, as a part of the sum of their magnitudes."""
+_SMALLEST = 2.0**-1073
+"""What is lost where products are too small for their digits, for each factor and for all."""
 
 Side = tuple[Fraction, Fraction, Vec3, Fraction]
 """First and last parameter of a piece, a direction, and its least product with the piece."""
@@ -77,7 +79,8 @@ class ExactMesh:
         corners = np.unique(self.faces[rows])
         points = self.vertices[corners]
         products = points @ rounded
-        error = _ROUNDING * (np.abs(points) @ np.abs(rounded) + abs(float(limit))) + _SMALLEST
+        error = _ROUNDING * (np.abs(points) @ np.abs(rounded) + abs(float(limit)))
+        error += _SMALLEST * (1 + np.abs(points).sum(axis=1))
         below = products + error < float(limit)
         for k in np.flatnonzero(~below & (products - error < float(limit))):
             below[k] = dot(vector(points[k].tolist()), direction) < limit

@@ -14,6 +14,8 @@ from fractions import Fraction
 from abi.verify.exact import ExactCurve, dot, sub
 from abi.verify.interval import Interval, enclose, rounded
 
+_MOVED = Fraction(1, 1 << 59)
+"""How much longer or shorter a step may be whose ends were rounded, [unit]."""
 _PARTS = 64  # of each polynomial; with 16, one right proof of forty was refused
 
 
@@ -82,11 +84,10 @@ def moving(curve: ExactCurve, timing: ExactTiming, q5: Fraction, rate: Fraction)
             b = span.start + (span.end - span.start) * (part + 1) / _PARTS
             points = [rounded(point) for point in span.points(a, b)]
             steps = [sub(q, p) for p, q in itertools.pairwise(points)]
-            # rounding a point moves it by less than 2^-59
             chord = sub(points[-1], points[0])
-            low += max(enclose(dot(chord, chord)).sqrt().low - Fraction(1, 1 << 58), Fraction(0))
+            low += max(enclose(dot(chord, chord)).sqrt().low - _MOVED, Fraction(0))
             high += sum((enclose(dot(step, step)).sqrt().high for step in steps), Fraction(0))
-            high += Fraction(len(steps), 1 << 58)
+            high += len(steps) * _MOVED
             time = timing.at(Interval(low, high))
             parameters.append(b)
             squared = time.times(time)

@@ -1,0 +1,153 @@
+"""Tolerances of the verifier: what it lets pass is let pass, and a little more is not."""
+
+from __future__ import annotations
+
+import copy
+import importlib
+import json
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+from typing import Any, NamedTuple
+
+import pytest
+
+from abi import load_scene, plan
+from abi.arm.separate_chain_kernels import separate_chain
+from abi.planner.planner import Planner
+from abi.verify import tool_path
+from abi.verify.arm_capsules import capsules_of
+from abi.verify.exact import exact_spline, vector
+from abi.verify.exact_arm import ExactArm
+from abi.verify.exact_chain import exact_chain
+from abi.verify.fault import Fault
+from abi.verify.verify import verify
+
+Data = dict[str, Any]
+
+
+@cache
+def _of_paper() -> Data:
+    data: Data = json.loads(json.dumps(plan(load_scene("paper")).to_dict()))
+    return data
+
+
+@cache
+def _of_urdf() -> Data:
+    separate_chain.compile()
+    scene = load_scene("kitchen-ur5e")
+    planned = Planner()(scene.replace(obstacles=scene.obstacles[:1]))
+    data: Data = json.loads(json.dumps(planned.to_dict()))
+    return data
+
+
+def is_proven(data: Data, name: str) -> bool:
+    return next(one for one in verify(data) if one.curve == name).proven
+
+
+def ends(part: float) -> bool:
+    """Whether a curve may begin so far from the start, in 1e-9 of the largest coordinate."""
+    scene = load_scene("paper")
+    x, y, z = scene.start
+    largest = max(map(abs, (*scene.workspace.min, *scene.workspace.max)))
+    first, last = vector((x + part * 1e-9 * largest, y, z)), vector(scene.goal)
+    knots = [Fraction(number) for number in (0, 0, 1, 1)]
+    try:
+        tool_path.check_ends(exact_spline(1, knots, [first, last]), scene)
+    except Fault:
+        return False
+    return True
+
+
+def margin(part: float) -> bool:
+    """Whether a curve may be called certified that misses the clearance by parts of 1e-9."""
+    data = copy.deepcopy(_of_paper())
+    claimed = data["scene"]["spline"]["clearance"] - part * 1e-9
+    data["bspline"]["certificate"]["margin"] = data["bspline"]["clearance"] = claimed
+    assert data["bspline"]["certified"]
+    return is_proven(data, "bspline")
+
+
+def tool(part: float) -> bool:
+    """Whether the tool may be beside the curve by parts of 1e-7 of the arm's length."""
+    data = copy.deepcopy(_of_paper())
+    arm = data["scene"]["arm"]
+    length = arm["a3"] + arm["a4"] + arm["a5"]
+    q1, q2, q3 = data["arm"]["positions"][0][:3]
+    out = arm["a3"] * math.sin(q2) + (length - arm["a3"]) * math.sin(q2 + q3)
+    # what counts is the largest of the coordinates' errors
+    across = abs(out) * max(abs(math.sin(q1)), abs(math.cos(q1)))
+    data["arm"]["positions"][0][0] += part * 1e-7 * length / across
+    return is_proven(data, "arm")
+
+
+def end_of_chain(part: float) -> bool:
+    """Whether a URDF arm's tool may miss the start by parts of 1e-5 of the chain's length."""
+    data = copy.deepcopy(_of_urdf())
+    scene = load_scene("kitchen-ur5e")
+    chain = exact_chain(scene.arm.robot, scene.arm.tool, scene.arm.base, 1, scene.arm.base_wxyz)
+    length = float(sum(sum(map(abs, origin)) for _, origin in chain.origins[1:]))
+    data["scene"]["start"][0] += part * 1e-5 * length
+    return is_proven(data, "arm")
+
+
+def past_limit(part: float) -> bool:
+    """Whether a joint may be past its limit by parts of 1e-9, about an axis that moves nothing."""
+    data = copy.deepcopy(_of_urdf())
+    limit = 2 * math.pi
+    for rows in (data["arm"]["positions"], data["arm"]["certificate"]["positions"]):
+        for row in rows:
+            row[-1] = limit + part * 1e-9
+    return is_proven(data, "arm")
+
+
+def seam(part: float) -> bool:
+    """Whether capsules may leave a gap of parts of a 50th of the column."""
+    certificate = copy.deepcopy(_of_paper()["arm"]["certificate"])
+    arm = ExactArm(vector((0, 0, 0)), Fraction(3), Fraction(6), Fraction(11, 2), 1)
+    column = [one for one in certificate["capsules"] if one["body"] == "column"]
+    others = [one for one in certificate["capsules"] if one["body"] != "column"]
+    for one in others:
+        one["low"], one["high"], one["radius"] = 0.0, 6.0, 0.1
+        one["neighbour"] = one["grips"] = False
+    for one in column:
+        one["low"], one["high"], one["radius"] = 0.5, 1.0, 0.5
+    column[-1]["low"], column[-1]["high"] = 2.0 + part * 3 / 50, 3.0
+    try:
+        capsules_of({"capsules": [*column, *others]}, arm)
+    except Fault:
+        return False
+    return True
+
+
+class Tolerance(NamedTuple):
+    """A tolerance of the verifier, and a test that lets pass so many parts of it."""
+
+    module: str
+    name: str
+    lets_pass: Callable[[float], bool]
+
+
+TOLERANCES = [
+    Tolerance("tool_path", "_ROUNDING", ends),
+    Tolerance("verify_curve", "_TOUCH", margin),
+    Tolerance("tool_path", "_REACHED", tool),
+    Tolerance("verify_chain", "_REACHED", end_of_chain),
+    Tolerance("verify_chain", "_PAST", past_limit),
+    Tolerance("arm_capsules", "_GAP", seam),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("one", TOLERANCES, ids=lambda one: f"{one.module} {one.name}")
+def test_a_tolerance_is_what_it_says(one: Tolerance, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert one.lets_pass(0.75)
+    assert not one.lets_pass(1.5)
+    module = importlib.import_module(f"abi.verify.{one.module}")
+    value = getattr(module, one.name)
+    for part in (Fraction(1, 2), Fraction(0)):
+        monkeypatch.setattr(module, one.name, part * value)
+        assert not one.lets_pass(0.75)
+    monkeypatch.setattr(module, one.name, 2 * value)
+    assert one.lets_pass(1.5)
