@@ -27,7 +27,7 @@ from abi.obstacles.primitive_kernels import (
     segment_within,
     signed_distance,
 )
-from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, norm, sub
+from abi.obstacles.vector_kernels import Vec3, axpy, cross, distance, dot, norm, sub
 from abi.taut.geodesic_box_kernels import LengthBound, around_box
 
 _SAMPLES = 65  # of the straight line and of a bar's axis, for balls that bound
@@ -38,6 +38,9 @@ _PRISMS = 4  # square prisms inscribed in a cylinder, at even angles
 def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
     """Length of the shortest path around a ball at the origin: two tangents and an arc.
 
+    Angles are those of tangents, not cosines: near 0 and a half turn these have lost half of their
+    digits.
+
     Args:
         radius: of the ball, [unit].
         start: not inside the ball.
@@ -47,11 +50,12 @@ def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
     straight = distance(start, goal)
     if radius <= 0 or a <= radius or b <= radius:
         return straight
-    cosine = dot(start, goal) / (a * b)
-    arc = math.acos(max(-1.0, min(1.0, cosine))) - math.acos(radius / a) - math.acos(radius / b)
+    before, after = math.sqrt((a - radius) * (a + radius)), math.sqrt((b - radius) * (b + radius))
+    arc = math.atan2(norm(cross(start, goal)), dot(start, goal))
+    arc -= math.atan2(before, radius) + math.atan2(after, radius)
     if arc <= 0:
         return straight
-    return math.sqrt(a * a - radius**2) + math.sqrt(b * b - radius**2) + radius * arc
+    return before + after + radius * arc
 
 
 @jitable
@@ -68,8 +72,8 @@ def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> LengthBou
     if a < radius or b < radius:
         return max(ends, straight), False
     separation = abs(math.atan2(start[1], start[0]) - math.atan2(goal[1], goal[0]))
-    before, after = math.sqrt(a * a - radius**2), math.sqrt(b * b - radius**2)
-    unseen = math.acos(radius / a) + math.acos(radius / b)
+    before, after = math.sqrt((a - radius) * (a + radius)), math.sqrt((b - radius) * (b + radius))
+    unseen = math.atan2(before, radius) + math.atan2(after, radius)
     rise = goal[2] - start[2]
     best = math.inf
     for angle in (separation, 2 * math.pi - separation):

@@ -15,7 +15,9 @@ from abi.obstacles.pose import Vec3
 from abi.scene.settings import Workspace
 from abi.taut import geodesic_kernels as kernels
 
-_ROUND_DOWN = 1 - 1e-15  # a length rounded to nearest is no bound
+_ROUND_DOWN = 1 - 2.0**-51  # a length rounded to nearest is no bound
+_ROUNDING = 2.0**-45
+"""Rounding of a length around a solid, as a part of the coordinates."""
 _SAMPLES = 65  # of the straight line, for balls that bound
 
 
@@ -70,11 +72,12 @@ def lower_bound(
     longest = float(bounds.max(initial=0.0))
     if longest == 0:
         return Bound(straight, True)
-    length = max(_ROUND_DOWN * longest, straight)
+    low, high = (corners[obstacles.rows] for corners in obstacles.bounds)
+    size = float(np.abs(ends).max() + max(np.abs(low).max(), np.abs(high).max())) + clearance
+    length = max(longest - _ROUNDING * size, straight)
     best = int(bounds.argmax())
     if best >= len(exact) or not exact[best]:
         return Bound(length, False)
-    low, high = (corners[obstacles.rows] for corners in obstacles.bounds)
     inside = (low[best] - margin >= workspace.min).all() and (
         high[best] + margin <= workspace.max
     ).all()

@@ -19,7 +19,7 @@ from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.scene.settings import Workspace
 from abi.taut.free_space_kernels import FreeSpace
-from abi.taut.geodesic_kernels import solid_bounds
+from abi.taut.geodesic_kernels import around_ball, solid_bounds
 from abi.taut.lower_bound import Bound, lower_bound
 from abi.taut.obstacle_edges import obstacle_edges
 from abi.taut.taut_kernels import taut_paths
@@ -338,3 +338,19 @@ def test_no_certified_way_among_several_obstacles_is_shorter_than_the_bound() ->
     # Otherwise the scenes would have tested nothing.
     assert exact >= 3
     assert bounded >= 10
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_around_a_ball_there_is_no_shorter_way_than_the_bound(seed: int) -> None:
+    """Down to the ball, around and up again: as short as any way where both ends nearly touch."""
+    random = np.random.default_rng(seed)
+    up, other = random.normal(size=(2, 3))
+    up /= np.linalg.norm(up)
+    down = -up + 10 ** random.uniform(-12, 0) * other
+    down /= np.linalg.norm(down)
+    start, goal = (end * (1 + 10 ** random.uniform(-15, -6)) for end in (up, down))
+    heights = np.linalg.norm([start, goal], axis=1)
+    assume((heights > 1).all())
+    angle = math.atan2(np.linalg.norm(np.cross(start, goal)), start @ goal)
+    around = float(heights.sum()) - 2 + angle
+    assert around_ball(1.0, tuple(start.tolist()), tuple(goal.tolist())) <= around + 1e-14
