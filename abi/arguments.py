@@ -66,7 +66,7 @@ def within(
     array = numbers(name, values, shape)
     if array.size and not low <= array.min() <= array.max() <= high:
         wrong = array.min() if array.min() < low else array.max()
-        raise ArgumentError(f"one of {name}", float(wrong), f"a number from {low:g} to {high:g}")
+        raise ArgumentError(f"one of {name}", float(wrong), f"a number{_range(low, high)}")
     return array
 
 
@@ -79,6 +79,14 @@ def one_or_each(name: str, values: ArrayLike, count: int, infinite: bool = False
     """Return an array (count,) of one number for all or of one for each; see :func:`numbers`."""
     shape = () if _dimensions(values) == 0 else (count,)
     return np.broadcast_to(numbers(name, values, shape, infinite), (count,))
+
+
+def polyline(name: str, values: ArrayLike) -> FloatArray:
+    """Return vertices (k, 3), k >= 2, of a polyline; a single point is a segment of length 0."""
+    vertices = points(name, values)
+    if not len(vertices):
+        raise ArgumentError(name, [], "one point or more")
+    return vertices if len(vertices) > 1 else np.repeat(vertices, 2, axis=0)
 
 
 def ids(name: str, values: ArrayLike, shape: tuple[int, ...], count: int) -> IntArray:
@@ -99,7 +107,8 @@ def bits(
 ) -> IntArray:
     """Return whole numbers from ``low`` to ``high`` as int32 in C order; see :func:`ids`."""
     array = _of_shape(name, values, shape, "iu", "integers")
-    if array.size:
+    whole_range = (low, high) == (-LARGEST_ID - 1, LARGEST_ID)
+    if array.size and not (whole_range and array.dtype == np.int32):
         least, largest = int(array.min()), int(array.max())
         if least < low or largest > high:
             wrong = least if least < low else largest
@@ -125,9 +134,7 @@ def number(
     Raises:
         ArgumentError: no real number, out of range, or not finite unless that is allowed.
     """
-    wanted = "a number" if infinite else "a finite number"
-    if low > -math.inf or high < math.inf:
-        wanted += f" from {low:g} to {high:g}"
+    wanted = ("a number" if infinite else "a finite number") + _range(low, high)
     if isinstance(value, bool | np.bool_ | str | bytes | np.ndarray):
         raise ArgumentError(name, value, wanted)
     try:
@@ -187,6 +194,13 @@ def _of_shape(
         given = _Described(f"an array of shape {array.shape} and type {array.dtype}")
         raise ArgumentError(name, given, expected)
     return array
+
+
+def _range(low: float, high: float) -> str:
+    """A range as the end of a sentence; empty if there is none."""
+    if high < math.inf:
+        return f" from {low:g} to {high:g}"
+    return f" of at least {low:g}" if low > -math.inf else ""
 
 
 def _dimensions(values: ArrayLike) -> int:

@@ -17,6 +17,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from abi import arguments
 from abi.arm import arm_links, capsule_kernels
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
@@ -173,7 +174,8 @@ def forward(arm: Arm, positions: FloatArray) -> FloatArray:
     Returns:
         Tool positions, shape (n, 3), [unit], world.
     """
-    q1, q2, q3, _, q5, _ = np.asarray(positions, dtype=float).T
+    positions = arguments.numbers("positions", positions, (-1, 6))
+    q1, q2, q3, _, q5, _ = positions.T
     a6 = arm.forearm(q5)
     r = arm.a3 * np.sin(q2) + a6 * np.sin(q2 + q3)
     z = arm.a1 + arm.a2 + arm.a3 * np.cos(q2) + a6 * np.cos(q2 + q3)
@@ -190,9 +192,11 @@ def place(arm: Arm, positions: FloatArray) -> FloatArray:
     Returns:
         Shape (n, c, 2, 3), [unit], world; capsules in the order of ``arm.capsules``.
     """
+    positions = arguments.numbers("positions", positions, (-1, 6))
     ends = np.empty((len(positions), len(arm.capsules), 2, 3))
-    joints = flat(np.asarray(positions, dtype=float))
-    capsule_kernels.place_capsules(joints, arm.numbers(), arm.capsule_rows, ends.reshape(-1))
+    capsule_kernels.place_capsules(
+        flat(positions), arm.numbers(), arm.capsule_rows, ends.reshape(-1)
+    )
     return ends
 
 

@@ -9,6 +9,7 @@ from typing import Literal, Self
 
 import numpy as np
 
+from abi import arguments
 from abi.arm import leg_kernels, mask_kernels, place_tree_kernels
 from abi.arm.arm import JOINTS, Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
@@ -71,7 +72,7 @@ class ArmSight:
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
-        vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
+        vertices = arguments.polyline("points", points)
         count = len(vertices) - 1
         legs = np.stack([vertices[:-1], vertices[1:]], axis=1)
         breaks = read_only(np.arange(count + 1, dtype=float))
@@ -94,6 +95,7 @@ class ArmSight:
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""
+        point = arguments.numbers("point", point, (3,))
         extensions = np.array(self.extensions)
         places, still = np.stack([point, point]), np.zeros((2, 3))
         found = solve(self.arm, places, extensions, self.elbow, still)
@@ -109,12 +111,14 @@ class ArmSight:
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
         """Check if the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
+        points = arguments.polyline("points", points)
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
         leg_kernels.clear_legs(flat(points), self.legs, clear)
         return clear
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Check whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
+        points = arguments.points("points", points)
         reached = np.zeros(len(points), dtype=np.bool_)
         mask_kernels.reached_places(flat(points), self.legs.table.numbers, *self._forearm, reached)
         return reached & ~self._touching(

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.chain import Chain
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.robot.bounding_capsules import bounding_capsules
@@ -139,6 +140,8 @@ def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:
     The least distance is at one of the four ends or where the lines come nearest (Ericson,
     Real-Time Collision Detection, section 5.1.9).
     """
+    first = arguments.numbers("first", first, (-1, 2, 3))
+    second = arguments.numbers("second", second, first.shape)
     p, q = first[:, 0], second[:, 0]
     d, e = first[:, 1] - p, second[:, 1] - q
     a, b, c = (np.einsum("ij,ij->i", u, v) for u, v in ((d, d), (d, e), (e, e)))

@@ -24,6 +24,7 @@ import math
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm.chain_kernels import ChainTable
 from abi.arm.separate_chain_kernels import Bodies, separate_chain
@@ -32,6 +33,7 @@ from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
+from abi.errors import ArgumentError
 
 MOST_TRIES = 200_000
 
@@ -82,6 +84,10 @@ def chain_refutation(
 def _task(
     arm: UrdfArm, positions: FloatArray, surroundings: Surroundings, margin: float
 ) -> tuple[ChainTable, Bodies, FloatArray, Obstacles]:
+    positions = arguments.numbers("positions", positions, (-1, len(arm.scales)))
+    if len(positions) < 2:
+        raise ArgumentError("number of positions", len(positions), "2 or more")
+    margin = arguments.number("margin", margin, 0.0, math.inf)
     coordinates = flat(positions / arm.scales)
     return arm.chain.table, arm.bodies, coordinates, surroundings.beyond(margin)
 

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.link_distance_kernels import link_distances, pair_distances
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray, IntArray, flat
@@ -27,6 +28,7 @@ def obstacle_distances(
         Distances (k, c), [unit], inf without obstacles; and numbers of the obstacles, -1 where the
         distance is inf.
     """
+    ends = arguments.numbers("ends", ends, (-1, len(arm.capsules), 2, 3))
     shape = ends.shape[:2]
     distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
     if obstacles.meshes:
@@ -40,6 +42,7 @@ def obstacle_distances(
 
 def own_distances(arm: UrdfArm, ends: FloatArray) -> FloatArray:
     """Signed distances between the links of ``arm.pairs``, (k, p), [unit]."""
+    ends = arguments.numbers("ends", ends, (-1, len(arm.capsules), 2, 3))
     distance = np.empty((len(ends), len(arm.pairs)))
     pair_distances(flat(ends), arm.radii, arm.bodies.pairs, distance.reshape(-1))
     return distance
@@ -50,6 +53,7 @@ def floor_distances(arm: UrdfArm, floor: float, ends: FloatArray) -> FloatArray:
 
     Inf for links that stand still and for the first one that moves, which may touch the floor.
     """
+    ends = arguments.numbers("ends", ends, (-1, len(arm.capsules), 2, 3))
     heights = ends[..., 2].min(axis=2) - arm.radii - floor
     resting = [one.frame < 1 for one in arm.capsules]
     heights[:, resting] = np.inf

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.arm_certificate import ArmRefutation
 from abi.arm.arm_model import Unreached
 from abi.arm.chain_certificate import MOST_TRIES as CURVE_TRIES
@@ -78,15 +79,16 @@ class ChainSight:
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
-        begin = self.stances.near(points[0])
+        vertices = arguments.polyline("points", points)
+        begin = self.stances.near(vertices[0])
         if begin is None:
             return ArmRefutation(0.0, -1, -1, True)
-        vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
         parameters, joints, missed = self._follow_polyline(vertices, begin)
         return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""
+        point = arguments.numbers("point", point, (3,))
         begin = self.stances.near(point)
         if begin is None:
             return None
@@ -107,6 +109,7 @@ class ChainSight:
         Each begins with the pose in which the one before ended; after one that is not clear, with
         the stance of the nearest node.
         """
+        points = arguments.polyline("points", points)
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
         pose: tuple[FloatArray, FloatArray] | None = None
         for k in range(len(clear)):

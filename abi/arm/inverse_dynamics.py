@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.chain import Chain
 from abi.arrays import FloatArray
 
@@ -54,6 +55,9 @@ def joint_torques(
         Shape (k, n), [N·m], for sliding joints forces [N]; the torque of a joint that others mimic
         includes theirs.
     """
+    positions = arguments.numbers("positions", positions, (-1, len(chain.names)))
+    speeds = arguments.numbers("speeds", speeds, positions.shape)
+    accelerations = arguments.numbers("accelerations", accelerations, positions.shape)
     table, bodies = chain.table, _bodies(chain)
     poses = chain.poses(positions)
     turns, origins = poses[..., :3], poses[..., 3]

@@ -19,6 +19,7 @@ from typing import Literal
 
 import numpy as np
 
+from abi import arguments
 from abi.arm import arm_kernels as kernels
 from abi.arm.arm import Arm
 from abi.arrays import FloatArray, flat, read_only
@@ -70,7 +71,10 @@ def solve(
     Returns:
         The joint positions; nothing is raised for points out of reach.
     """
-    offset = np.asarray(points, dtype=float) - arm.shoulder
+    points = arguments.points("points", points)
+    q5 = arguments.numbers("q5", q5, points.shape[:1])
+    tangents = arguments.numbers("tangents", tangents, points.shape)
+    offset = points - arm.shoulder
     forearm = arm.forearm(q5)
     rounding = 1e-13 * (
         float(np.abs(offset).max())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.inverse_dynamics import GRAVITY
 from abi.arm.trajectory import Trajectory
 from abi.arrays import FloatArray
@@ -43,5 +44,6 @@ def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) 
 
 def tilts(accelerations: FloatArray, unit: str) -> FloatArray:
     """Tilt of the surface at accelerations (n, 3) of the cup, [unit/s²], z up; (n,), [rad]."""
+    accelerations = arguments.points("accelerations", accelerations)
     x, y, z = accelerations.T * METRES[unit]
     return np.asarray(np.arctan2(np.hypot(x, y), GRAVITY + z))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.arm_model import Course
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.speed_profile import three_phase
@@ -19,6 +20,7 @@ from abi.curves.timed_profile import (
     from_squared_speeds,
     jerk_limited,
 )
+from abi.errors import ArgumentError
 from abi.scene.settings import MotionSettings
 
 _GRID = 3201
@@ -76,6 +78,9 @@ def _slowed(length: float, rates: tuple[float, float, float], factor: float) -> 
 
 def second_derivatives(positions: FloatArray, step: float) -> FloatArray:
     """Second differences of positions (k, n) in equal steps, k >= 3; at the ends as beside them."""
+    positions = arguments.numbers("positions", positions, (-1, -1))
+    if len(positions) < 3:
+        raise ArgumentError("number of positions", len(positions), "3 or more")
     inner = np.diff(positions, 2, axis=0) / step**2
     return np.concatenate([inner[:1], inner, inner[-1:]])
 

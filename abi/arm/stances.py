@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from abi import arguments
 from abi.arm import spread_kernels
 from abi.arm.chain import PULL
 from abi.arm.follow_path_kernels import Drift
@@ -45,6 +46,7 @@ class Stances:
 
     def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         """The stance nearest to a point (3,): its place and its joints; None if there is none."""
+        point = arguments.numbers("point", point, (3,))
         if np.array_equal(point, self.start):
             return self.start, self.first
         if not len(self._nodes):

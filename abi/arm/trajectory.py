@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from abi import arguments
 from abi.arm.arm import JOINTS, SLIDES, Arm, forward
 from abi.arm.arm_certificate import slide_bounds
 from abi.arm.inverse_kinematics import solve
@@ -93,9 +94,8 @@ class Trajectory(ShortRepr):
         Raises:
             ValueError: an order above 2.
         """
-        if order not in (0, 1, 2):
-            raise ValueError(f"order {order}: a trajectory has derivatives up to the second")
-        times = np.asarray(time, dtype=float)
+        order = arguments.integer("order", order, 0, 2)
+        times = arguments.number_or_numbers("time", time)
         parameter = self.arc.parameter(self.profile(times))
         if order == 0:
             return self.curve(parameter)
@@ -117,6 +117,7 @@ class Trajectory(ShortRepr):
         Returns:
             Each of shape (n, 3); [unit], 1 and [unit/s], world; the tangents are 0 for a point.
         """
+        time = arguments.numbers("time", time, (-1,))
         parameter = self.arc.parameter(self.profile(time))
         tangent = self._tangent(parameter)
         return self.curve(parameter), tangent, tangent * self.profile(time, 1)[:, None]

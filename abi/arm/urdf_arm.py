@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from abi import arguments
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
 from abi.arm.chain_capsules import (
@@ -127,6 +128,7 @@ class UrdfArm(ShortRepr):
 
     def place(self, positions: FloatArray) -> FloatArray:
         """Ends of the capsules' segments at joint positions (k, n), shape (k, c, 2, 3), [unit]."""
+        positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
         poses = self.chain.poses(positions / self.scales)
         return place(self.capsules, poses) / self.metres
 
@@ -162,6 +164,7 @@ class UrdfArm(ShortRepr):
 
     def tool(self, positions: FloatArray) -> FloatArray:
         """Position of the tip at joint positions (k, n), shape (k, 3), [unit], world."""
+        positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
         return np.asarray(self.chain.poses(positions / self.scales)[:, -1, :, 3] / self.metres)
 
     @property
@@ -175,6 +178,7 @@ class UrdfArm(ShortRepr):
         Poses in the middle of the joints' limits come first. If none reaches the point, the result
         is one that comes near it. Equal calls give equal poses, and the latest are remembered.
         """
+        point = arguments.numbers("point", point, (3,))
         return _first_poses(self, tuple(point.tolist()))[:most]
 
     def follow(
@@ -191,6 +195,10 @@ class UrdfArm(ShortRepr):
             Positions (k, n), and the distance by which each point is missed, (k,), [unit]; if the
             tip's direction is off by more, that angle times the arm's reach.
         """
+        start = arguments.numbers("start", start, self.scales.shape)
+        points = arguments.points("points", points)
+        if home is not None:
+            home = arguments.numbers("home", home, self.scales.shape)
         positions, errors = self.chain.follow(
             start / self.scales,
             points * self.metres,

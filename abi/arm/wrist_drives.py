@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from abi import arguments
 from abi.arrays import FloatArray
 from abi.scene.settings import ArmSettings
 
@@ -33,6 +34,6 @@ def wrist_positions(settings: ArmSettings, time: ArrayLike) -> FloatArray:
     rates = np.array(
         [force / inertia for force, inertia in zip(settings.forces, effective, strict=True)]
     )
-    positions = np.asarray(time, dtype=float)[:, None] ** 2 * rates
+    positions = arguments.numbers("time", time, (-1,))[:, None] ** 2 * rates
     positions[:, 1] += settings.q5
     return np.asarray(positions)

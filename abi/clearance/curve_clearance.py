@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import ShortRepr, flat
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.certificate import Certificate, certify
@@ -80,6 +81,8 @@ def curve_clearance(
     Halving stops at 200,000 pieces or 40 halvings, which only a tolerance far below the curve's
     size needs: ``distance`` is then a looser bound, and ``violations`` rest on the samples taken.
     """
+    required = arguments.number("required", required, infinite=True)
+    tolerance = arguments.number("tolerance", tolerance, 0.0, math.inf)
     pieces = curve.bezier()
     breaks = pieces.breaks
     if not obstacles:
@@ -118,6 +121,8 @@ def proven_clearance(
             by at least an eighth of it, [unit]; near a mesh by up to a thousandth of the curve's
             extent.
     """
+    required = arguments.number("required", required, infinite=True)
+    tolerance = arguments.number("tolerance", tolerance, 0.0, math.inf)
     pieces = curve.bezier()
     fine = tolerance
     if not obstacles.all_convex:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 
@@ -33,6 +34,7 @@ def place_control_points(
     Returns:
         At least p + 1 points (n, 3), which include those of the path, and flags of the others (n,).
     """
+    points = arguments.polyline("points", points)
     legs = np.diff(points, axis=0)
     lengths = np.sqrt((legs**2).sum(axis=1))
     unit = legs / np.maximum(lengths, 1e-300)[:, None]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray
 from abi.clearance.curve_clearance import ROUNDING, Clearance, curve_clearance
 from abi.curves.bspline import BSpline, clamped
@@ -83,8 +84,9 @@ def fit(
     Returns:
         The spline and its clearance; with ``holds`` False it is the clearest one found.
     """
-    points = np.array(path_points, dtype=float)
-    assert points.shape == (max(len(points), 2), 3)
+    points = arguments.polyline("path_points", path_points)
+    degree = arguments.integer("degree", degree, 1, arguments.LARGEST_ID)
+    clearance = arguments.number("clearance", clearance)
     added = np.zeros(len(points), dtype=bool)
     if taut:
         points, added = place_control_points(points, degree, obstacles, clearance)

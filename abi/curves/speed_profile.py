@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from abi import arguments
 from abi.arrays import FloatArray, clip
 from abi.errors import SceneError
 
@@ -66,7 +67,7 @@ class SpeedProfile:
         Returns:
             [unit/s**order], in the shape given.
         """
-        given = np.asarray(time, dtype=float)
+        given = arguments.number_or_numbers("time", time)
         t = clip(given, 0.0, self.duration)
         left = self.duration - t
         speeding, cruising = t < self.t1, left > self.t3
@@ -93,7 +94,7 @@ class SpeedProfile:
         Args:
             distance: [unit], a number or any shape; clamped to the length.
         """
-        travelled = np.clip(np.asarray(distance, dtype=float), 0.0, self.length)
+        travelled = np.clip(arguments.number_or_numbers("distance", distance), 0.0, self.length)
         left = self.length - travelled
         first, last = self.peak_speed * self.t1 / 2, self.peak_speed * self.t3 / 2
         speeding = np.sqrt(2 * travelled / self.acceleration)

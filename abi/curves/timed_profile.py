@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.speed_profile import SpeedProfile
 
@@ -69,7 +70,8 @@ class TimedProfile(ShortRepr):
         Returns:
             [unit/s**order], in the shape given.
         """
-        given = np.asarray(time, dtype=float)
+        given = arguments.number_or_numbers("time", time)
+        order = arguments.integer("order", order, 0, arguments.LARGEST_ID)
         t = np.clip(given, 0.0, self.duration)
         if order > 3:
             return np.zeros_like(t)
@@ -134,6 +136,8 @@ def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArra
         distances: from 0 to the length, increasing, shape (k,), [unit].
         squared: squares of the speeds there, 0 at both ends and above between them, (k,).
     """
+    distances = arguments.increasing("distances", distances)
+    squared = arguments.within("squared", squared, distances.shape, 0.0, math.inf)
     steps = np.diff(distances)
     speeds = np.sqrt(squared)
     times = 2 * steps / (speeds[:-1] + speeds[1:])

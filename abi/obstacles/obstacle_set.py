@@ -232,7 +232,7 @@ class ObstacleSet(ShortRepr):
         Args:
             points: vertices (k, 3), k >= 1, [unit], world.
         """
-        vertices = _vertices(points)
+        vertices = arguments.polyline("points", points)
         return float(self.polyline_clearances(vertices[None])[0])
 
     def polyline_clearances(self, polylines: FloatArray, enough: float = math.inf) -> FloatArray:
@@ -262,7 +262,7 @@ class ObstacleSet(ShortRepr):
             points: vertices (k, 3), k >= 1, [unit], world; a single point counts as a segment.
             enough: as for :meth:`polyline_clearances`.
         """
-        vertices = _vertices(points)
+        vertices = arguments.polyline("points", points)
         segments = np.stack([vertices[:-1], vertices[1:]], axis=1)
         return self.polyline_clearances(segments, enough)
 
@@ -329,14 +329,6 @@ class ObstacleSet(ShortRepr):
 
 
 NO_OBSTACLES = ObstacleSet()
-
-
-def _vertices(points: FloatArray) -> FloatArray:
-    """Vertices (k, 3) of a polyline, k >= 2: a single point counts as a segment."""
-    points = arguments.points("points", points)
-    if not len(points):
-        raise ArgumentError("points", [], "one or more")
-    return points if len(points) > 1 else np.repeat(points, 2, axis=0)
 
 
 @PerShape

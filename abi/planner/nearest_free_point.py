@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.settings import Workspace
@@ -35,6 +36,9 @@ def nearest_free_point(
     Returns:
         Shape (3,), [unit], world, or None when no free point is known or found.
     """
+    point = arguments.numbers("point", point, (3,))
+    margin = arguments.number("margin", margin)
+    free = arguments.points("free", free)
     low, high = np.array(workspace.min), np.array(workspace.max)
     pushed = _pushed_out(obstacles, np.clip(point, low, high)[None], margin, low, high)
     points: FloatArray = np.concatenate([free, pushed])

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import PointBlocked, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -51,6 +52,8 @@ def build_graph(
         StageError: start and goal are the same point (``start_is_goal``).
         PointBlocked: start or goal is inside an obstacle or nearer to it than ``clearance``.
     """
+    margin = arguments.number("margin", margin)
+    clearance = arguments.number("clearance", clearance)
     mesh = free.mesh
     ends = (start, goal)
     gap = math.dist(start, goal)

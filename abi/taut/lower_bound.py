@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray
 from abi.clearance.curve_clearance import ROUNDING
 from abi.obstacles.mesh_shape import MeshShape
@@ -60,6 +61,7 @@ def lower_bound(
         clearance: distance to keep from each, [unit], at least 0.
         workspace: the box that start and goal are in.
     """
+    clearance = arguments.number("clearance", clearance, 0.0, math.inf)
     margin = max(clearance - ROUNDING, 0.0)
     ends = np.array([start, goal])
     straight = _ROUND_DOWN * math.dist(start, goal)

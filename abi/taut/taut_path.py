@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.polyline_kernels import near_polyline
@@ -100,6 +101,7 @@ def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult
         The path, never longer than the one given. Each segment is an edge of it or keeps the margin
         by the exact distance, ``ObstacleSet.segment_clearances``.
     """
+    margin = arguments.number("margin", margin)
     ends = path.points[[0, -1]]
     boxed = obstacles.boxed
     margins = _margins(boxed.distances_up_to(margin, ends), margin)
@@ -222,5 +224,6 @@ def _shortest_clear(
 def polyline_length(points: FloatArray) -> float:
     """Length of the line through points (n, 3)."""
     # as a path of the graph is measured: to the last bit the same for the same points
+    points = arguments.points("points", points)
     legs = points[1:] - points[:-1]
     return float(np.sqrt((legs * legs).sum(axis=1)).sum())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray
 from abi.scene.settings import Workspace
 from abi.tet_mesh.regular_lattice import Cells, grid
@@ -50,5 +51,7 @@ def _delaunay(points: FloatArray, cells: Cells) -> IntArray:
 
 def volumes(points: FloatArray, tetrahedra: IntArray) -> FloatArray:
     """Signed volumes of tetrahedra, shape (m,), [unit³]: (b - a) × (c - a) · (d - a) / 6."""
+    points = arguments.points("points", points)
+    tetrahedra = arguments.ids("tetrahedra", tetrahedra, (-1, 4), len(points))
     a, b, c, d = (points[tetrahedra[:, corner]] for corner in range(4))
     return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6)

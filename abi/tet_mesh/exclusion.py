@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.obstacles.convex_shape import row
 from abi.obstacles.mesh_shape import MeshShape
@@ -59,6 +60,15 @@ class FreeMesh(ShortRepr):
     nodes: int
     open_directions: IntArray
     weights: FloatArray
+
+    def __post_init__(self) -> None:
+        count, shape = len(self.mesh.points), self.mesh.weights.shape
+        arguments.keep(
+            self,
+            excluded=arguments.flags("excluded", self.excluded, (count,)),
+            open_directions=arguments.bits("open_directions", self.open_directions, (count,)),
+            weights=arguments.numbers("weights", self.weights, shape, infinite=True),
+        )
 
     @classmethod
     def of(cls, mesh: TetMesh) -> FreeMesh:
@@ -117,6 +127,7 @@ def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
 
     An edge is lost if an end of it is excluded, or if it comes too near between its ends.
     """
+    margin = arguments.number("margin", margin)
     if isinstance(obstacle, MeshShape):
         parts = exclusion_near_mesh(
             mesh.adjacency, mesh.open_directions, *obstacle.placed, margin, mesh.longest_edge
@@ -130,6 +141,8 @@ def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
 
 def within(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
     """Ids of the points (n, 3) in the closed box ``low``..``high``, [unit], ascending."""
+    points = arguments.points("points", points)
+    low, high = arguments.numbers("low", low, (3,)), arguments.numbers("high", high, (3,))
     ids = np.flatnonzero((points[:, 0] >= low[0]) & (points[:, 0] <= high[0]))
     for axis in (1, 2):
         values = points[ids, axis]

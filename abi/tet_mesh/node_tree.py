@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.triangle_mesh.bvh import of_all_nodes
@@ -39,6 +40,7 @@ NO_NODES = NodeTree(FLOATS, IDS, IDS, FLOATS)
 
 def tree_over(points: FloatArray) -> NodeTree:
     """The tree over places (n, 3), [unit], world, sorted along Morton's curve."""
+    points = arguments.points("points", points)
     order = np.argsort(_morton(points), kind="stable")
     ordered = points[order]
     depth = max(0, int(np.log2(max(len(points) / _LEAF, 1))))

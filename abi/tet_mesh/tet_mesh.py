@@ -13,6 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import ByteArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import adjacency
@@ -187,6 +188,7 @@ def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:
     Returns:
         edges: (e, 2) node ids.
     """
+    tetrahedra = arguments.ids("tetrahedra", tetrahedra, (-1, 4), nodes)
     ends = tetrahedra[:, _CORNER_PAIRS].reshape(-1, 2)
     keys = np.unique(ends.min(axis=1).astype(np.int64) * nodes + ends.max(axis=1))
     return np.stack(np.divmod(keys, nodes), axis=1).astype(np.int32)

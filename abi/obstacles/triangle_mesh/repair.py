@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.distinct_rows import (
@@ -44,6 +45,8 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     Raises:
         SceneError: no triangle has an area.
     """
+    vertices = arguments.points("vertices", vertices)
+    faces = arguments.ids("faces", faces, (-1, 3), len(vertices))
     notes: list[str] = []
     vertices, faces = _weld(vertices, faces, 0.0)
     faces = _without_duplicates(faces, notes)

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 
 
@@ -32,6 +33,9 @@ class Surface(ShortRepr):
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
+        vertices = arguments.points("vertices", self.vertices)
+        faces = arguments.ids("faces", self.faces, (-1, 3), len(vertices))
+        arguments.keep(self, vertices=vertices, faces=faces)
         content = hashlib.sha256(self.vertices.tobytes() + self.faces.tobytes())
         content.update(bytes([self.closed]))
         content.update(b"" if self.metres is None else repr(self.metres).encode())
