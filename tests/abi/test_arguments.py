@@ -15,21 +15,34 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import abi
+from abi.arm.arm import Arm, forward, place
 from abi.arm.chain import Chain
+from abi.arm.chain_capsules import segment_distances
+from abi.arm.inverse_dynamics import joint_torques
+from abi.arm.liquid import tilts
 from abi.clearance.bezier import Bezier
 from abi.clearance.certificate import certify
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
+from abi.curves.speed_profile import three_phase
+from abi.curves.timed_profile import from_squared_speeds
 from abi.errors import ArgumentError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Cylinder
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.scene.settings import ArmSettings
 from abi.search.arcs import Arcs
 from abi.search.graph import Graph
 from abi.search.lifelong_a_star import lifelong_a_star
 from abi.search.search import SEARCHES, search
+from abi.taut.taut_path import polyline_length
+from abi.tet_mesh.delaunay import volumes
+from abi.tet_mesh.exclusion import within
+from abi.tet_mesh.node_tree import tree_over
+from abi.tet_mesh.tet_mesh import edges_of
 from tests.abi import meshes
 from tests.abi.odd_arrays import EXACT, SAME, WRONG, Array, narrowed, spoilt, widened
 
@@ -57,6 +70,8 @@ POINTS = np.array([[3.0, 0, 0], [0, 4, 1], [0, 1, 0], [9, 2, -7]])
 OTHERS = POINTS[::-1] + 1
 LIMITS = np.array([1.0, 2, 0, 9])
 CURVE = np.array([[0.0, 0, 2], [4, 0, 3], [4, 4, 2], [0, 4, 5]])
+TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+ANGLES = np.array([[0.0, 1, 1, 0, 0, 2], [1, 1, 2, 0, 0, 0]])
 KNOTS = np.array([0.0, 0, 0, 0.5, 1, 1, 1])
 BOX = Box(size=(2, 2, 2))
 
@@ -89,6 +104,11 @@ def chain() -> Chain:
     scene = abi.load_scene("two-boxes").replace(arm={"model": "urdf", "urdf": "ur5e"})
     robot = scene.arm.robot
     return Chain.of(robot, scene.arm.tool)
+
+
+@cache
+def paper_arm() -> Arm:
+    return Arm.from_settings(ArmSettings(), "cm")
 
 
 def spline() -> BSpline:
@@ -215,6 +235,34 @@ def entries() -> dict[str, Entry]:
         "Arcs: indices": of_arcs("indices"),
         "Arcs: weights": of_arcs("weights"),
         "Chain.poses": Entry(lambda at: chain().poses(at), np.zeros((3, 6))),
+        "forward": Entry(lambda at: forward(paper_arm(), at), ANGLES),
+        "place": Entry(lambda at: place(paper_arm(), at), ANGLES),
+        "joint_torques: positions": Entry(
+            lambda at: joint_torques(chain(), at, ANGLES, ANGLES), ANGLES
+        ),
+        "joint_torques: speeds": Entry(
+            lambda at: joint_torques(chain(), ANGLES, at, ANGLES), ANGLES
+        ),
+        "segment_distances": Entry(
+            lambda at: segment_distances(at, np.stack([OTHERS, POINTS], axis=1)),
+            np.stack([POINTS, OTHERS], axis=1),
+        ),
+        "tilts": Entry(lambda at: tilts(at, "m"), POINTS),
+        "from_squared_speeds": Entry(
+            lambda squared: from_squared_speeds(3.0, np.array([0.0, 1, 3]), squared)(0.5),
+            np.array([0.0, 4, 1]),
+        ),
+        "SpeedProfile()": Entry(three_phase(3, 1, 1, 1), np.array([0.0, 1]), any_shape=True),
+        "polyline_length": Entry(polyline_length, POINTS),
+        "tree_over": Entry(tree_over, np.concatenate([POINTS, OTHERS])),
+        "within": Entry(lambda at: within(at, np.zeros(3), np.ones(3)), POINTS),
+        "volumes: points": Entry(lambda at: volumes(at, np.array([[0, 1, 2, 3]])), POINTS),
+        "volumes: tetrahedra": Entry(lambda ids: volumes(POINTS, ids), np.array([[0, 1, 2, 3]])),
+        "edges_of": Entry(lambda ids: edges_of(ids, 4), np.array([[0, 1, 2, 3]])),
+        "clean: vertices": Entry(lambda at: clean(at, TETRAHEDRON).vertices, CURVE),
+        "clean: faces": Entry(lambda faces: clean(CURVE, faces).faces, TETRAHEDRON),
+        "Surface: vertices": Entry(lambda at: Surface(at, TETRAHEDRON, True).hull, CURVE),
+        "Surface: faces": Entry(lambda faces: Surface(CURVE, faces, True).faces, TETRAHEDRON),
         "Chain.follow: start": Entry(lambda at: chain().follow(at, POINTS / 16), np.zeros(6)),
         "Chain.follow: targets": Entry(lambda at: chain().follow(np.zeros(6), at), POINTS / 16),
     }

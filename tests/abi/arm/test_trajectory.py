@@ -18,7 +18,7 @@ from abi.arrays import FloatArray
 from abi.clearance.bezier import Bezier
 from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
-from abi.errors import OutOfReach
+from abi.errors import ArgumentError, OutOfReach
 from abi.paper import printed
 from abi.scene.settings import ArmSettings
 from tests.abi.bezier import interpolated
@@ -111,7 +111,7 @@ def test_one_time_and_many_agree() -> None:
         np.testing.assert_allclose(each, trajectory(times, order), rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(trajectory(low), [0, 0, 0], atol=1e-12)
     np.testing.assert_allclose(trajectory(high), [6, 6, 6], atol=1e-12)
-    with pytest.raises(ValueError, match="order 3"):
+    with pytest.raises(ArgumentError, match="order is 3"):
         trajectory(0.0, 3)
 
 
