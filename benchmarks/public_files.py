@@ -158,6 +158,8 @@ def compare_mesh(file: Path, folder: Path) -> Outcome:
         other = trimesh.load_mesh(str(file), process=False)
     except Exception as error:  # whatever another library raises
         return Outcome(name, kind, "read", f"alone: trimesh raises {type(error).__name__}")
+    if other.bounds is None:
+        return Outcome(name, kind, "read", "alone: trimesh reads nothing")
     ours = trimesh.Trimesh(vertices, faces, process=False)
     size = float(np.ptp(ours.bounds, axis=0).max())
     told = [

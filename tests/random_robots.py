@@ -1,6 +1,6 @@
 """Random robots as URDF text: trees of joints of all kinds, of which some follow others.
 
-Their links' poses are worked out here, too, by matrix exponentials, to compare with.
+Their links' poses are worked out here, too, by products of quaternions, to compare with.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 import numpy as np
-import scipy
 
 from abi.arrays import FloatArray
 from abi.robot.robot import Mimic
@@ -66,8 +65,13 @@ class RandomRobot:
         }
 
 
-def random_robot(random: np.random.Generator) -> RandomRobot:
-    """A robot of 3 to 14 links with at least one joint that moves by itself."""
+def random_robot(random: np.random.Generator, prefix: str = "") -> RandomRobot:
+    """A robot of 3 to 14 links with at least one joint that moves by itself.
+
+    Args:
+        random: source of its numbers.
+        prefix: beginning of all names.
+    """
     count = int(random.integers(3, _MOST_LINKS + 1))
     order = random.permutation(count).tolist()
     joints: list[RandomJoint] = []
@@ -83,10 +87,10 @@ def random_robot(random: np.random.Generator) -> RandomRobot:
         parent = number - 1 if random.random() < 0.6 else int(random.integers(number))
         joints.append(
             RandomJoint(
-                name=f"j{order[number]}",
+                name=f"{prefix}j{order[number]}",
                 kind=kind,
-                parent=f"l{order[parent]}",
-                child=f"l{order[number]}",
+                parent=f"{prefix}l{order[parent]}",
+                child=f"{prefix}l{order[number]}",
                 xyz=random.uniform(-0.6, 0.6, 3),
                 rpy=random.uniform(-3, 3, 3),
                 axis=random.normal(size=3),
@@ -96,13 +100,13 @@ def random_robot(random: np.random.Generator) -> RandomRobot:
             )
         )
     links = [
-        f'<link name="l{k}"><collision><origin xyz="0 0 0.1"/><geometry>'
+        f'<link name="{prefix}l{k}"><collision><origin xyz="0 0 0.1"/><geometry>'
         f'<box size="0.05 0.06 0.2"/></geometry></collision></link>'
         for k in order
     ]
     parts = [*links, *(one.text() for one in joints)]
     text = f'<robot name="random">{"".join(random.permutation(parts).tolist())}</robot>'
-    return RandomRobot(text, f"l{order[0]}", tuple(joints))
+    return RandomRobot(text, f"{prefix}l{order[0]}", tuple(joints))
 
 
 def robot_of(content: bytes) -> RandomRobot:
@@ -147,7 +151,8 @@ def _link_of(xml: ElementTree.Element, side: str) -> str:
 
 
 def _numbers(xml: ElementTree.Element | None, name: str, default: str) -> FloatArray:
-    return np.array((default if xml is None else xml.get(name, default)).split(), dtype=float)
+    text = default if xml is None else xml.get(name, default)
+    return np.array(text.replace(", ", " ").split()[:3], dtype=float)
 
 
 def link_poses(robot: RandomRobot, state: Mapping[str, float]) -> dict[str, FloatArray]:
@@ -188,8 +193,14 @@ def _position(
 
 
 def _turn(vector: object) -> FloatArray:
-    """Rotation by the length of a vector about it, (3, 3)."""
-    return np.asarray(scipy.linalg.expm(np.cross(np.eye(3), np.asarray(vector, dtype=float))))
+    """Rotation by the length of a vector about it, (3, 3), by the matrix of its quaternion."""
+    way = np.asarray(vector, dtype=float)
+    angle = float(np.sqrt(way @ way))
+    x, y, z = way * (np.sin(angle / 2) / angle if angle > 0 else 0.0)
+    w = np.cos(angle / 2)
+    left = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
+    right = np.array([[w, x, y, z], [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
+    return np.asarray((left @ right)[1:, 1:])
 
 
 def _words(numbers: FloatArray) -> str:

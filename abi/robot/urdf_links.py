@@ -6,13 +6,13 @@ The format: http://wiki.ros.org/urdf/XML/link. A colour that cannot be read is i
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from lxml import etree
 
-from abi.arrays import ByteArray, read_only
+from abi.arrays import ByteArray, FloatArray, read_only
 from abi.errors import Missing, SceneError
 from abi.obstacles.mesh_files.parts import NO_COLOURS, Parts
 from abi.robot.robot import Link, Shape
@@ -22,6 +22,7 @@ from abi.robot.urdf_masses import WEIGHTLESS, read_inertial
 from abi.robot.urdf_meshes import file_name
 
 MAX_SHAPES = 50
+_KINDS = ("box", "sphere", "cylinder", "capsule", "mesh")
 _LARGEST = 1000.0
 """Largest coordinate or size of a shape, [m]."""
 
@@ -100,17 +101,28 @@ def _shapes(element: Element, kind: str, meshes: Meshes) -> tuple[Shape, ...]:
     shapes = list(element.all(kind))
     if len(shapes) > MAX_SHAPES:
         raise element.refuse("shapes", len(shapes), f"at most {MAX_SHAPES}")
-    return tuple(_shape(shape, meshes) for shape in shapes)
+    return tuple(solid for shape in shapes for solid in _solids(shape, meshes))
 
 
-def _shape(element: Element, meshes: Meshes) -> Shape:
+def _solids(element: Element, meshes: Meshes) -> Iterator[Shape]:
+    """A shape; of a capsule its cylinder and both its balls."""
     geometry = element.needed("geometry")
-    pose = element.origin()
-    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
     part = next((Element(x, element.file, element.title, element.told) for x in geometry.xml), None)
     kind = None if part is None else part.xml.tag
-    if part is None or kind not in ("box", "sphere", "cylinder", "mesh"):
-        raise element.refuse("geometry", kind, "box, sphere, cylinder or mesh")
+    if part is None or kind not in _KINDS:
+        raise element.refuse("geometry", kind, f"{', '.join(_KINDS[:-1])} or {_KINDS[-1]}")
+    if kind != "capsule":
+        yield _shape(part, str(kind), element.origin(), meshes)
+        return
+    yield _shape(part, "cylinder", element.origin(), meshes)
+    for end in (-0.5, 0.5):
+        pose = element.origin().copy()
+        pose[:3, 3] += end * part.number("length", None, 1e-9, _LARGEST) * pose[:3, 2]
+        yield _shape(part, "sphere", read_only(pose), meshes)
+
+
+def _shape(part: Element, kind: str, pose: FloatArray, meshes: Meshes) -> Shape:
+    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
     if kind == "box":
         size = part.vector("size", (0.0, 0.0, 0.0), 1e-9, _LARGEST)
     elif kind == "sphere":
@@ -132,7 +144,7 @@ def _shape(element: Element, meshes: Meshes) -> Shape:
     if kind == "box" and not all(size):
         raise part.refuse("size", Missing(), "three numbers above 0")
     return Shape(
-        str(kind),  # type: ignore[arg-type]
+        kind,  # type: ignore[arg-type]
         size,
         pose,
         read_only(np.ascontiguousarray(vertices)),

@@ -177,3 +177,19 @@ def test_a_text_may_end_in_zeros() -> None:
     assert load_robot("r.urdf", MeshSource({"r.urdf": arm().encode() + b"\r\n\0\0"})).links
     with pytest.raises(SceneError, match="XML"):
         read_of(arm(("<robot", "\0<robot")))
+
+
+def test_a_capsule_is_a_cylinder_and_two_balls() -> None:
+    box = '<box size="0.1 0.1 0.3"/>'
+    text = arm((box, '<capsule radius="0.1" length="0.4"/>'))
+    turned = text.replace(
+        "<collision>", '<collision><origin xyz="1 2 3" rpy="0 1.5707963268 0"/>', 1
+    )
+    shapes = read_of(turned).links["a"].shapes
+    assert [shape.kind for shape in shapes] == ["cylinder", "sphere", "sphere"]
+    places = np.array([shape.pose[:3, 3] for shape in shapes])
+    np.testing.assert_allclose(
+        places, [[1.0, 2.0, 3.0], [0.8, 2.0, 3.0], [1.2, 2.0, 3.0]], atol=1e-9
+    )
+    with pytest.raises(SceneError, match="a, length"):
+        read_of(arm((box, '<capsule radius="0.1"/>')))
