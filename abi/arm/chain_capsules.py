@@ -12,10 +12,13 @@ import numpy as np
 
 from abi import arguments
 from abi.arm.chain import Chain
+from abi.arm.chain_kernels import POSE
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
 
+_THIN = 1e-3
+"""Radius of a line that stands for a link without a shape, [m]."""
 _SAMPLES = 1500
 _NEARLY_ALWAYS = 0.95
 
@@ -38,14 +41,29 @@ class ChainCapsule(NamedTuple):
 
 
 def chain_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
-    """Capsules of all links, those that stand still first."""
+    """Capsules of all links, those that stand still first; of a robot without shapes, of lines."""
     capsules = []
     for carried in chain.carried:
         turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
         for one in bounding_capsules(chain.robot.links[carried.link]):
             ends = read_only(np.stack([one.low, one.high]) @ turn.T + origin)
             capsules.append(ChainCapsule(carried.link, carried.frame, ends, one.radius))
-    return tuple(sorted(capsules, key=attrgetter("frame")))
+    return tuple(sorted(capsules or _skeleton(chain), key=attrgetter("frame")))
+
+
+def _skeleton(chain: Chain) -> list[ChainCapsule]:
+    """Thin capsules from joint to joint, and to the tip, of a robot whose links have no shapes."""
+    table, last = chain.table, chain.table.length - 1
+    places = table.origins.reshape(-1, POSE)[:, 9:]
+    lines = [
+        (int(frame), joint.parent) for frame, joint in zip(table.before, chain.joints, strict=True)
+    ]
+    lines.append((last, chain.joints[last].child))
+    return [
+        ChainCapsule(link, frame, read_only(np.stack([np.zeros(3), place])), _THIN)
+        for (frame, link), place in zip(lines, places, strict=True)
+        if frame >= 0
+    ]
 
 
 def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:

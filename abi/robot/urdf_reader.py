@@ -48,6 +48,8 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     notes += [f"{note} {some_of(named)}." for note, named in root.told.items()]
     if weightless:
         notes.append(f"No torques, as masses make no sense: {some_of(weightless)}.")
+    if not any(link.shapes for link in links.values()):
+        notes.append("No link has a shape: lines from joint to joint stand for them.")
     notes += unused(root)
     add_colours(root, links)
     title = root.text("name", "robot")

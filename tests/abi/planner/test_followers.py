@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -174,3 +175,22 @@ RINGS = (
 def test_joints_that_follow_no_joint_are_refused(swings: str, expected: str) -> None:
     with pytest.raises(SceneError, match=expected):
         scene(crane(swings))
+
+
+def test_lines_stand_for_the_links_of_a_robot_without_shapes() -> None:
+    text = re.sub("<collision>.*?</collision>", "", crane(follows("lift")))
+    one = scene(text)
+    assert any("lines from joint to joint" in note for note in one.notes)
+    free, data = planned(one)
+    assert data["arm"]["certified"], free.error
+    assert verdict(data, text).proven, verdict(data, text).reason
+    capsules = data["arm"]["capsules"]
+    assert [capsule["link"] for capsule in capsules] == ["turret", "turret", "upper", "fore"]
+    (fore,) = (np.array([c["from"], c["to"]]) for c in capsules if c["link"] == "fore")
+    np.testing.assert_allclose(fore[1], data["arm"]["tool"], atol=1e-9)
+    at = (fore[0, 50] + fore[1, 50]) / 2
+    ball = {"shape": "sphere", "radius": 0.1, "position": at.tolist()}
+    _, blocked = planned(
+        scene(text, obstacles=[ball], arm={**one.arm.model_dump(), "avoid": False})
+    )
+    assert not blocked["arm"] or not blocked["arm"]["certified"]
