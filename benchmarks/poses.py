@@ -179,7 +179,7 @@ class Walker:
             self._send(model.model, value)
         elif kind == "stands" and model.mount.value != value:
             self._send(model.mount, value)
-        elif kind == "base":
+        elif kind == "base" and list(panels.stages.arm.base.value) != json.loads(value):
             self._send(panels.stages.arm.base, [float(x) for x in json.loads(value)])
         elif kind == "button":
             buttons = {"reset": panels.files.reset, "undo": panels.history.undo}

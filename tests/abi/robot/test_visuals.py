@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot import mesh_lookup
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot, Shape
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive, unpacked
 from abi.robot.urdf_files import description_of
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_bounding_capsules import lacks
@@ -168,8 +169,19 @@ def test_visuals_take_no_triangles_from_the_shapes(monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_shipped_arms_are_drawn_by_their_shapes(name: str) -> None:
+def test_shipped_arms_are_drawn_as_they_look_within_the_capsules_of_their_shapes(name: str) -> None:
     robot = load_robot(name, MeshSource())
 
     assert not robot.notes
-    assert all(link.drawn is link.shapes for link in robot.links.values())
+    drawn = [link for link in robot.links.values() if link.visuals]
+    assert len(drawn) >= 7
+    for link in drawn:
+        assert all(shape.kind == "mesh" for shape in link.visuals)
+        with_looks, without = (
+            [(*one.low, *one.high, one.radius) for one in bounding_capsules(either)]
+            for either in (link, replace(link, visuals=()))
+        )
+        assert with_looks == without
+    files = unpacked(robot.archive)
+    size = sum(len(content) for path, content in files.items() if "/visual/" in path)
+    assert 100_000 < size <= 1_000_000
