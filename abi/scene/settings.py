@@ -224,6 +224,10 @@ class ArmSettings(Settings):
             joints_to(self._robot, self.tool)
         return self
 
+    def __hash__(self) -> int:
+        others = (value for name, value in self if name != "gripper")
+        return hash((*others, frozenset(self.gripper.items())))
+
     def check_gripper(self, metres: float) -> None:
         """Raise a SceneError where ``gripper`` names no joint to hold, or not within its limits.
 
