@@ -135,7 +135,8 @@ def _quaternions(turns: FloatArray) -> FloatArray:
     """Quaternions wxyz (k, 4) of rotation matrices (k, 3, 3)."""
     from scipy.spatial.transform import Rotation  # here, since it takes long to import
 
-    return np.asarray(Rotation.from_matrix(turns).as_quat()[:, [3, 0, 1, 2]])
+    # a copy, since the oldest scipy allowed takes no read-only array
+    return np.asarray(Rotation.from_matrix(np.array(turns)).as_quat()[:, [3, 0, 1, 2]])
 
 
 def _extent(shape: Shape) -> Vec3:
