@@ -285,7 +285,7 @@ def wait_for_loading() -> None:
     Nor much longer than these have run as Python so far: a plan that takes less without them does
     not wait for them. Where none has been called, it waits for all.
     """
-    if _compilation._thread is not None:
+    if _compilation._thread is not None and not _compilation.loaded.is_set():
         _compilation.wanted.set()
         needs = [kernel.need for kernel in KERNELS.values() if 0 < kernel.need < math.inf]
         progress.wait(_compilation.loaded, max(sum(needs), _PATIENCE) if needs else None)
