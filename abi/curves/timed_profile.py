@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.speed_profile import SpeedProfile
+from abi.errors import ArgumentError
 
 _TINY = 1e-12
 
@@ -135,12 +136,18 @@ def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArra
         length: distance to travel, [unit].
         distances: from 0 to the length, increasing, shape (k,), [unit].
         squared: squares of the speeds there, 0 at both ends and above between them, (k,).
+
+    Raises:
+        ArgumentError: no such distances or squares.
     """
     distances = arguments.increasing("distances", distances)
     squared = arguments.within("squared", squared, distances.shape, 0.0, math.inf)
     steps = np.diff(distances)
     speeds = np.sqrt(squared)
-    times = 2 * steps / (speeds[:-1] + speeds[1:])
+    both = speeds[:-1] + speeds[1:]
+    if not both.all():
+        raise ArgumentError("squared", squared.tolist(), "numbers above 0 between the ends")
+    times = 2 * steps / both
     accelerations = np.diff(squared) / (2 * steps)
     breaks = np.concatenate([[0.0], np.cumsum(times)])
     coefficients = np.stack([np.zeros_like(steps), accelerations / 2, speeds[:-1], distances[:-1]])

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import socket
 import threading
+import uuid
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TypeVar
@@ -14,6 +16,7 @@ import msgspec
 import numpy as np
 import pytest
 import viser
+from viser import _messages
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
@@ -82,12 +85,18 @@ def open_plots(tab: FakeTab, session: Session) -> None:
 
 
 def send_file(session: Session, button: Any, name: str, content: bytes) -> None:
-    """Hand over an uploaded file as viser does."""
-    button._impl.value = viser.UploadedFile(name=name, content=content)
-    number = session.client.client_id
-    event = viser.GuiEvent(client=session.client, client_id=number, target=button)
-    for callback in button._impl.update_cb:
-        callback(event)
+    """Send a file in one part, as a page does, and wait until the server has it."""
+    transfer, number = uuid.uuid4().hex, session.client.client_id
+    begin = _messages.FileTransferStartUpload(
+        page.uuid(button), transfer, name, "", 1, len(content)
+    )
+    part = _messages.FileTransferPart(page.uuid(button), transfer, 0, content)
+    interface = session.client.gui._websock_interface
+    loop = session.client._viser_server._websock_server._background_event_loop
+    assert loop is not None
+    for message in (begin, part):
+        heard = interface._handle_incoming_message(number, message)
+        asyncio.run_coroutine_threadsafe(heard, loop).result(WAIT)
 
 
 def opened(server: Server, patience: float = WAIT) -> tuple[FakeTab, Session]:

@@ -139,7 +139,8 @@ def test_a_scene_that_is_opened_tells_what_is_left_out_of_its_arm(
     for _ in range(2):  # once for an arm
         panel(session).model.write(scene)
         assert [sentence for _, sentence in told] == [
-            "Drawn by collision shapes, as visuals cannot be read: a."
+            "The tool is d; p, q, s are planned.",
+            "Drawn by collision shapes, as visuals cannot be read: a.",
         ]
 
 

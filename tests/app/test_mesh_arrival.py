@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import threading
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ import viser
 from abi.obstacles.mesh_shape import MeshShape
 from app.session import Session
 from tests.abi import meshes
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, send_file, until
 
 KNOT = meshes.stl(meshes.knot(800))
 
@@ -32,9 +30,13 @@ def held(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
 
 
 def upload(session: Session, name: str, content: bytes) -> None:
-    target = SimpleNamespace(value=viser.UploadedFile(name, content))
-    event: Any = SimpleNamespace(target=target, client=session.client)
-    session.panels.editor.uploads._receive(event)
+    handles = session.client.gui._gui_input_handle_from_uuid.values()
+    (button,) = (
+        handle
+        for handle in handles
+        if isinstance(handle, viser.GuiUploadButtonHandle) and handle.label.startswith("Add a mesh")
+    )
+    send_file(session, button, name, content)
 
 
 @pytest.fixture

@@ -100,7 +100,7 @@ def test_the_goal_goes_where_it_is_dragged(page: Page, session: Session) -> None
 
 
 def test_no_hand_takes_the_goal_out_of_the_workspace(page: Page, session: Session) -> None:
-    page.drag_arrow("/goal", 2, 1.5)
+    page.drag_arrow("/goal", 2, 1)
     _is_planned(page, session, "/goal", "goal")
     assert page.position("/goal") == pytest.approx((6, 6, 6), abs=1e-6)
     assert page.complaints() == []
@@ -111,7 +111,7 @@ def test_no_hand_takes_the_goal_out_of_the_workspace(page: Page, session: Sessio
         page.set_number("goal [cm]", number, axis)
     page.until(lambda: session.plan.scene.goal == (5.75, 5.5, 5.125), "the goal as typed")  # type: ignore[union-attr]
     page.settle()
-    page.drag_arrow("/goal", 2, 1.6)
+    page.drag_arrow("/goal", 2, 1.2)
     _is_planned(page, session, "/goal", "goal")
     assert page.position("/goal") == pytest.approx((5.75, 5.5, 6), abs=1e-6)
     page.drag_arrow("/goal", 1, -1.0)

@@ -108,6 +108,7 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
             page.click("Pause")
             page.until(lambda: scene() == paper, "the scene as it was")
         else:
+            page.until(lambda: len(drawn.obstacles(page)) == 1, "the obstacle")
             (gizmo,) = drawn.obstacles(page)
             # it moves on, by less than its size in the few frames until the press
             x, y = page.pixel(gizmo)
