@@ -368,7 +368,7 @@ def test_a_lecture_shows_the_whole_arm_above_its_strip(
     try:
         assert session.plan is not None
         points = extent(session.plan)
-        most = 0.25 if width > 600 else 0.4
+        most = 0.26 if width > 600 else 0.4
 
         def is_right() -> bool:
             return _is_seen(page, points, height) and 1 - _strip(page) / height <= most
