@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import viser
 from viser import _messages
+from viser.infra import ClientId
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
@@ -95,7 +96,7 @@ def send_file(session: Session, button: Any, name: str, content: bytes) -> None:
     loop = session.client._viser_server._websock_server._background_event_loop
     assert loop is not None
     for message in (begin, part):
-        heard = interface._handle_incoming_message(number, message)
+        heard = interface._handle_incoming_message(ClientId(number), message)
         asyncio.run_coroutine_threadsafe(heard, loop).result(WAIT)
 
 
