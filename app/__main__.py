@@ -12,7 +12,7 @@ def main() -> None:
     """Run the command; Ctrl+C ends it without a traceback, also while it loads."""
     before, sys.unraisablehook = sys.unraisablehook, _interrupt_again
     try:
-        from app.command_line import run
+        from app.cli.command_line import run
 
         run()
     except KeyboardInterrupt:

@@ -18,11 +18,11 @@ import msgspec
 import numpy as np
 from websockets.exceptions import WebSocketException
 
-from app.address import Address
 from app.guard.connection import MAX_REFUSED
-from app.look import PLAIN
-from app.server import start
-from app.session import Session
+from app.server.address import Address
+from app.server.server import start
+from app.state.look import PLAIN
+from app.tab.session import Session
 from benchmarks.web_tab import CAMERA
 from tests.app.fake_tab import FakeTab, until
 

@@ -24,10 +24,10 @@ import numpy as np
 from playwright.sync_api import Browser, sync_playwright
 
 from abi.scene.scene import Scene, load_scene
-from app.address import Address
-from app.look import PLAIN
-from app.server import start
-from app.session import Session
+from app.server.address import Address
+from app.server.server import start
+from app.state.look import PLAIN
+from app.tab.session import Session
 from tests.browser.page import FLAGS, Page
 
 STEPS = 40

@@ -17,7 +17,7 @@ import atheris
 
 with atheris.instrument_imports(include=["abi", "app", "yourdfpy"]):
     from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
-    from app.guard.reading import Job, Kind, read, rehearse
+    from app.reading.reading import Job, Kind, read, rehearse
     from benchmarks.hostile_files import hostile
 
 _HANG = 20

@@ -26,9 +26,9 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
-from app.guard.reader import Reader
-from app.guard.reading import Job
-from app.guard.running_reader import Limits
+from app.reading.reader import Reader
+from app.reading.reading import Job
+from app.reading.running_reader import Limits
 from benchmarks.hostile_files import hostile
 from benchmarks.outside import Outside
 

@@ -10,7 +10,7 @@ import json
 import struct
 import zipfile
 
-from app.guard.reading import Job
+from app.reading.reading import Job
 from benchmarks.hostile_meshes import WORDS, Chance, hostile_mesh, maybe_damaged
 from tests.abi.robot.robots import arm, joint, link, urdf
 

@@ -15,7 +15,7 @@ import numpy as np
 import trimesh
 
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
-from app.guard.reading import Job
+from app.reading.reading import Job
 
 Chance = random.Random
 

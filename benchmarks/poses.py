@@ -30,11 +30,11 @@ from abi.arrays import FloatArray
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
 from abi.scene.scene import scene_names
-from app import page as functions
-from app.address import Address
-from app.look import PLAIN
-from app.server import Server, start
-from app.session import Session
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
+from app.tab.session import Session
+from app.ui import page as functions
 from benchmarks.browser import chromium
 from tests.browser.page import Page
 

@@ -28,9 +28,9 @@ from typing import Any
 from playwright.sync_api import Browser
 
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from app.address import Address
-from app.look import PLAIN
-from app.tab_state import TabState
+from app.server.address import Address
+from app.state.look import PLAIN
+from app.state.tab_state import TabState
 from benchmarks.browser import chromium
 from benchmarks.interrupt import Interrupt
 from tests.browser.page import Page
@@ -90,7 +90,7 @@ class Killable:
 def _fork_on_request(pipe: Connection, port: int) -> None:
     """Fork a server whenever the pipe asks for one, and tell its process id."""
     from abi import compiling
-    from app import session  # noqa: F401  loaded once for all
+    from app.tab import session  # noqa: F401  loaded once for all
 
     compiling.compile()
     # Ctrl+C ends the run, which ends the servers
@@ -111,7 +111,7 @@ def _fork_on_request(pipe: Connection, port: int) -> None:
 
 def _serve(port: int, told: int) -> None:
     """The forked process: serve until killed."""
-    from app.server import start
+    from app.server.server import start
 
     start(Address(port=port), scene="paper", look=PLAIN)
     os.write(told, b"1")

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from app.tab_state import TabState
+from app.state.tab_state import TabState
 from benchmarks.interrupt import Interrupt
 from benchmarks.tabs import (
     SETTLE,

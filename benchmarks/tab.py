@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 import abi
-from app.address import Address
-from app.look import PLAIN
-from app.server import Server, start
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
 from benchmarks.browser import scene_with
 from tests.app.fake_tab import FakeTab
 

@@ -29,8 +29,8 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
+from app.drawing.lines import segments
 from app.layers.curves import SAMPLES
-from app.lines import segments
 from benchmarks.interrupt import Interrupt
 from benchmarks.spread import process_family, spread
 from benchmarks.web_tab import WebTab, is_same_curve

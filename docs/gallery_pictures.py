@@ -13,7 +13,7 @@ from sphinx_gallery.scrapers import figure_rst
 
 from abi import Plan
 from abi.obstacles.pose import rotation
-from app import style
+from app.ui import style
 
 _drawn: list[Plan] = []
 """Plans that have a picture; kept, so that no other gets the id of one."""

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import abi
-from app.scratch import ScratchFolder, remove_abandoned
+from app.process.scratch import ScratchFolder, remove_abandoned
 
 # How long an example takes says more of the machine than of the code. What stays on is the check
 # that most examples are not filtered out: a property that assumes what it is about must meet it.

@@ -9,8 +9,8 @@ import click
 import pytest
 
 from abi.export.formats import FORMATS
-from app.commands.export import export
-from app.commands.serve import serve
+from app.cli.export import export
+from app.cli.serve import serve
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
@@ -18,7 +18,12 @@ PAGES = sorted(
     for page in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("docs/[mt]*/*.md"))
 )
 ENDINGS = ("conf", "md", "npz", "py", "toml", "txt", "yaml")
-PLACES = [ROOT, *(ROOT / name for name in ("abi", "app", "app/panels", "app/guard", "app/layers"))]
+PLACES = [
+    ROOT,
+    ROOT / "abi",
+    ROOT / "app",
+    *sorted(path for path in (ROOT / "app").iterdir() if path.is_dir()),
+]
 
 
 def _text(page: Path | str) -> str:

@@ -117,7 +117,7 @@ class TestDevcontainer:
             assert re.search(rf"^{target}:", _text("Makefile"), re.MULTILINE)
 
     def test_it_shows_the_port_that_the_server_takes(self) -> None:
-        from app.commands.serve import serve
+        from app.cli.serve import serve
 
         (port,) = self.settings["forwardPorts"]
         assert port == serve.make_context("serve", []).params["port"]

@@ -22,10 +22,10 @@ from abi.planner.plan import Plan
 from abi.scene.scene import load_scene, scene_names
 from abi.search.compare import COMPARED
 from abi.search.replay import replay
-from app import style
-from app.box import box_edges
-from app.lessons.lesson import Lesson, load_lessons, scene_of
-from app.lines import parameters, rows_at
+from app.drawing.box import box_edges
+from app.drawing.lines import parameters, rows_at
+from app.teach.lesson import Lesson, load_lessons, scene_of
+from app.ui import style
 
 SIZE = (168, 104)
 """Width and height of a picture, [px]: twice those on the page."""

@@ -13,11 +13,11 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 from abi.scene.scene import Scene
-from app import style
-from app.address import Address
-from app.look import Look
-from app.server import Server, start
-from app.session import Session
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import Look
+from app.tab.session import Session
+from app.ui import style
 from tests.browser.page import Page
 
 WIDTH, HEIGHT = 1280, 720

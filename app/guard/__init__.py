@@ -1,10 +1,8 @@
-"""Guard between page and network, and reader of files from outside.
+"""Guard between page and network.
 
 Who may come: ``policy.py``, checked by ``host_check.py``, ``token.py`` and ``request_line.py``.
 What a tab may send: messages and their fields ``messages.py``, values ``values.py``, rates
-``connection.py``, files ``uploads.py``, the longest message ``guarded_server.py``. Files are read
-in another process: ``reader.py`` and ``running_reader.py`` on this side, ``reader_process.py`` and
-``reading.py`` on the other, as many at once as ``reading_places.py`` gives. With several workers,
-``porter.py`` in the first hands tabs on to ``side_door.py`` in the others, and ``seats.py`` counts
-them.
+``connection.py``, files ``uploads.py``, the longest message ``guarded_server.py``. With several
+workers, ``porter.py`` in the first hands tabs on to ``side_door.py`` in the others, and
+``seats.py`` counts them.
 """

@@ -188,7 +188,8 @@ class GuardedConnection(ServerConnection):
         return None
 
     async def _refuse(self, reason: str) -> None:
-        from app import metrics  # takes a tenth of a second to load, and the page is waiting
+        # takes a tenth of a second to load, and the page is waiting
+        from app.process import metrics
 
         metrics.REFUSED_MESSAGES.labels(reason).inc()
         self._refused += 1

@@ -12,7 +12,6 @@ from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app import page
 from app.guard import responses, token
 from app.guard.host_check import host_fault, origin_fault, single
 from app.guard.messages import GizmoUpdate
@@ -22,6 +21,7 @@ from app.guard.porter import Entrance
 from app.guard.refusals import Refusals, RefusedError
 from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
+from app.ui import page
 
 if TYPE_CHECKING:
     import viser
@@ -132,7 +132,7 @@ class Guard:
         if (response := self._check_token(connection, request, path in _PAGES)) is not None:
             return response
         if path == "/metrics":
-            from app import metrics
+            from app.process import metrics
 
             return responses.text(http.HTTPStatus.OK, *metrics.text())
         upgrade = (request.headers.get("Upgrade") or "").lower()

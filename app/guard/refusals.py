@@ -41,7 +41,8 @@ class Refusals:
             address: of whoever asks.
             reason: a sentence for whoever runs the server; empty where the status says it all.
         """
-        from app import metrics  # takes a tenth of a second to load, and the page is waiting
+        # takes a tenth of a second to load, and the page is waiting
+        from app.process import metrics
 
         metrics.REFUSED_REQUESTS.labels(status.value).inc()
         fields = {

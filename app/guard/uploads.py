@@ -6,8 +6,8 @@ import time
 from pathlib import PurePosixPath
 from typing import Any
 
-from app import page
 from app.guard.messages import UploadPart, UploadStart
+from app.ui import page
 
 MAX_TRANSFERS = 2
 """Files that one tab sends at once."""

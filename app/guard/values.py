@@ -6,8 +6,8 @@ import math
 from typing import Any, TypeGuard
 
 MAX_TEXT = 3_500_000
-"""Letters; a page reports its state, a whole scene as :meth:`app.tab_state.TabState.encode` writes
-it, as a text."""
+"""Letters; a page reports its state, a whole scene, as a text, which
+:meth:`app.state.tab_state.TabState.encode` writes."""
 _MAX_INTEGER = 1e15
 
 

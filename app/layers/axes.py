@@ -8,10 +8,10 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.scene.settings import Workspace
-from app import style
-from app.frame import Frame, Layer, Switch
-from app.layout import Layout
-from app.lines import Segments, add_line
+from app.drawing.lines import Segments, add_line
+from app.state.frame import Frame, Layer, Switch
+from app.ui import style
+from app.ui.layout import Layout
 
 _LENGTH = 0.2
 """Of an arrow, as a part of the workspace's longest side."""

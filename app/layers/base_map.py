@@ -9,11 +9,11 @@ import viser
 from numpy.typing import NDArray
 
 from abi.planner.base_map import BaseMap
-from app import style
-from app.colour_scale import scale_colours
-from app.frame import Frame, Layer, Switch
-from app.layout import Layout
-from app.numbers import format_length
+from app.state.frame import Frame, Layer, Switch
+from app.ui import style
+from app.ui.colour_scale import scale_colours
+from app.ui.layout import Layout
+from app.ui.numbers import format_length
 
 _VERTICES = np.array([[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]], np.float32)
 _FACES = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)

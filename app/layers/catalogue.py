@@ -1,32 +1,32 @@
 """Table of the layers of a tab, in the order of drawing and of the legend.
 
-A new layer is a file beside this one with a :class:`app.frame.Layer`, and a line here.
+A new layer is a file beside this one with a :class:`app.state.frame.Layer`, and a line here.
 """
 
 from __future__ import annotations
 
-from app.frame import Layer
-from app.layers.arm import ArmLayer
-from app.layers.arm_ghosts import ArmGhostsLayer
-from app.layers.arm_regions import ArmRegionsLayer
+from app.layers.arm.arm import ArmLayer
+from app.layers.arm.arm_ghosts import ArmGhostsLayer
+from app.layers.arm.arm_regions import ArmRegionsLayer
 from app.layers.axes import AxesLayer
 from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
 from app.layers.ghost import GhostLayer
-from app.layers.headline import HeadlineLayer
-from app.layers.joint_rates import JointRatesLayer
 from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
-from app.layers.paper_text import PaperTextLayer
 from app.layers.paths import PathsLayer
-from app.layers.plots import PlotsLayer
 from app.layers.race import RaceLayer
+from app.layers.result.headline import HeadlineLayer
+from app.layers.result.joint_rates import JointRatesLayer
+from app.layers.result.paper_text import PaperTextLayer
+from app.layers.result.plots import PlotsLayer
+from app.layers.result.stage_notes import StageNotesLayer
+from app.layers.result.tables import TablesLayer
 from app.layers.search_order import SearchOrderLayer
-from app.layers.stage_notes import StageNotesLayer
-from app.layers.tables import TablesLayer
-from app.layers.theatre import TheatreLayer
+from app.layers.search_step import TheatreLayer
 from app.layers.workspace import WorkspaceLayer
+from app.state.frame import Layer
 
 LAYERS: tuple[type[Layer], ...] = (
     HeadlineLayer,

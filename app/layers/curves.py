@@ -7,12 +7,12 @@ from typing import ClassVar
 import numpy as np
 
 from abi.planner.plan import Plan
-from app import style
-from app.frame import Frame, Layer, Switch
+from app.drawing.lines import NO_SEGMENTS, FadingLines, Segments, parameters, segments
 from app.layers.points import Points
-from app.layout import Layout
-from app.lines import NO_SEGMENTS, FadingLines, Segments, parameters, segments
-from app.once_a_plan import once_a_plan
+from app.shared.once_a_plan import once_a_plan
+from app.state.frame import Frame, Layer, Switch
+from app.ui import style
+from app.ui.layout import Layout
 
 SAMPLES = 160
 

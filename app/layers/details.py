@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 
-from app.frame import Drawable, Frame
+from app.state.frame import Drawable, Frame
 
 PAUSE = 0.1
 """Seconds between two drawings for each tab that waits."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 from abi.planner.plan import Plan
-from app import style
-from app.frame import Frame, Layer, Switch
+from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.curves import SAMPLES
-from app.layout import Layout
-from app.lines import NO_SEGMENTS, add_line, dashes, parameters
-from app.plan_before import PlanBefore
+from app.state.frame import Frame, Layer, Switch
+from app.state.plan_before import PlanBefore
+from app.ui import style
+from app.ui.layout import Layout
 
 
 class GhostLayer(Layer):

@@ -17,7 +17,7 @@ class LineSet:
         return self._handle is not None
 
     def draw(self, data: bytes) -> None:
-        """Draw lines of :mod:`app.glb`; empty data take away those there are."""
+        """Draw lines of :mod:`app.drawing.glb`; empty data take away those there are."""
         if self._handle is not None and data:
             self._handle.glb_data = data
         elif self._handle is not None:

@@ -7,10 +7,10 @@ import numpy as np
 from abi.errors import NoPath
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
-from app import style
-from app.frame import Frame, Layer
 from app.layers.points import Points
-from app.layout import Layout
+from app.state.frame import Frame, Layer
+from app.ui import style
+from app.ui.layout import Layout
 
 
 class MarkersLayer(Layer):

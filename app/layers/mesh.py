@@ -9,14 +9,15 @@ import numpy as np
 
 from abi.planner.plan import Plan
 from abi.search.subset import Subset, fits, subset
-from app import glb, style
-from app.frame import Frame, Layer, Switch
+from app.drawing import glb
+from app.drawing.straight_lines import straight_lines
 from app.layers.line_set import LineSet
 from app.layers.points import Points
-from app.layout import Layout
-from app.numbers import format_setting
-from app.once_a_plan import once_a_plan
-from app.straight_lines import straight_lines
+from app.shared.once_a_plan import once_a_plan
+from app.state.frame import Frame, Layer, Switch
+from app.ui import style
+from app.ui.layout import Layout
+from app.ui.numbers import format_setting
 
 EDGE_BUDGET = 30_000
 """Edges a tab is sent at the most; of a larger mesh only a part is shown."""

@@ -10,13 +10,13 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
-from app import style
-from app.frame import Frame, Layer, Switch
-from app.framing import axes
-from app.layout import Layout
-from app.lines import add_line, parameters, points_at, segments
-from app.numbers import distance_to_show, format_lower_bound
-from app.once_a_plan import once_a_plan
+from app.camera.framing import axes
+from app.drawing.lines import add_line, parameters, points_at, segments
+from app.shared.once_a_plan import once_a_plan
+from app.state.frame import Frame, Layer, Switch
+from app.ui import style
+from app.ui.layout import Layout
+from app.ui.numbers import distance_to_show, format_lower_bound
 
 _ANCHORS: dict[str, Literal["bottom-center", "top-center"]] = {
     "path": "bottom-center",

@@ -8,10 +8,10 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
-from app import style
-from app.frame import Frame, Layer, Switch
-from app.layout import Layout
-from app.lines import NO_SEGMENTS, FadingLines, Segments, dashes, segments
+from app.drawing.lines import NO_SEGMENTS, FadingLines, Segments, dashes, segments
+from app.state.frame import Frame, Layer, Switch
+from app.ui import style
+from app.ui.layout import Layout
 
 # Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
 _OFFSET = np.array([0.53, -0.80, 0.27])

@@ -7,7 +7,7 @@ import viser
 from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
-from app.style import Colour
+from app.ui.style import Colour
 
 
 class Points:

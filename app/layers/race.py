@@ -9,18 +9,18 @@ from abi.arrays import FloatArray
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
-from app import style
-from app.box import box_edges
-from app.camera import View, aspect
-from app.colour_scale import scale_colours
-from app.frame import Frame, Layer
+from app.camera.camera import View, aspect
+from app.drawing.box import box_edges
+from app.drawing.lines import add_line, segments
+from app.drawing.obstacle_body import add_body
 from app.layers.points import Points
-from app.layers.theatre import few, order_colours
-from app.layout import Layout
-from app.lines import add_line, segments
-from app.numbers import format_count, format_length
-from app.obstacle_body import add_body
-from app.theatre import Theatre
+from app.layers.search_step import few, order_colours
+from app.state.frame import Frame, Layer
+from app.theatre.theatre import Theatre
+from app.ui import style
+from app.ui.colour_scale import scale_colours
+from app.ui.layout import Layout
+from app.ui.numbers import format_count, format_length
 
 _ROW = np.array([0.42, 0.82, 0.0]) / np.hypot(0.42, 0.82)
 """Direction of the row: across the first view."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import IntArray
-from app import style
-from app.colour_scale import scale_colours
-from app.frame import Frame, Layer
 from app.layers.points import Points
-from app.layout import Layout
+from app.state.frame import Frame, Layer
+from app.ui import style
+from app.ui.colour_scale import scale_colours
+from app.ui.layout import Layout
 
 NODE_BUDGET = 20_000
 """Nodes a tab is sent at the most."""

@@ -8,11 +8,11 @@ import numpy as np
 import viser
 
 from abi.scene.settings import Workspace
-from app import style
-from app.box import box_edges
-from app.frame import Frame, Layer, Switch
-from app.layout import Layout
-from app.lines import add_line
+from app.drawing.box import box_edges
+from app.drawing.lines import add_line
+from app.state.frame import Frame, Layer, Switch
+from app.ui import style
+from app.ui.layout import Layout
 
 
 class WorkspaceLayer(Layer):

@@ -10,37 +10,37 @@ import viser
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
-from app import style
-from app.arm_size import MADE_FOR_ARMS
-from app.challenge import parsed
-from app.frame import Drawable, Frame, Switch
-from app.layout import Layout
-from app.lessons.cue import Cue
-from app.lessons.lesson import Library
-from app.panels.bug_report import BugReportButton
-from app.panels.comparison import ComparisonPanel
-from app.panels.end_gizmos import EndGizmos
-from app.panels.exports import ExportPanel
-from app.panels.figures import FiguresPanel
-from app.panels.files import FilesPanel
-from app.panels.history import History, Step
+from app.panels.files.bug_report import BugReportButton
+from app.panels.files.exports import ExportPanel
+from app.panels.files.files import FilesPanel
+from app.panels.files.history import History, Step
+from app.panels.files.share import SharePanel
 from app.panels.layer_switches import LayerSwitches
-from app.panels.lecture import Lecture
-from app.panels.lesson_mark import LessonMark
-from app.panels.lessons import LessonPanel
 from app.panels.messages import Messages
-from app.panels.obstacle_editor import ObstacleEditor
-from app.panels.obstacle_gizmos import ObstacleGizmos
-from app.panels.pitch_study import PitchStudyPanel
-from app.panels.share import SharePanel
-from app.panels.sheet import ABOUT, KEYS, Sheet
-from app.panels.stage_headers import StageHeaders
-from app.panels.stages import StagePanels
-from app.panels.theatre import TheatrePanel
+from app.panels.obstacles.end_gizmos import EndGizmos
+from app.panels.obstacles.obstacle_editor import ObstacleEditor
+from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
+from app.panels.stages.comparison import ComparisonPanel
+from app.panels.stages.pitch_study import PitchStudyPanel
+from app.panels.stages.stage_headers import StageHeaders
+from app.panels.stages.stages import StagePanels
+from app.panels.teach.figures import FiguresPanel
+from app.panels.teach.lecture import Lecture
+from app.panels.teach.lesson_mark import LessonMark
+from app.panels.teach.lessons import LessonPanel
+from app.panels.teach.search_theatre import TheatrePanel
+from app.panels.teach.sheet import ABOUT, KEYS, Sheet
+from app.panels.teach.tour import Tour
 from app.panels.toolbar import Toolbar
-from app.panels.tour import Tour
 from app.panels.widgets import Wake
-from app.tab_state import TabState
+from app.state.frame import Drawable, Frame, Switch
+from app.state.tab_state import TabState
+from app.teach.challenge import parsed
+from app.teach.cue import Cue
+from app.teach.lesson import Library
+from app.ui import style
+from app.ui.arm_size import MADE_FOR_ARMS
+from app.ui.layout import Layout
 
 
 class AllPanels:

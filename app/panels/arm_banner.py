@@ -15,11 +15,11 @@ from abi.planner.arm_faults import limit_sentence, worst_limit
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app import style
-from app.arm_size import MADE_FOR_ARMS, fitting_lengths, scene_size_note
-from app.numbers import distance_to_show, format_lower_bound, format_setting
-from app.overlay import button
 from app.panels.widgets import Wake, hidden_button, pressed
+from app.ui import style
+from app.ui.arm_size import MADE_FOR_ARMS, fitting_lengths, scene_size_note
+from app.ui.numbers import distance_to_show, format_lower_bound, format_setting
+from app.ui.overlay import button
 
 _RATES = ("speed", "acceleration")
 """Quantities of a joint that a slower motion keeps within their limits."""

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import viser
 
-from app import page, style
-from app.frame import Frame, Switch
-from app.layout import Layout
 from app.panels.widgets import Wake, pressed
+from app.state.frame import Frame, Switch
+from app.ui import page, style
+from app.ui.layout import Layout
 
 MESH_VIEWS = {
     "near path and obstacles": "near",

@@ -12,19 +12,19 @@ from abi.errors import AbiError, NoPath, StageError
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from abi.scene.scene import Scene
-from app import style
-from app.arm_size import scene_size_note
-from app.frame import Frame
-from app.labels import LABELS, kept, sentence
-from app.layout import Layout
-from app.numbers import format_length, format_setting, format_time
-from app.overlay import button
 from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import BaseOffer
-from app.panels.find_base import FindBasePanel
-from app.panels.lesson_mark import LessonMark
-from app.panels.share import SharePanel
+from app.panels.files.share import SharePanel
+from app.panels.stages.find_base import FindBasePanel
+from app.panels.teach.lesson_mark import LessonMark
 from app.panels.widgets import Wake, hidden_button, pressed
+from app.state.frame import Frame
+from app.ui import style
+from app.ui.arm_size import scene_size_note
+from app.ui.labels import LABELS, kept, sentence
+from app.ui.layout import Layout
+from app.ui.numbers import format_length, format_setting, format_time
+from app.ui.overlay import button
 
 _OBSTACLES = "obstacles"
 """Switch of the layers that shows them."""

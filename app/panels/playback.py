@@ -9,9 +9,9 @@ from collections.abc import Iterable
 import viser
 
 from abi.arm.arm_clearance import ArmClearance
-from app import style
-from app.overlay import Overlay, button, slider
 from app.panels.widgets import Wake, hidden_button
+from app.ui import style
+from app.ui.overlay import Overlay, button, slider
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 _PAUSE_AT_END = 0.8

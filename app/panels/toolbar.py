@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from app.frame import Frame
-from app.layout import Layout
-from app.overlay import button
-from app.panels.history import History
-from app.panels.lecture import Lecture
-from app.panels.sheet import Sheet
-from app.panels.tour import Tour
+from app.panels.files.history import History
+from app.panels.teach.lecture import Lecture
+from app.panels.teach.sheet import Sheet
+from app.panels.teach.tour import Tour
+from app.state.frame import Frame
+from app.ui.layout import Layout
+from app.ui.overlay import button
 
 
 class Toolbar:

@@ -10,7 +10,7 @@ import viser
 
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
-from app.numbers import format_setting
+from app.ui.numbers import format_setting
 
 Wake = Callable[[Any], None]
 """Callback of every widget: it wakes the tab's worker."""

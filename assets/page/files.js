@@ -8,7 +8,7 @@ window.abi.read = new WeakSet();
 window.abi.waiting = [];
 window.abi.busy = false;  // whether a mesh is on its way
 
-// Where to type what files are refused, and the most bytes of one: see app/refused_files.py.
+// Where to type what files are refused, and the most bytes of one: see app/tab/refused_files.py.
 window.abi.hearFiles = (uuid, most) => { window.abi.refusals = {uuid, most, count: 0}; };
 window.abi.refuse = (file, why, kinds) => {
   const {uuid} = window.abi.refusals, count = ++window.abi.refusals.count;

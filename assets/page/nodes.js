@@ -3,7 +3,7 @@
 window.abiNodes = {
   REACH: {mouse: 14, touch: 26},  // [px] from a node within which it is meant
   KINDS: ["closed", "open"],
-  numbers: null,  // as app/layers/theatre.py sends them
+  numbers: null,  // as app/layers/search_step.py sends them
   pointer: null,  // where the pointer is over the scene [px], and its reach
   row: null,  // place [unit] of the node of the row that is pointed at
   pointed: "",  // place of the node that is told of, as a text

@@ -1,4 +1,4 @@
-// What the server asks of a page and viser has no message for; app/page.py sends it to every tab.
+// What the server asks of a page and viser has no message for; app/ui/page.py sends it to every tab.
 window.abi?.clear?.();
 if (window.abi) window.abi.motion = null;  // of the server before
 window.abi = {
@@ -46,7 +46,7 @@ window.abi = {
   },
 
   // Tell the server what panels and text leave to the scene, and whether the tab with the plots has
-  // been opened: see app/page_area.py.
+  // been opened: see app/ui/page_area.py.
   watch([uuid, label, plots]) {
     this.watched = {uuid, label, plots, told: ""};
     this.tellArea();
@@ -713,7 +713,7 @@ body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-par
   background: color-mix(in srgb, var(--mantine-color-body) 88%, transparent);
 }
 .abi-read.abi-left { right: auto; left: 0; }
-/* a plot's legend shows each line with its dashes: those of app/layers/time_plot.py */
+/* a plot's legend shows each line with its dashes: those of app/layers/result/time_plot.py */
 .u-legend .u-marker { width: 20px !important; height: 0 !important; border-width: 2px 0 0 !important; }
 .u-legend .u-series:nth-child(3) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 8px, #0000 0 12px); }
 .u-legend .u-series:nth-child(4) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 2px, #0000 0 5px); }

@@ -192,7 +192,7 @@ def run(code: str, *arguments: str, **environment: str) -> str:
 @pytest.mark.slow
 def test_numba_is_imported_for_kernels_alone() -> None:
     code = """
-import sys, abi, app.server, app.session
+import sys, abi, app.server.server, app.tab.session
 from abi.tet_mesh import exclusion_kernels
 print("numba" in sys.modules, end=" ")
 exclusion_kernels.mark.compile()

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from app import logs, tab_memory
-from app.address import Address
-from app.look import PLAIN
-from app.server import Server, start
-from app.session import Session
+from app.process import logs
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
+from app.tab import memory as tab_memory
+from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, opened, until
 
 _HERE = Path(__file__).parent

@@ -22,11 +22,11 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from abi.arrays import FloatArray
-from app import page
 from app.layers.points import Points
-from app.page_area import PageArea
-from app.server import Server
-from app.session import Session
+from app.server.server import Server
+from app.tab.session import Session
+from app.ui import page
+from app.ui.page_area import PageArea
 from benchmarks.web_tab import CAMERA
 
 _Layer = TypeVar("_Layer")

@@ -10,11 +10,11 @@ from playwright.sync_api import Browser, sync_playwright
 
 import abi
 from abi.scene.scene import load_scene
-from app.address import Address
-from app.look import PLAIN
-from app.server import Server, start
-from app.session import Session
-from app.tab_view import SWITCHES
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
+from app.tab.session import Session
+from app.tab.view import SWITCHES
 from tests.browser import drawn
 from tests.browser.page import FLAGS, Page
 

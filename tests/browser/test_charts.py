@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Locator
 
-from app.server import Server
-from app.session import Session
+from app.server.server import Server
+from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import abi
-from app.session import Session
+from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import abi
-from app.session import Session
+from app.tab.session import Session
 from tests.browser.page import Page
 
 

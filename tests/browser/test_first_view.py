@@ -10,8 +10,8 @@ import pytest
 from playwright.sync_api import Browser
 
 import abi
-from app.server import Server
-from app.session import Session
+from app.server.server import Server
+from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from playwright.sync_api import Browser
 
 from abi.scene.scene import load_scene, scene_names
-from app.extent import extent
-from app.layout import TITLE
-from app.plan_notes import notes as stage_notes
-from app.server import Server
-from app.session import Session
+from app.camera.extent import extent
+from app.server.server import Server
+from app.tab.session import Session
+from app.ui.layout import TITLE
+from app.ui.plan_notes import notes as stage_notes
 from tests.browser.page import Page
 from tests.browser.texts import overlapping, texts
 

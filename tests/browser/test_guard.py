@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from app.address import Address
 from app.guard.policy import policy_for
-from app.look import PLAIN
-from app.server import Server, start
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
 from tests.browser.page import Page
 
 

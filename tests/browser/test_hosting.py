@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from app.address import Address
 from app.guard.policy import policy_for
-from app.look import PLAIN
-from app.server import Server, start
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
 from tests.app.fake_tab import until
 from tests.browser.page import Page
 from tests.ports import free_port

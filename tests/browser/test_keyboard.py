@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import CDPSession
 
-from app.session import Session
+from app.tab.session import Session
 from tests.browser.page import Page
 
 _TABS = ("Search", "Plots", "Scene", "Layers", "Learn", "Result")

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import pytest
 
 from abi.scene.scene import scene_names
-from app.session import Session
+from app.tab.session import Session
 from tests.browser.page import Page
 
 Box: TypeAlias = tuple[float, float, float, float]

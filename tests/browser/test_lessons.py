@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from app.lessons.lesson import Step, load_lessons
-from app.server import Server
-from app.session import Session
+from app.server.server import Server
+from app.tab.session import Session
+from app.teach.lesson import Step, load_lessons
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page
 

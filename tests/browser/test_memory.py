@@ -7,10 +7,10 @@ import pytest
 from playwright.sync_api import Browser
 
 import abi
-from app.address import Address
-from app.look import PLAIN
-from app.server import Server, start
-from app.session import Session
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
+from app.tab.session import Session
 from tests.abi import meshes
 from tests.browser import drawn
 from tests.browser.conftest import Tabs

@@ -8,9 +8,9 @@ from scipy.spatial import cKDTree
 
 import abi
 from abi.obstacles.mesh_shape import MeshShape
-from app.mesh_picture import MOST_DRAWN
-from app.numbers import format_lower_bound
-from app.session import Session
+from app.drawing.mesh_picture import MOST_DRAWN
+from app.tab.session import Session
+from app.ui.numbers import format_lower_bound
 from tests.abi import meshes
 from tests.browser import drawn
 from tests.browser.page import Page
@@ -328,7 +328,7 @@ def test_a_file_that_cannot_be_read_leaves_the_button_as_it_was(
 def test_a_file_that_stays_away_is_told_of(
     page: Page, session: Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.page.SILENCE", 0.3)
+    monkeypatch.setattr("app.ui.page.SILENCE", 0.3)
     page.click("Scene")
     page.tab.evaluate(HALF, [ADD, list(meshes.stl(meshes.bumpy(2)))])
     page.reads("half.stl: nothing more of it comes.")

@@ -9,8 +9,9 @@ import pytest
 
 import abi
 from abi.obstacles.primitives import Box
-from app import lines, style
-from app.session import Session
+from app.drawing import lines
+from app.tab.session import Session
+from app.ui import style
 from tests.browser import drawn
 from tests.browser.page import Page
 

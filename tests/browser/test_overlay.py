@@ -7,12 +7,12 @@ import pytest
 from playwright.sync_api import Browser
 
 import abi
-from app.address import Address
-from app.look import Look
-from app.panels.stage_headers import TITLES
-from app.panels.tour import STEPS
-from app.server import start
-from app.session import Session
+from app.panels.stages.stage_headers import TITLES
+from app.panels.teach.tour import STEPS
+from app.server.address import Address
+from app.server.server import start
+from app.state.look import Look
+from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Browser
 
-from app.layout import TITLE
-from app.server import Server
+from app.server.server import Server
+from app.ui.layout import TITLE
 from tests.browser.page import Page
 
 # Width of the sheet and of its content, [px].

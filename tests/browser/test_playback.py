@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from abi.arm.urdf_arm import UrdfArm
-from app.layers.urdf_poses import other_poses
-from app.server import Server
-from app.session import Session
+from app.layers.arm.urdf_poses import other_poses
+from app.server.server import Server
+from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page

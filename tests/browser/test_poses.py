@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from app.address import Address
-from app.look import PLAIN
-from app.server import Server, start
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
 from benchmarks.poses import Step, Walker, misplaced, walk
 from tests.browser.page import Page
 

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 import abi
-from app.session import Session
+from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page
 

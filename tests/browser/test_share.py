@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.server import Server
+from app.server.server import Server
 from tests.browser.conftest import Tabs
 from tests.browser.texts import texts
 

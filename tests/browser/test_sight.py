@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.session import Session
+from app.tab.session import Session
 from tests.browser.page import Page
 
 _OPACITIES = """() => Object.fromEntries(Object.entries(window.__viserMutable.nodeRefFromName)

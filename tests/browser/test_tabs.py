@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import abi
-from app.server import Server
+from app.server.server import Server
 from tests.app.fake_tab import FakeTab
 from tests.browser import drawn
 from tests.browser.conftest import Tabs

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.session import Session
-from app.theatre import labels
+from app.tab.session import Session
+from app.theatre.theatre import labels
 from tests.browser.page import Page
 
 _CARD = ".abi-node:not([hidden])"

@@ -11,7 +11,7 @@ from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot
 from abi.robot.robot_files import SHIPPED, load_robot
-from app.layers.link_colours import muted
+from app.layers.arm.link_colours import muted
 from tests.abi.robot.robots import arm
 from tests.abi.robot.test_visuals import dae, read
 

@@ -16,14 +16,14 @@ import viser
 from websockets.exceptions import InvalidStatus
 
 from abi.errors import AbiError
-from app import page
-from app.address import Address
 from app.guard import token
 from app.guard.connection import BURST, MAX_REFUSED, MESSAGES_PER_SECOND
 from app.guard.policy import policy_for
-from app.look import PLAIN
-from app.server import Server, start
-from app.session import Session
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.look import PLAIN
+from app.tab.session import Session
+from app.ui import page
 from tests.app.fake_tab import FakeTab, until
 
 MUCH = 2_000_000

@@ -1,0 +1,1 @@
+"""Camera: views that show a plan as large as possible."""

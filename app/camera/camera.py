@@ -1,0 +1,253 @@
+"""Camera that shows workspace and arm as large as possible, until the user moves it."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, replace
+
+import numpy as np
+import viser
+from viser.transforms import SO3
+
+from abi.arrays import FloatArray
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
+from app.camera.framing import Window, holds, lift, stand
+from app.camera.prospect import USUAL, best_direction
+from app.drawing.box import box_corners
+from app.ui.arm_size import oversize
+from app.ui.page_area import PageArea
+
+_ASPECT = 0.8
+"""Width over height of the picture; from a narrower one the camera steps back."""
+_MAX_DISTANCE_FACTOR = 2.5
+_MOST_COVERED = 0.4
+"""Part of the picture's height to which text on one edge counts; the rest is for the scene."""
+_SAME_SHAPE = 0.1
+"""Part by which the picture's shape may differ from one that the page tells of, both rounded."""
+_FOOT = 0.07
+"""Radius of the arm's foot, as a part of the scene's size."""
+_TOLERANCE = 1e-3
+"""Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
+_FARTHEST = 1e8
+"""Largest coordinate of a camera that is kept, [unit]: a hundred times that of a scene."""
+_NEAREST = 1e-7
+"""Least distance of its position and target, [unit]; about that between two numbers of that size,
+so that neither is rounded to the other while a camera moves there."""
+_LONGEST_UP = 1e6
+"""Length of an upward direction, and the inverse of the least."""
+_REMEMBERED = 8
+"""Number of our last places for the camera that the page may still tell of."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Camera of a tab, rounded: position and target, [unit], and the upward direction, world."""
+
+    position: tuple[float, ...]
+    target: tuple[float, ...]
+    up: tuple[float, ...]
+
+    @classmethod
+    def of(cls, numbers: object) -> View | None:
+        """The view of nine numbers from which something can be seen; None for anything else."""
+        try:
+            position, target, up = np.asarray(numbers, dtype=float).reshape(3, 3)
+        except (ValueError, TypeError, OverflowError):
+            return None
+        # not a number passes no comparison
+        if not np.abs([position, target]).max() <= _FARTHEST:
+            return None
+        if not np.linalg.norm(position - target) >= _NEAREST:
+            return None
+        if not 1 / _LONGEST_UP <= math.hypot(*up) <= _LONGEST_UP:
+            return None
+        return cls(_rounded(position), _rounded(target), _rounded(up))
+
+    @classmethod
+    def of_camera(cls, camera: viser.CameraHandle) -> View | None:
+        """The view of a page's camera; None where it reports none."""
+        return cls.of([camera.position, camera.look_at, camera.up_direction])
+
+    def show(self, camera: viser.CameraHandle) -> None:
+        """Put a camera there."""
+        camera.up_direction = np.array(self.up)
+        camera.position = np.array(self.position)
+        camera.look_at = np.array(self.target)
+
+    def to_list(self) -> list[float]:
+        """The nine numbers."""
+        return [*self.position, *self.target, *self.up]
+
+
+class Viewpoint:
+    """Camera position that follows scene and picture as long as the user leaves it alone."""
+
+    def __init__(self, camera: viser.CameraHandle, scene: Scene) -> None:
+        self._camera = camera
+        self._distance_factor = 1.0
+        self._direction: FloatArray = USUAL
+        self._points: FloatArray | None = None
+        self._window = Window(camera.fov, _ASPECT)
+        self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
+        self._shown = False
+        self.show(scene)
+
+    def show(self, scene: Scene) -> None:
+        """Put the camera in front of ``scene``."""
+        self._scene, self._direction, self._shown = scene, USUAL, True
+        self._place()
+
+    def face(self, plan: Plan) -> None:
+        """Turn around the scene to where most of a plan with a B-spline is seen.
+
+        Not where the user has moved the camera.
+        """
+        if self._is_moved():
+            return
+        _, target, size = _view(self._scene, self._distance_factor, self._direction)
+        self._direction = best_direction(plan, target, self._distance_factor * size)
+        self._place()
+
+    def surround(self, points: FloatArray | None) -> None:
+        """Keep all points (n, 3), [unit], in what is free of the picture; None ends that.
+
+        The camera moves at the begin, at the end, and with a new scene, unless the user moved it:
+        what a hand drags is not to move under it. :meth:`follow` is for when the hand has let go.
+        """
+        if points is None and self._points is None:
+            self._shown = False
+            return
+        begins = (points is None) != (self._points is None)
+        moved = self._is_moved()
+        self._points = points
+        if points is None:
+            self._window = replace(self._window, above=0.0, below=0.0)
+        if not moved and (begins or (self._shown and points is not None)):
+            self._place()
+        self._shown = False
+
+    def follow(self) -> None:
+        """Step to where all points to surround are seen again, unless the user moved the camera."""
+        if self._points is None or self._is_moved():
+            return
+        camera = self._camera
+        if not holds(self._points, camera.position, camera.look_at, self._window):
+            self._place()
+
+    def look_from(self, direction: tuple[float, float, float]) -> None:
+        """Look at the whole scene from a direction, which need not be of length 1."""
+        length = np.linalg.norm(USUAL) / np.linalg.norm(direction)
+        self._direction = length * np.array(direction)
+        self._camera.up_direction = np.array([0.0, 0.0, 1.0])
+        self._place()
+
+    def mirror(self, scene: Scene, view: View | None) -> None:
+        """Look at another tab's ``scene`` as that tab does; a camera in its place is left alone."""
+        shown = self._scene.workspace, self._scene.arm.base
+        if shown != (scene.workspace, scene.arm.base):
+            self.show(scene)
+        self._scene = scene
+        if view is not None and view != View.of_camera(self._camera):
+            view.show(self._camera)
+
+    def fit(self, area: PageArea | None) -> None:
+        """Follow the picture's shape and what covers it, unless the user moved the camera."""
+        if not self._camera.image_height * self._camera.image_width:
+            return  # wholly covered for the moment, as by a phone's sheet
+        factor = min(max(_ASPECT / aspect(self._camera), 1.0), _MAX_DISTANCE_FACTOR)
+        window = self._free(area)
+        if (factor, window) == (self._distance_factor, self._window):
+            return
+        moved, self._distance_factor, self._window = self._is_moved(), factor, window
+        if not moved:
+            self._place()
+
+    def _free(self, area: PageArea | None) -> Window:
+        """Free part of the picture; text that comes and goes counts while the shape stays.
+
+        The text above counts only where all points are to be surrounded: it changes with each plan,
+        at which the scene is not to move.
+        """
+        now = Window(self._camera.fov, aspect(self._camera))
+        # of another shape it is of before the picture took this one, as with its panels still open
+        if area is not None and abs(area.aspect / now.aspect - 1) < _SAME_SHAPE:
+            above, below = min(area.above, _MOST_COVERED), min(area.below, _MOST_COVERED)
+            if self._points is None:
+                above = 0.0
+            if now.aspect == self._window.aspect:
+                above, below = max(above, self._window.above), max(below, self._window.below)
+            now = replace(now, above=above, below=below)
+        return now
+
+    def _place(self) -> None:
+        """Put the camera to where it is as long as the user leaves it alone."""
+        if self._points is None:
+            look_at(self._camera, self._scene, self._distance_factor, self._direction)
+            position, target, _ = _view(self._scene, self._distance_factor, self._direction)
+            position, target = lift(_outline(self._scene), position, target, self._window)
+        else:
+            position, target = stand(self._points, self._direction, self._window)
+        self._camera.position, self._camera.look_at = position, target
+        # not what the camera says now, which may be the page's word from before
+        self._places.append(position)
+
+    def _is_moved(self) -> bool:
+        """Check whether the user has moved the camera.
+
+        What the page tells may be older than our last word: a place before that is ours as well.
+        """
+        size = _view(self._scene, self._distance_factor)[2]
+        away = np.linalg.norm(self._camera.position - np.array(self._places), axis=1)
+        return bool(away.min() >= _TOLERANCE * size)
+
+
+def aspect(camera: viser.CameraHandle) -> float:
+    """Width over height of a page's picture, which may have neither; 0.1 to 10."""
+    return min(max(camera.image_width / max(camera.image_height, 1), 0.1), 10.0)
+
+
+def look_at(
+    camera: viser.CameraHandle | viser.InitialCameraConfig,
+    scene: Scene,
+    distance_factor: float = 1.0,
+    direction: FloatArray = USUAL,
+) -> None:
+    """Turn ``camera`` to workspace and arm, ``distance_factor`` times as far as fills a picture."""
+    camera.position, camera.look_at, size = _view(scene, distance_factor, direction)
+    camera.near, camera.far = size / 500, size * 50
+
+
+def _rounded(vector: FloatArray) -> tuple[float, ...]:
+    return tuple(float(f"{number:.6g}") for number in vector)
+
+
+def _outline(scene: Scene) -> FloatArray:
+    """Corners of the workspace, and points around the arm's foot (n, 3), [unit], world."""
+    corners = box_corners(scene.workspace.min, scene.workspace.max)
+    radius = _FOOT * _view(scene, 1.0)[2]
+    rim = radius * np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
+    return np.vstack([corners, np.array(scene.arm.base) + rim])
+
+
+def _around_oversize(scene: Scene) -> FloatArray:
+    """Corners (n, 3), [unit], world, around an arm that is far too large; none for another arm."""
+    length = oversize(scene)
+    if not length:
+        return np.zeros((0, 3))
+    corners = length * np.array([(-0.3, -0.3, 0.0), (0.3, 0.3, 0.6)])
+    turned = SO3(np.array(scene.arm.base_wxyz)).apply(corners)
+    return np.asarray(scene.arm.base + turned, dtype=np.float64)
+
+
+def _view(
+    scene: Scene, distance_factor: float, direction: FloatArray = USUAL
+) -> tuple[FloatArray, FloatArray, float]:
+    """Camera position (3,) and target (3,), [unit], world, and the scene's size, [unit]."""
+    low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
+    corners = np.vstack([low, high, scene.arm.base, _around_oversize(scene)])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    centre = (low + high) / 2
+    size = float(np.linalg.norm(high - low))
+    return centre + distance_factor * size * direction, centre, size

@@ -1,0 +1,92 @@
+"""Direction from which a plan is seen best: curve, ends and obstacles, past the arm that moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arrays import BoolArray, FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.plan import Plan
+from app.camera.sight import hidden
+
+USUAL = np.array([0.82, -0.42, 0.38])
+"""From the scene's middle to the camera, in sizes of the scene, where nothing hides anything."""
+
+_TURNS = np.radians(np.arange(-160, 181, 20))
+_HEIGHTS = np.radians([15, 25, 38, 52])
+_CURVE, _POSES, _OBSTACLES = 24, 12, 8
+"""Points of the curve, moments of the motion, and obstacles, at the most, that are looked at."""
+_NEAR = 0.08
+"""Part of the scene's size: an arm that is so near before a point is where it is to be."""
+_FOOT = 0.07, 0.25
+"""Radius and height of what the arm stands on, as parts of the scene's size."""
+_MOST = 0.25, 0.5
+"""Parts of the curve and of the obstacles' middles that may be hidden while they are in view."""
+_UNSEEN, _TURNING = 4.0, 1.0
+"""What a whole motion out of view, and a quarter turn from the usual direction, count for beside a
+curve that obstacles hide."""
+
+
+def best_direction(plan: Plan, target: FloatArray, size: float) -> FloatArray:
+    """Direction to the camera, (3,), from which most is in view for most of the motion.
+
+    Args:
+        plan: with a B-spline.
+        target: what the camera looks at, (3,), [unit], world.
+        size: length that a direction of length 1 stands for, [unit].
+    """
+    assert plan.bspline is not None
+    curve = plan.bspline.curve(np.linspace(*plan.bspline.curve.interval, _CURVE))
+    directions = _directions()
+    eyes = target + size * directions
+    ways = np.repeat(eyes, len(curve), axis=0), np.tile(curve, (len(eyes), 1))
+    behind = ObstacleSet(plan.scene.obstacles).blocked(ways[1], ways[0], 0.0)
+    covered = behind.reshape(len(eyes), len(curve)).mean(axis=1)
+    unseen = 1 - in_view(plan, curve, eyes, size).mean(axis=1)
+    cosine = directions @ USUAL / (USUAL @ USUAL)
+    scores = covered + _UNSEEN * unseen + _TURNING * (1 - cosine)
+    return np.asarray(directions[int(np.argmin(scores))])
+
+
+def in_view(plan: Plan, curve: FloatArray, eyes: FloatArray, size: float) -> BoolArray:
+    """Check at which moments the arm leaves curve, ends and obstacles in view of which eyes.
+
+    Args:
+        plan: the plan; without a motion, nothing moves that hides anything.
+        curve: points of its curve, from the start to the goal, (n, 3), [unit], world.
+        eyes: (e, 3), [unit], world.
+        size: of the scene, [unit].
+
+    Returns:
+        Shape (e, moments).
+    """
+    if plan.motion is None or plan.arm is None:
+        return np.ones((len(eyes), 1), bool)
+    positions = plan.motion.positions
+    rows = np.linspace(0, len(positions) - 1, _POSES).astype(int)
+    placed = plan.arm.placed(positions[rows])
+    foot = np.array([plan.arm.base, np.add(plan.arm.base, (0.0, 0.0, _FOOT[1] * size))])
+    ends = np.stack([*(one.ends for one in placed), np.tile(foot, (len(rows), 1, 1))], axis=1)
+    radii = np.array([*(one.radius for one in placed), _FOOT[0] * size])
+    middles = np.array([one.position for one in plan.scene.obstacles], float).reshape(-1, 3)
+    if len(middles) > _OBSTACLES:
+        middles = middles[:0]  # of a crowd there is always one behind the arm
+    behind = hidden(eyes, np.vstack([curve, middles]), ends, radii, _NEAR * size)
+    of_curve, of_obstacles = behind[..., : len(curve)], behind[..., len(curve) :]
+    seen = ~(of_curve[..., 0] | of_curve[..., -1]) & (of_curve.mean(axis=-1) <= _MOST[0])
+    if len(middles):
+        seen &= of_obstacles.mean(axis=-1) <= _MOST[1]
+    return np.asarray(seen)
+
+
+def _directions() -> FloatArray:
+    """Directions to the camera to choose from, (n, 3): all around, and from above."""
+    length, azimuth = np.linalg.norm(USUAL), np.arctan2(USUAL[1], USUAL[0])
+    found = [USUAL]
+    for turn in azimuth + _TURNS:
+        for height in _HEIGHTS:
+            level = np.cos(height)
+            found.append(
+                length * np.array([level * np.cos(turn), level * np.sin(turn), np.sin(height)])
+            )
+    return np.stack(found)

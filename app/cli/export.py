@@ -1,0 +1,63 @@
+"""``abi export``: a plan as a file for another program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from app.cli.exit_code import INCOMPLETE
+from app.cli.given_scene import given_scene
+
+
+@click.command(short_help="Write SCENE's motion, curves, obstacles or arm to a file.")
+@click.argument("scene", default="paper")
+@click.option(
+    "--to",
+    "path",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File to write; its ending gives the format.",
+)
+@click.option("--format", "format_name", help="Format, instead of the ending's.")
+def export(scene: str, path: Path, format_name: str | None) -> None:
+    """Plan SCENE and write its motion, curves, obstacles or arm to a file.
+
+    SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input.
+
+    Formats: csv, json (the whole plan), ros and ros-json (JointTrajectory), spline (knots and
+    control points), moveit (the obstacles), mcap (for Foxglove), urscript (where the arm is a
+    UR), urdf (the arm), urdf-zip (the same with its meshes), html (one page that plays stages,
+    search and motion without a server).
+
+    A motion whose arm touches something, is not proven clear, or passes a limit of its joints'
+    speeds, accelerations or torques is written with a warning.
+
+    Exit code 0: written; 3: the scene has no complete plan, and what there is of it is written
+    where the format can hold it; 2: bad input.
+    """
+    from abi.errors import ExportError
+    from abi.export import formats
+    from abi.planner.planner import plan as plan_scene
+
+    name = format_name or formats.format_of(path)
+    if name not in formats.FORMATS:
+        known = ", ".join(formats.FORMATS)
+        raise click.ClickException(f"--format is {name!r}; expected one of {known}.")
+    plan = plan_scene(given_scene(scene))
+    try:
+        formats.export(plan, path, name, allow_unproven=True)
+    except ExportError as error:
+        if plan.error is None:
+            raise
+        click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)
+        raise SystemExit(INCOMPLETE) from None
+    click.echo(f"{path}: {formats.FORMATS[name].label}, {path.stat().st_size:,} bytes")
+    warning = formats.FORMATS[name].warning(plan)
+    if warning and (plan.error is None or warning != plan.error.message):
+        click.echo(f"Warning: the arm's motion is not proven clear. {warning}", err=True)
+    if past := formats.FORMATS[name].limits_warning(plan):
+        click.echo(f"Warning: the motion passes limits of the joints. {past}", err=True)
+    if plan.error is not None:
+        click.echo(f"{plan.error.message} {plan.error.hint}", err=True)
+        raise SystemExit(INCOMPLETE)

@@ -1,0 +1,54 @@
+"""``abi verify``: a plan's certificates, checked again."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+import msgspec
+
+from app.cli.exit_code import INCOMPLETE
+from app.cli.given_scene import STANDARD
+from app.cli.output import cause, print_text
+
+
+@click.command(short_help="Check a plan's certificates again, exactly.")
+@click.argument("plan", type=click.Path(path_type=Path))
+@click.option(
+    "--meshes",
+    type=click.Path(file_okay=False, exists=True, path_type=Path),
+    help="Folder of the scene's mesh files.  [default: the plan's, then the shipped scenes']",
+)
+def verify(plan: Path, meshes: Path | None) -> None:
+    """Check every certificate in the file PLAN, a plan's JSON, again in exact arithmetic.
+
+    PLAN may be - for standard input.
+
+    Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
+    """
+    from abi.verify.plan_obstacles import PlanMeshes
+    from abi.verify.verify import verify as verify_plan
+
+    found = PlanMeshes(plan.parent)
+    verdicts = verify_plan(_read(plan), meshes or found)
+    for name in dict.fromkeys(found.shipped):
+        click.echo(f"{name!r} is not beside the plan; the shipped scenes' is taken.", err=True)
+    print_text("\n".join(map(str, verdicts)))
+    if not all(verdict.proven for verdict in verdicts):
+        raise SystemExit(INCOMPLETE)
+
+
+def _read(path: Path) -> object:
+    name = repr(str(path))
+    try:
+        given = sys.stdin.buffer.read() if str(path) == STANDARD else path.read_bytes()
+        return msgspec.json.decode(given)
+    except OSError as error:
+        raise click.ClickException(
+            f"{name} cannot be read ({cause(error, 'not readable')})."
+        ) from None
+    except (msgspec.MsgspecError, ValueError, RecursionError):
+        raise click.ClickException(
+            f"{name} is not JSON. Write one with: abi plan SCENE --out PLAN"
+        ) from None

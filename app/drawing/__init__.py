@@ -1,0 +1,1 @@
+"""Shapes as what viser draws: boxes, lines and triangles."""

@@ -1,0 +1,1 @@
+"""What is drawn of the arm: its links, its other poses and its regions."""

@@ -1,0 +1,86 @@
+"""Scene nodes of the paper's arm."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+import viser.transforms
+
+from abi.arm import arm_links
+from abi.arm.any_arm import AnyArm
+from abi.arm.arm import JOINT_AXES, SLIDES, Arm
+from abi.arm.link_solid import LinkSolid, rotation_of
+from abi.arm.trajectory import rest_pose
+from abi.arrays import FloatArray
+from abi.planner.plan import Plan
+from abi.robot.robot import Shape
+from app.layers.arm.arm_nodes import ArmNodes
+from app.layers.arm.link_body import link_glbs
+from app.shared.computed_once import computed_once
+
+_KEPT = 8
+"""Arms of different sizes that are kept."""
+
+
+class PaperArmNodes(ArmNodes):
+    """One node for each joint and one for the tool."""
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        super().__init__(scene, "/arm", "links")
+
+    def rest_pose(self, plan: Plan) -> FloatArray:
+        """Pose with the tool on the start."""
+        assert isinstance(plan.arm, Arm)
+        return rest_pose(plan.arm, plan.scene.arm, plan.scene.start)
+
+    def values(self, positions: FloatArray) -> FloatArray:
+        """The same."""
+        return positions
+
+    def _look_of(self, arm: AnyArm) -> tuple[float, ...]:
+        return _lengths(arm)
+
+    def _build(self, arm: AnyArm) -> None:
+        lengths = _lengths(arm)
+        (base, glbs), *moved = bodies(arm).items()
+        *heights, tool = map(_above, arm_links.joint_heights(*lengths))
+        name = self._base_name
+        self._add_body(base, name, glbs)
+        joints = zip(moved, heights, JOINT_AXES, enumerate(SLIDES), strict=True)
+        for (link, glbs), origin, axis, (column, slides) in joints:
+            name = f"{name}/{link}"
+            self._add_joint(name, origin, np.array(axis), column, slides)
+            self._add_body(link, name, glbs)
+        self._scene.add_frame(f"{name}/tool", show_axes=False, position=tool.translation())
+
+
+def bodies(arm: AnyArm) -> dict[str, tuple[bytes, bytes]]:
+    """Bodies of the links that have any, from the base to the gripper, as :func:`link_glbs`."""
+    return _links(*_lengths(arm))
+
+
+def _lengths(arm: AnyArm) -> tuple[float, ...]:
+    assert isinstance(arm, Arm)
+    return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
+
+
+@computed_once(_KEPT)
+def _links(*lengths: float) -> dict[str, tuple[bytes, bytes]]:
+    """Bodies of the links of an arm of these lengths, once for all tabs."""
+    links = arm_links.links(*lengths)
+    shapes = {link: [_shape(one) for one in solids] for link, solids in links.items() if solids}
+    return {link: link_glbs(own, np.eye(4), 1.0) for link, own in shapes.items()}
+
+
+def _shape(solid: LinkSolid) -> Shape:
+    """A solid with its colour as the links of other arms have them."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation_of(solid.rpy), solid.xyz
+    radius, _, height = solid.size
+    size = solid.size if solid.shape == "box" else (radius, height, 0.0)
+    colours = (255 * np.array([arm_links.COLOURS[solid.material]])).astype(np.uint8)
+    return Shape(solid.shape, size, pose, np.empty((0, 3)), np.empty((0, 3), np.int32), colours)
+
+
+def _above(height: float) -> viser.transforms.SE3:
+    return viser.transforms.SE3.from_translation(np.array([0.0, 0.0, height]))

@@ -1,0 +1,134 @@
+"""Scene nodes of an arm that a URDF describes, with the links that each joint carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import viser
+import viser.transforms
+
+from abi.arm.any_arm import AnyArm
+from abi.arm.chain_kernels import POSE
+from abi.arm.urdf_arm import UrdfArm
+from abi.arrays import ByteArray, FloatArray
+from abi.obstacles.pose import rotation
+from abi.planner.plan import Plan
+from abi.robot.robot import Robot, Shape
+from app.layers.arm.arm_nodes import ArmNodes
+from app.layers.arm.link_body import link_glbs
+from app.layers.arm.link_colours import muted
+from app.shared.computed_once import computed_once
+
+_COLOURS: ByteArray = np.array([[(226, 230, 234)], [(96, 108, 122)]], np.uint8)
+"""Of every other link without a colour of its own, so that one sees where they meet."""
+
+
+_KEPT = 4
+"""Arms whose bodies are kept: some megabytes each."""
+
+
+@dataclass(frozen=True)
+class _Look:
+    """What an arm's bodies depend on, and an arm that has them."""
+
+    robot: Robot
+    tip: str
+    unit: str
+    held: frozenset[tuple[str, float]]
+    arm: UrdfArm = field(compare=False)
+
+
+class UrdfArmNodes(ArmNodes):
+    """One node a joint that moves, and the links that it carries."""
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        super().__init__(scene, "/robot", "base")
+        self._arm: UrdfArm | None = None
+
+    def place(self, arm: AnyArm) -> None:
+        """Put an arm on its base; its geometry stays where robot, tip and unit do."""
+        assert isinstance(arm, UrdfArm)
+        self._arm = arm
+        super().place(arm)
+
+    def rest_pose(self, plan: Plan) -> FloatArray:
+        """The first pose found with the tool on the start."""
+        assert isinstance(plan.arm, UrdfArm)
+        return plan.arm.first_poses(np.array(plan.scene.start))[0]
+
+    def values(self, positions: FloatArray) -> FloatArray:
+        """Positions (k, m) of the chain's joints, those that mimic another among them."""
+        assert self._arm is not None
+        return joint_values(self._arm, positions)
+
+    def _look_of(self, arm: AnyArm) -> _Look:
+        return _look_of(arm)
+
+    def _build(self, arm: AnyArm) -> None:
+        assert isinstance(arm, UrdfArm)
+        names = [self._base_name]
+        for number, joint in enumerate(arm.chain.joints):
+            # the base is first, so that the joint before one is where its number plus one is
+            names.append(f"{names[arm.chain.table.before[number] + 1]}/joint{number}")
+            slides = joint.kind == "prismatic"
+            self._add_joint(names[-1], joint_origin(arm, number), joint.axis, number, slides)
+        for number, glbs in bodies(arm).items():
+            carried = arm.chain.carried[number]
+            self._add_body(carried.link, f"{names[carried.frame + 1]}/{number}", glbs)
+
+
+def bodies(arm: AnyArm) -> dict[int, tuple[bytes, bytes]]:
+    """Bodies of the links that are drawn, by their numbers among those that the chain carries."""
+    return _bodies(_look_of(arm))
+
+
+def _look_of(arm: AnyArm) -> _Look:
+    assert isinstance(arm, UrdfArm)
+    return _Look(arm.chain.robot, arm.tip, arm.unit, frozenset(arm.held.items()), arm)
+
+
+@computed_once(_KEPT)
+def _bodies(look: _Look) -> dict[int, tuple[bytes, bytes]]:
+    """Bodies of an arm that looks so, once for all tabs."""
+    arm, made = look.arm, {}
+    for number, carried in enumerate(arm.chain.carried):
+        link = arm.chain.robot.links[carried.link]
+        if link.drawn:
+            pose = np.array(carried.pose)
+            if carried.frame < 0:
+                pose = np.linalg.inv(root_pose(arm)) @ pose
+            shapes = [_muted(shape, number % 2) for shape in link.drawn]
+            made[number] = link_glbs(shapes, pose, 1 / arm.metres)
+    return made
+
+
+def joint_origin(arm: UrdfArm, number: int) -> viser.transforms.SE3:
+    """Frame of a joint at position 0 in that of the joint before it, or in the base, [unit]."""
+    packed = arm.chain.table.origins[POSE * number : POSE * (number + 1)]
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = packed[:9].reshape(3, 3), packed[9:]
+    if arm.chain.table.before[number] < 0:
+        pose = np.linalg.inv(root_pose(arm)) @ pose
+    pose[:3, 3] /= arm.metres
+    return viser.transforms.SE3.from_matrix(pose)
+
+
+def root_pose(arm: UrdfArm) -> FloatArray:
+    """World from the root link, (4, 4), [m]."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation(arm.wxyz), arm.base * arm.metres
+    return pose
+
+
+def joint_values(arm: UrdfArm, positions: FloatArray) -> FloatArray:
+    """Positions (k, m) of an arm's joints, [rad] or [unit], of those (k, n) that a motion has."""
+    table = arm.chain.table
+    values = (positions / arm.scales)[:, table.source] * table.factor + table.offset
+    return np.asarray(np.where(table.slides, values / arm.metres, values))
+
+
+def _muted(shape: Shape, second: int) -> Shape:
+    """A shape in the colours that it is drawn in; ``second``: whether of every other link."""
+    own = muted(shape.colours, bool(second)) if len(shape.colours) else _COLOURS[second]
+    return replace(shape, colours=own)

@@ -1,0 +1,34 @@
+"""The plan's headline numbers, over the scene."""
+
+from __future__ import annotations
+
+from abi.planner.plan import Plan
+from app.layers.result.curve_numbers import blocks, curve_numbers
+from app.layers.result.stage_numbers import stage_numbers
+from app.shared.once_a_plan import once_a_plan
+from app.state.frame import Frame, Layer
+from app.ui.layout import Layout
+
+
+class HeadlineLayer(Layer):
+    """Three numbers of the curve that the arm follows, or those of a lecture's stage."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._overlay = layout.overlay
+
+    def draw(self, frame: Frame) -> None:
+        """Write the plan's numbers; none while a search is stepped through, which counts itself."""
+        plan, content = frame.plan, ""
+        # a lesson without the curve has no use for its numbers, or asks for them
+        unused = frame.lesson and (frame.asks or plan.followed not in frame.shown)
+        if frame.theatre is None and not unused:
+            content = blocks(stage_numbers(plan, frame.stage)) if frame.stage else headline(plan)
+        if frame.refused is not None:  # what is proven of the plan is not of what was asked for
+            content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'
+        self._overlay.show("numbers", content)
+
+
+@once_a_plan
+def headline(plan: Plan) -> str:
+    """The three numbers as HTML; empty where no curve is followed."""
+    return "" if plan.followed is None else blocks(curve_numbers(plan, plan.followed))

@@ -1,0 +1,36 @@
+"""Notes on a plan in the stages' folders."""
+
+from __future__ import annotations
+
+from abi.planner.plan import Plan
+from app.state.frame import Frame, Layer
+from app.ui.layout import Layout
+from app.ui.numbers import unbroken
+from app.ui.plan_notes import notes
+
+_FRAME = '<div style="height:{}px;overflow-y:auto">{}</div>'
+_HEIGHTS = {"bspline": 21, "quadratic": 71, "arm": 120, "motion": 38}
+"""Height of each note, whatever is in it, [px]: one that grew would push what the hand is on."""
+
+
+class StageNotesLayer(Layer):
+    """A note each for B-spline, quadratic, motion and arm, in which what is longer scrolls."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._notes = {}
+        for stage in ("bspline", "quadratic", "arm"):
+            with layout.folders[stage]:
+                self._notes[stage] = layout.client.gui.add_html("")
+        with layout.result:
+            self._notes["motion"] = layout.client.gui.add_html("")
+        self._drawn: tuple[Plan, bool] | None = None
+
+    def draw(self, frame: Frame) -> None:
+        """Write the plan's numbers."""
+        plan = frame.plan
+        if (plan, frame.asks) == self._drawn:
+            return
+        self._drawn = plan, frame.asks
+        texts = dict.fromkeys(notes(plan), "") if frame.asks else notes(plan)
+        for name, handle in self._notes.items():
+            handle.content = _FRAME.format(_HEIGHTS[name], unbroken(texts[name]))

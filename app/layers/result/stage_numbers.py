@@ -1,0 +1,130 @@
+"""The numbers that belong to one stage, for a lecture that goes through the stages."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from abi.curves.speed_profile import SpeedProfile
+from abi.planner.plan import Plan
+from app.layers.result.curve_numbers import Number, curve_numbers, excess, judged
+from app.shared.once_a_plan import once_a_plan
+from app.ui import style
+from app.ui.numbers import format_count, format_length, format_lower_bound
+
+
+@once_a_plan
+def stage_numbers(plan: Plan, stage: str) -> tuple[Number, ...]:
+    """Numbers of a stage, named as its folder; none where the plan did not get so far."""
+    return tuple(_STAGES[stage](plan))
+
+
+def _mesh(plan: Plan) -> list[Number]:
+    if plan.mesh is None or plan.free is None:
+        return []
+    removed = len(plan.mesh.points) - plan.free.nodes
+    return [
+        (format_count(plan.free.nodes), "free nodes", "Grid points in no obstacle."),
+        (
+            format_count(plan.free.tetrahedra_kept),
+            "tetrahedra",
+            "What is left of the mesh: those with all four corners free.",
+        ),
+        (
+            format_count(removed),
+            "nodes removed",
+            "In an obstacle, or nearer to one than the clearance.",
+        ),
+    ]
+
+
+def _graph(plan: Plan) -> list[Number]:
+    graph = plan.graph
+    if graph is None:
+        return []
+    open_edges = graph.edge_count - len(graph.tails)
+    return [
+        (
+            f"{format_count(open_edges)} of {format_count(graph.mesh.edge_count)}",
+            "edges open",
+            "Edges of the grid that keep the clearance along their whole length.",
+        ),
+        (
+            f"{2 * graph.edge_count / max(graph.free_nodes, 1):.1f}",
+            "edges at each node",
+            "On average: the ways that a search tries from a node.",
+        ),
+    ]
+
+
+def _search(plan: Plan) -> list[Number]:
+    if plan.path is None or plan.graph is None:
+        return []
+    name = style.ALGORITHMS[plan.path.algorithm][0]
+    visited = f"{format_count(plan.path.expanded)} of {format_count(plan.graph.free_nodes)}"
+    return [
+        (
+            f"{format_length(plan.path.length)} {plan.scene.unit}",
+            f"{name} path",
+            "Length of the path along the grid's edges.",
+        ),
+        excess(plan, plan.path.length),
+        (visited, "nodes visited", "Nodes that the search visited before it had the path."),
+    ]
+
+
+def _quadratic(plan: Plan) -> list[Number]:
+    profile, fit, unit = plan.profile, plan.quadratic, plan.scene.unit
+    if profile is None or fit is None:
+        return []
+    ends = fit.curve(np.array(fit.curve.interval))
+    off = float(np.linalg.norm(ends - [plan.scene.start, plan.scene.goal], axis=1).max())
+    numbers = [
+        (
+            f"{format_length(profile.peak_speed)} {unit}/s",
+            "top speed",
+            "Greatest speed of the tool tip along the curve that the arm follows.",
+        ),
+    ]
+    if isinstance(profile, SpeedProfile):
+        phases = f"{profile.t1:.2f} + {profile.t2:.2f} + {profile.t3:.2f} s"
+        hint = "Times of the three phases, one after the other."
+        numbers.append((phases, "speed up, cruise, brake", hint))
+    else:
+        numbers.append((f"{profile.duration:.2f} s", "motion", "Time from start to goal."))
+    hint = "Distance of the quadratic's ends from start and goal: it passes through both."
+    return [*numbers, (f"{format_length(off)} {unit}", "misses start and goal by", hint)]
+
+
+def _arm(plan: Plan) -> list[Number]:
+    if plan.profile is None or plan.motion is None or plan.arm_clearance is None:
+        return []
+    clearance, unit = plan.arm_clearance, plan.scene.unit
+    time = (f"{plan.profile.duration:.2f} s", "motion", "Time from start to goal.")
+    if not plan.motion.reachable:
+        return [
+            time,
+            (judged("out", False), "of the arm's reach", "The arm cannot follow the curve."),
+        ]
+    if clearance.contacts:
+        hint = "Deepest that a link goes into an obstacle, the floor or the arm itself."
+        depth = f"{format_length(clearance.contacts[0].depth)} {unit}"
+        return [time, (judged(depth, False), "deep a link collides", hint)]
+    if math.isinf(clearance.distance):
+        return [time]
+    distance = f"{format_lower_bound(clearance.distance)} {unit}"
+    shown = judged(distance, plan.is_arm_clear)
+    hint = "Least distance of any link from the obstacles; proven if there is a ✓."
+    return [time, (shown, "links to an obstacle, at least", hint)]
+
+
+_STAGES = {
+    "mesh": _mesh,
+    "graph": _graph,
+    "search": _search,
+    "bspline": lambda plan: curve_numbers(plan, "bspline"),
+    "quadratic": _quadratic,
+    "arm": _arm,
+}
+"""By the stages' names, as those of the folders."""

@@ -1,0 +1,174 @@
+"""Tables of the Result tab: searches as in the paper's Table I, and lengths stage by stage."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from abi.planner.plan import Plan
+from app.shared.once_a_plan import once_a_plan
+from app.state.frame import Frame, Layer
+from app.ui import style
+from app.ui.layout import Layout
+from app.ui.numbers import (
+    distance_to_show,
+    format_count,
+    format_excess,
+    format_length,
+    format_lower_bound,
+    format_time,
+    unbroken,
+)
+from app.ui.table import table
+
+_LEGEND = style.paragraph(
+    "✓ keeps the distance you asked for (? unproven). ✗\N{NO-BREAK SPACE}closer: thick red in the "
+    "scene. ▸ the arm follows it."
+)
+_NOTHING = ("–",) * 5
+_NO_STAGE = ("–",) * 3
+_OLD = '<span style="opacity:.55">{}</span>'
+"""Of the last full plan, while the next has not got so far."""
+
+
+class TablesLayer(Layer):
+    """The two tables, as high for any plan: while one search is made, the others' rows stay."""
+
+    def __init__(self, layout: Layout) -> None:
+        with layout.result:
+            self._tables = layout.client.gui.add_html("")
+        self._last: Mapping[str, tuple[str, ...]] = {}
+        self._drawn: tuple[object, ...] = ()
+
+    def draw(self, frame: Frame) -> None:
+        """Write the plan's numbers."""
+        plan = frame.plan
+        state = plan, frame.partial
+        if state == self._drawn:
+            return
+        self._drawn = state
+        if frame.partial:
+            old = self._last
+        else:
+            # the first picture of another scene has no plan yet: its searches begin with nothing
+            self._last, old = _results(plan), {}
+        self._tables.content = unbroken(_searches(plan, old) + _stages(plan))
+
+
+@once_a_plan
+def _results(plan: Plan) -> dict[str, tuple[str, ...]]:
+    """Cells of each search's row, and its time."""
+    return {
+        result.algorithm: (
+            f"{len(result.vertices)}",
+            format_length(result.length),
+            format_count(result.expanded),
+            format_count(result.relaxed),
+            _time(plan.ms.get(result.algorithm, 0.0)),
+        )
+        for result in plan.searches
+    }
+
+
+def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
+    """Table I, with the work of each search and its time.
+
+    Args:
+        plan: what they found.
+        old: results of an earlier plan for the searches that still follow.
+    """
+    results = _results(plan)
+    rows = []
+    for name, (label, colour) in style.ALGORITHMS.items():
+        mark = style.swatch(colour, name)
+        chosen = name == plan.scene.search.algorithm
+        title = f'{mark}<span class="abi-name">{f"<b>{label}</b>" if chosen else label}</span>'
+        if name not in results and name in old and plan.error is None:
+            cells = tuple(_OLD.format(cell) for cell in old[name])
+        else:
+            cells = results.get(name, _NOTHING)
+        rows.append((title, *cells))
+    unit = plan.scene.unit
+    head = ("search", "path nodes", f"length [{unit}]", "nodes visited", "edges tried", "time")
+    return table(head, rows)
+
+
+def _time(ms: float) -> str:
+    if ms == 0:  # it is not known
+        return "–"
+    return format_time(ms)
+
+
+@once_a_plan
+def _stages(plan: Plan) -> str:
+    """Length, gap to the optimum and clearance of each stage's result."""
+    unit, exact = plan.scene.unit, plan.optimum is not None and plan.optimum.exact
+    shortest = plan.straight_length if plan.optimum is None else plan.optimum.length
+    best = shortest, exact
+    note = f"best possible: {format_lower_bound(shortest)} {unit}"
+    if plan.path is None:
+        note = "best possible: –"
+    elif not exact and plan.best_known is None:
+        note = f"best possible: at least {format_lower_bound(shortest)} {unit}"
+    elif not exact:
+        assert plan.best_known is not None
+        low, high = format_lower_bound(shortest), format_length(plan.best_known)
+        note = f"best possible: between {low} and {high} {unit}"
+    longer = "longer than best" if exact else "longer by at most"
+    head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
+    rows = _path_rows(plan, best) + _curve_rows(plan, best)
+    return table(head, rows, note) + (_LEGEND if plan.scene.obstacles else "")
+
+
+def _path_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
+    """Rows of the path and, where it is asked for, of the straightened one."""
+    required = plan.scene.spline.clearance
+    algorithm = plan.scene.search.algorithm if plan.path is None else plan.path.algorithm
+    label, colour = style.ALGORITHMS[algorithm]
+    title = f"{style.swatch(colour, algorithm)}{label}"
+    rows: list[tuple[str, ...]] = [(title, *_NO_STAGE)]
+    if plan.path is not None:
+        clearance = _clearance(plan.path_clearance, required, proven=True)
+        rows = [_stage_row(title, plan.path.length, best, clearance)]
+    title = f"{style.swatch(style.TAUT, 'taut')}shortcut"
+    if plan.taut is not None:
+        clearance = _clearance(plan.taut.clearance, required, proven=True)
+        rows.append(_stage_row(title, plan.taut.length, best, clearance))
+    elif plan.scene.search.taut:
+        rows.append((title, *_NO_STAGE))
+    return rows
+
+
+def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
+    """Rows of B-spline and quadratic."""
+    rows: list[tuple[str, ...]] = []
+    for name, (fit, arc) in plan.curves.items():
+        label, colour = style.CURVES[name]
+        title = f"{style.swatch(colour)}{label}"
+        if fit is None or arc is None:
+            rows.append((title, *_NO_STAGE))
+            continue
+        executed = "<b> ▸</b>" if name == plan.followed else ""
+        shown, certified = distance_to_show(fit.clearance), fit.clearance.certified
+        clearance = _clearance(shown, plan.scene.spline.clearance, proven=certified)
+        row = _stage_row(title + executed, arc.length, best, clearance)
+        # the bound is on clear curves: one that is not has no gap to it
+        rows.append(row if fit.holds else (*row[:2], "–", row[3]))
+    return rows
+
+
+def _stage_row(
+    title: str, length: float, best: tuple[float, bool], clearance: str
+) -> tuple[str, ...]:
+    longer = format_excess(length, *best)
+    return title, format_length(length), longer, clearance
+
+
+def _clearance(distance: float, required: float, proven: bool) -> str:
+    """The distance, with ✓ where the required one is proven, ? where only measured, else ✗."""
+    if math.isinf(distance):
+        return "–"
+    kept = distance >= required - 1e-9
+    colour, sign = (style.GOOD, "✓" if proven else "?") if kept else (style.BAD, "✗")
+    shown = max(distance, 0.0) if kept else distance
+    return f'<span style="color:{style.readable(colour)}">{format_lower_bound(shown)} {sign}</span>'

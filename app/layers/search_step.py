@@ -1,0 +1,154 @@
+"""One search at one step: visited and waiting nodes, the current one, tree, path and numbers."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+
+import numpy as np
+
+from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.scene.scene import Scene
+from abi.search.replay import SearchState, steps_of_changes
+from app.drawing import glb
+from app.drawing.lines import NO_SEGMENTS, add_line, segments
+from app.layers.line_set import LineSet
+from app.layers.points import Points
+from app.state.frame import Frame, Layer
+from app.theatre.text import describe
+from app.theatre.theatre import Theatre, formula, priorities
+from app.ui import page, style
+from app.ui.colour_scale import scale_colours
+from app.ui.layout import Layout
+from app.ui.numbers import unbroken
+
+NODE_BUDGET = 20_000
+"""Nodes of each kind that a tab is sent at the most."""
+_MIX = np.uint64(2654435761)
+
+
+class TheatreLayer(Layer):
+    """Pictures of the frame's theatre; nothing while it has none."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._client, self._scene = layout.client, layout.client.scene
+        scene = self._scene
+        with layout.search:
+            self._text = layout.client.gui.add_html("", visible=False)
+        self._clouds: dict[str, Points] = {}
+        self._tree = LineSet(scene, "/theatre/tree")
+        self._path = add_line(scene, "/theatre/path", style.MARK, 5.0)
+        self._negative = add_line(scene, "/theatre/negative", style.VIOLATION, 6.0)
+        self._cycle = add_line(scene, "/theatre/cycle", style.VIOLATION, 6.0)
+        self._drawn: Theatre | None = None
+        self._told = False
+
+    def draw(self, frame: Frame) -> None:
+        """Draw the step; hide all where there is none, or while searches race."""
+        theatre = frame.theatre
+        if theatre is self._drawn:
+            return
+        alone = theatre is not None and not theatre.race
+        for cloud in self._clouds.values():
+            cloud.show(alone)
+        for line in (self._path, self._negative, self._cycle):
+            line.visible = alone
+        if not alone:
+            self._tree.draw(b"")
+        self._text.visible = alone
+        if theatre is not None and alone:
+            self._draw_state(theatre)
+            self._text.content = unbroken(describe(theatre, frame.plan.scene))
+            page.call(self._client, "showNodes", _numbers(theatre, frame.plan.scene))
+        elif self._told:
+            page.call(self._client, "showNodes", None)
+        self._told = alone
+        self._drawn = theatre
+
+    def _draw_state(self, theatre: Theatre) -> None:
+        state = theatre.state
+        points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+        size = _size(state)
+        current, clicked = (
+            np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.answer.node)
+        )
+        waiting = few(state.open, n)
+        shown: dict[str, tuple[style.Colour | ByteArray, float, IntArray]] = {
+            "closed": (style.CLOSED, size, few(state.closed, n)),
+            "open": (_waiting_colours(state, waiting), 1.25 * size, waiting),
+            "current": (style.MARK, 1.9 * size, current),
+            "clicked": (style.POINT, 1.6 * size, clicked),
+        }
+        for name, (colour, diameter, nodes) in shown.items():
+            if name not in self._clouds:
+                self._clouds[name] = Points(self._scene, f"/theatre/{name}")
+            self._clouds[name].draw(points[nodes % n], colour, diameter, len(nodes) > 0)
+        self._path.points = segments(points[state.path() % n])
+        arc = state.trace.arcs.negative
+        self._negative.points = NO_SEGMENTS if arc is None else segments(points[list(arc)])
+        cycle = state.trace.cycle if state.done else state.trace.cycle[:0]
+        self._cycle.points = segments(points[[*cycle, *cycle[:1]]])
+        self._tree.draw(_tree(state))
+
+
+def _waiting_colours(state: SearchState, nodes: IntArray) -> ByteArray:
+    """Colours (k, 3) of open nodes: how soon they are visited, as things are."""
+    values = np.zeros(len(state.cost))
+    values[state.open] = priorities(state)
+    least, most = values[state.open].min(initial=np.inf), values[state.open].max(initial=0.0)
+    return scale_colours(style.WAITING, (values[nodes] - least) / max(most - least, 1e-9))
+
+
+def _numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
+    """What the page says of a node at the pointer, and which nodes it rings.
+
+    g and h of visited and waiting nodes are in the order in which these are drawn.
+    """
+    state = theatre.state
+    n = len(state.trace.arcs.points)
+    kinds = {"closed": few(state.closed, n), "open": few(state.open, n)}
+    both = {kind: np.stack([state.cost[k], state.to_go(k)], axis=1) for kind, k in kinds.items()}
+    best_first = state.trace.queue == "best_first"
+    return {
+        **{kind: b64encode(table.astype("<f4").tobytes()).decode() for kind, table in both.items()},
+        "ringed": np.flatnonzero(np.isin(kinds["open"], theatre.ringed)).tolist(),
+        "size": 1.25 * _size(state),
+        "factors": state.trace.factors if best_first else None,
+        "formula": formula(state),
+        "unit": scene.unit if scene.search.weight == "length" else "edges",
+    }
+
+
+def _tree(state: SearchState) -> bytes:
+    """The edges by which nodes were reached, as binary glTF; empty where there are none."""
+    points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+    child = few(np.flatnonzero(state.parent >= 0).astype(np.int32), n)
+    edges = np.stack([state.parent[child] % n, child % n], axis=1)
+    if not len(edges):
+        return b""
+    used, places = np.unique(edges, return_inverse=True)
+    return glb.line_set(points[used], places.reshape(-1, 2).astype(np.int32), style.CLOSED, 0.55)
+
+
+def few(nodes: IntArray, n: int) -> IntArray:
+    """At most about ``NODE_BUDGET`` of the nodes, by a lot that each has drawn for good."""
+    if n <= NODE_BUDGET:
+        return nodes
+    lot = (nodes.astype(np.uint64) * _MIX) & np.uint64(0xFFFFFFFF)
+    return nodes[lot < np.uint64(NODE_BUDGET / n * 2**32)]
+
+
+def order_colours(state: SearchState, nodes: IntArray) -> FloatArray:
+    """Place of visited nodes (k,) in the whole search's order, from 0 (early) to 1 (late)."""
+    if state.trace.queue == "rounds":
+        turn = steps_of_changes(state.trace, state.step)
+    else:
+        turn = np.zeros(len(state.cost), np.int32)
+        turn[state.trace.order[: state.step]] = np.arange(state.step)
+    return turn[nodes] / max(state.trace.steps, 1)
+
+
+def _size(state: SearchState) -> float:
+    """Diameter of a node, [unit]."""
+    points = state.trace.arcs.points
+    box = points.max(axis=0) - points.min(axis=0)
+    return 0.2 * float((box.prod() / len(points)) ** (1 / 3))

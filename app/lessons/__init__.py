@@ -1,1 +1,0 @@
-"""Lessons: their files, steps, checks and measures."""

@@ -1,0 +1,223 @@
+"""Files on their way into a tab: read beside the planning, one at a time.
+
+The tab's worker asks what became of them. A thread of its own has each file read in a process for
+files from outside, and prepares what came of it, so that the hand goes on meanwhile; it can be told
+to let a file be.
+"""
+
+from __future__ import annotations
+
+import functools
+import html
+import queue
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import viser
+
+from abi.errors import SceneError
+from app.panels.widgets import Wake
+from app.reading.reader import StoppedError
+from app.reading.stored_upload import ROOM, StoredUpload
+from app.ui import page
+
+_T = TypeVar("_T")
+_NAME_LENGTH = 40
+"""Letters of a file's name that are shown."""
+
+
+@dataclass(frozen=True)
+class News(Generic[_T]):
+    """News of a file.
+
+    Attributes:
+        name: of the file.
+        result: what was read, or why nothing was; None where it was stopped.
+        done: whether it was dealt with; otherwise it is read, and still being prepared.
+    """
+
+    name: str
+    result: _T | SceneError | None
+    done: bool = True
+
+
+class Dealing(Generic[_T]):
+    """One file while it is dealt with.
+
+    Attributes:
+        name: of the file.
+        stopped: set when it is not wanted any more.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        stopped: threading.Event,
+        show: Callable[[str, float], None],
+        tell: Callable[[News[_T]], None],
+    ) -> None:
+        self.name, self.stopped = name, stopped
+        self._show, self._tell = show, tell
+
+    def step(self, does: str, share: float) -> None:
+        """Show what is done now, and the part of the work at which the bar is to stand, 0 to 1.
+
+        Raises:
+            StoppedError: the file is not wanted any more.
+        """
+        if self.stopped.is_set():
+            raise StoppedError
+        self._show(f"{self.name}: {does}", share)
+
+    def wait(self) -> None:
+        """Show that the files of other tabs are read first."""
+        self._show(f"{self.name}: waiting until the files of others are read", 0.0)
+
+    def is_read(self, result: _T) -> None:
+        """Tell what was read, though it is still to be prepared."""
+        self._tell(News(self.name, result, done=False))
+
+
+@dataclass(frozen=True)
+class FileKind(Generic[_T]):
+    """Treatment of files of a kind.
+
+    Attributes:
+        deal: what comes of the content of one; may raise SceneError and StoppedError.
+        named: its name on the page, of the one that it was sent with.
+        several: whether the page lets several be chosen at once.
+    """
+
+    deal: Callable[[bytes, Dealing[_T]], _T]
+    named: Callable[[str], str]
+    several: bool = False
+
+
+class FileUploads(Generic[_T]):
+    """Line under a button for files with what becomes of them, a bar, and a button to stop it."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        button: viser.GuiUploadButtonHandle,
+        kind: FileKind[_T],
+        wake: Wake,
+    ) -> None:
+        self._line = gui.add_html("", visible=False)
+        self._bar = gui.add_progress_bar(0.0, visible=False)
+        self._stop = gui.add_button("Stop reading", visible=False)
+        self._kind, self._wake = kind, wake
+        self._waiting: queue.SimpleQueue[tuple[str, StoredUpload | None, Any]] = queue.SimpleQueue()
+        self._news: queue.SimpleQueue[News[_T]] = queue.SimpleQueue()
+        self._stopped = threading.Event()
+        self._lock = threading.Lock()
+        self._pending = 0
+        self._arrived = page.on_arrival(gui, button, self._announce, _new_upload)
+        button.on_upload(self._receive)
+        self._stop.on_click(self._cancel)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether what is being read or prepared is not wanted any more."""
+        return self._stopped.is_set()
+
+    def news(self) -> list[News[_T]]:
+        """News of the files since the last call: each is read, then prepared, or refused."""
+        found = []
+        while not self._news.empty():
+            found.append(self._news.get())
+        return found
+
+    def close(self) -> None:
+        """Deal with no more files: the tab is gone."""
+        self._stopped.set()
+
+    def _announce(self, name: str, part: float | None) -> None:
+        """Tell how much of a file is there, unless another one is being dealt with."""
+        with self._lock:
+            if self._pending:
+                return
+            name = self._kind.named(name)
+            if part is None:
+                self._say(f"{name}: nothing more of it comes. Reload the page.")
+            else:
+                self._say(f"{name}: on its way…")
+            self._bar.value = 100 * (part or 0.0)
+            self._bar.visible = part is not None
+
+    def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
+        name, file = event.target.value.name, self._arrived()
+        page.forget_file(event.target)
+        if event.client is not None and self._kind.several:
+            page.call(event.client, "next")
+        with self._lock:
+            self._waiting.put((name, file, event))
+            self._pending += 1
+            if self._pending == 1:
+                self._stopped.clear()
+                threading.Thread(target=self._work, name="files", daemon=True).start()
+
+    def _cancel(self, event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
+        self._stopped.set()
+        self._show(None, 0.0)
+        self._wake(event)
+
+    def _work(self) -> None:
+        """Deal with files until none is left: the thread."""
+        while True:
+            name, file, event = self._waiting.get()
+            name = self._kind.named(name)
+            result = None if self._stopped.is_set() else self._deal(file, name, event)
+            del file  # its room is for the next
+            with self._lock:
+                self._pending -= 1
+                last = self._pending == 0
+            self._news.put(News(name, None if self._stopped.is_set() else result))
+            if last:
+                self._show(None, 0.0)
+            self._wake(event)
+            if last:
+                return
+
+    def _deal(self, file: StoredUpload | None, name: str, event: Any) -> _T | SceneError | None:
+        """Deal with one file, None for an empty one; None where it was stopped."""
+        if file is not None and file.lost:
+            return SceneError("file", name, file.lost)
+        dealing = Dealing(
+            name, self._stopped, self._tell_step, functools.partial(self._tell, event)
+        )
+        try:
+            return self._kind.deal(b"" if file is None else file.content(), dealing)
+        except SceneError as error:
+            return error
+        except StoppedError:
+            return None
+
+    def _tell(self, event: object, news: News[_T]) -> None:
+        self._news.put(news)
+        self._wake(event)
+
+    def _tell_step(self, line: str, share: float) -> None:
+        more = f", {self._pending - 1} more to come" if self._pending > 1 else ""
+        self._show(f"{line}{more}…", share)
+
+    def _show(self, line: str | None, share: float) -> None:
+        self._say(line)
+        self._bar.value = 100 * share
+        self._bar.visible = self._stop.visible = line is not None
+
+    def _say(self, line: str | None) -> None:
+        self._line.content = f'<div style="margin:0 10px">{html.escape(line or "")}</div>'
+        self._line.visible = line is not None
+
+
+def _new_upload() -> StoredUpload:
+    """Place for the parts of a file."""
+    return StoredUpload(ROOM)
+
+
+def shown_name(name: str) -> str:
+    """Name of a file as the page shows it."""
+    return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"

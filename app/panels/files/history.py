@@ -1,0 +1,108 @@
+"""Undo and redo of everything that changes the scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import viser
+
+from abi.scene.scene import Scene
+from app.panels.files.files import Loaded
+from app.panels.widgets import Wake, hidden_button
+
+_LONGEST = 200
+
+
+@dataclass(frozen=True)
+class Step:
+    """A scene to go back or forward to.
+
+    Attributes:
+        scene: as it was shown.
+        loaded: what it was made from.
+    """
+
+    scene: Scene
+    loaded: Loaded
+
+
+class History:
+    """Scenes in the order in which they were left alone for a moment, and the one shown.
+
+    Attributes:
+        undo: button to go one back; ``redo``, one forward. Both hidden: the toolbar presses them.
+    """
+
+    def __init__(self, gui: viser.GuiApi, first: Step, wake: Wake) -> None:
+        self._noted = [first]
+        self._current = 0
+        self._follows = False  # whether the scene shown is another tab's
+        back, forward = partial(self._step, -1), partial(self._step, 1)
+        self.undo = hidden_button(gui, "Undo", back)
+        self.redo = hidden_button(gui, "Redo", forward)
+        self._steps = 0
+        self._wake = wake
+        gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl").on_trigger(back)
+        gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift").on_trigger(forward)
+        gui.add_command("Redo (Y)", hotkey="Y", modifier="cmd/ctrl").on_trigger(forward)
+
+    @property
+    def noted(self) -> Scene:
+        """The scene noted last, or gone back or forward to."""
+        return self._noted[self._current].scene
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a scene before the one shown."""
+        return self._current > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a scene after the one shown."""
+        return self._current < len(self._noted) - 1
+
+    def note(self, shown: Step) -> None:
+        """Note the scene that is shown; what was undone before it is forgotten."""
+        if shown.scene == self.noted:
+            self._noted[self._current] = shown  # it may be loaded under another name
+            return
+        self._noted = [*self._noted[: self._current + 1], shown][-_LONGEST:]
+        self._current = len(self._noted) - 1
+        self._follows = False
+
+    def follow(self, own: Step, shown: Step) -> None:
+        """Note what another tab shows: one step back from it is what was shown before that tab's.
+
+        Args:
+            own: what was shown until now, which may not have been noted yet.
+            shown: the other tab's.
+        """
+        self.note(own)
+        if self._follows:
+            self._noted[self._current :] = [shown]
+        elif shown.scene != self.noted:
+            self.note(shown)
+            self._follows = True
+
+    def begin(self, first: Step) -> None:
+        """Begin anew with ``first``."""
+        self._noted, self._current, self._follows = [first], 0, False
+
+    def requested(self, shown: Step) -> Step | None:
+        """The scene asked for since the last call; None for none, or where there is none.
+
+        Args:
+            shown: the one shown, which may not have been noted yet.
+        """
+        steps, self._steps = self._steps, 0
+        if steps == 0:
+            return None
+        self.note(shown)
+        self._follows = False
+        self._current = min(max(self._current + steps, 0), len(self._noted) - 1)
+        return self._noted[self._current]
+
+    def _step(self, count: int, event: object) -> None:
+        self._steps += count
+        self._wake(event)

@@ -1,0 +1,60 @@
+"""Scene files on their way into a tab."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.signed_distance import body_frame
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.scene.scene import Scene
+from app.drawing.mesh_picture import drawn_triangles
+from app.panels.files.file_uploads import Dealing, shown_name
+from app.reading.reader import READER
+
+_MESH = re.compile(r"obstacles\[\d+\]\.file")
+"""Field of a scene that names a mesh."""
+
+
+@dataclass(frozen=True)
+class SceneFile:
+    """Contents of a scene file.
+
+    Attributes:
+        data: plain data of the scene.
+        files: meshes and arms that came with it, by name.
+    """
+
+    data: object
+    files: Mapping[str, bytes | Surface]
+
+
+def read(content: bytes, dealing: Dealing[SceneFile]) -> SceneFile:
+    """Read a scene file, and prepare its meshes."""
+    dealing.step("reading", 0.25)
+    found = SceneFile(*READER.scene(content, dealing.name, dealing.stopped, dealing.wait))
+    for name, file in found.files.items():
+        if isinstance(file, Surface):
+            dealing.step(f"preparing {shown_name(name)}", 0.75)
+            drawn_triangles(file)
+            body_frame(file)  # planning would wait for it
+    return found
+
+
+def parse(found: SceneFile, meshes: MeshSource) -> Scene:
+    """The scene of a file, which may name ``meshes`` besides those that came with it.
+
+    Raises:
+        SceneError: it is none; names the field.
+    """
+    source = MeshSource({**meshes.files, **found.files}, meshes.folder)
+    try:
+        return Scene.from_dict(found.data, source)
+    except SceneError as error:
+        if _MESH.fullmatch(error.field) is None or error.value in source.files:
+            raise
+        expected = "it to be added here first (Add a mesh), or to be in one zip with the scene"
+        raise SceneError(error.field, error.value, expected) from None

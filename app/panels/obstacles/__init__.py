@@ -1,0 +1,1 @@
+"""Start, goal and obstacles, as numbers and under gizmos in the scene."""

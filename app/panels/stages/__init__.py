@@ -1,0 +1,1 @@
+"""Inputs of the method's stages, and studies of them."""

@@ -1,0 +1,137 @@
+"""Inputs of stage 6: elbow branch, base, links, and the forces behind q4, q5, q6."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from abi.scene.scene import Scene
+from abi.scene.settings import ArmSettings
+from app.panels.length_step import fine_step, length_step
+from app.panels.stages.arm_model import ArmModelPanel
+from app.panels.stages.fields import Fields
+from app.panels.widgets import Choice, Wake
+
+DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
+
+
+class ArmPanel:
+    """The ``arm`` section of a scene."""
+
+    def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
+        arm, gui = scene.arm, client.gui
+        self.model = ArmModelPanel(client, wake)
+        self.avoid = gui.add_checkbox(
+            "avoid with the whole arm",
+            arm.avoid,
+            hint="Plan so that no link touches an obstacle, the floor or the arm itself.",
+        )
+        self.elbow = gui.add_dropdown(
+            "elbow",
+            ("up", "down", "auto"),
+            hint="Kept along the whole path; auto takes the one with the shorter path.",
+        )
+        self.clearance = gui.add_number(
+            "link clearance [{unit}]",
+            arm.clearance,
+            min=0.0,
+            step=0.05,
+            hint="Distance that the links keep from the obstacles. 0 or more.",
+        )
+        self.base = gui.add_vector3(
+            "base [{unit}]", arm.base, step=0.1, hint="Where the arm stands: x, y, z."
+        )
+        self._add_papers(gui, arm)
+        widgets = {
+            "arm.avoid": self.avoid,
+            "arm.elbow": self.elbow,
+            "arm.clearance": self.clearance,
+            "arm.base": self.base,
+            "arm.a1 arm.a2": self.columns,
+            "arm.a3 arm.a4 arm.a5": self.links,
+            "arm.q5": self.extension,
+            "arm.dynamics": self.dynamics,
+            "arm.forces": self.forces,
+            "arm.masses": self.masses,
+            "arm.radii": self.radii,
+        }
+        self._fields = Fields(widgets, wake)
+        boxes = self.columns, self.links, self.extension, self.forces, self.masses, self.radii
+        self._shows_papers: bool | None = None
+        self._papers = (self.elbow, self.dynamics.handle, *boxes)
+        self.write(scene)
+
+    def _add_papers(self, gui: viser.GuiApi, arm: ArmSettings) -> None:
+        """Add what only the paper's arm has."""
+        self.columns = gui.add_vector2(
+            "pedestal, column [{unit}]",
+            (arm.a1, arm.a2),
+            step=0.1,
+            hint="Heights; together the shoulder's. Both above 0.",
+        )
+        self.links = gui.add_vector3(
+            "upper arm, forearm, slide [{unit}]",
+            (arm.a3, arm.a4, arm.a5),
+            step=0.1,
+            hint="Lengths of the links. All above 0.",
+        )
+        self.extension = gui.add_number(
+            "slide at start [{unit}]",
+            arm.q5,
+            min=0.0,
+            step=0.1,
+            hint="How far the slide is extended at 0 s. 0 or more.",
+        )
+        self.dynamics = Choice(
+            gui,
+            "force law",
+            DYNAMICS,
+            "How a constant force Q moves wrist, slide and gripper from rest: by t²Q/(2I), where "
+            "the paper prints t²Q/I. The slide has its mass in place of the inertia I.",
+        )
+        self.forces = gui.add_vector3(
+            "drives [kg, {unit}, s]",
+            arm.forces,
+            step=0.1,
+            hint="Torque of the wrist, force of the slide, torque of the gripper.",
+        )
+        self.masses = gui.add_vector3(
+            "their masses [kg]",
+            arm.masses,
+            step=0.1,
+            hint="Of wrist, slide and gripper. All above 0.",
+        )
+        self.radii = gui.add_vector3(
+            "radii of gyration [{unit}]",
+            arm.radii,
+            step=0.1,
+            hint="Of wrist, slide and gripper. All above 0.",
+        )
+
+    def read(self) -> dict[str, Any]:
+        """Read the section as typed."""
+        model = self.model.read()
+        self._show_papers()
+        return {"arm": {**model, **self._fields.read()["arm"]}}
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        self.clearance.step = fine_step(scene)
+        for box in (self.base, self.columns, self.links, self.extension, self.radii):
+            box.step = length_step(scene)
+        force, torque = f"kg·{scene.unit}/s²", f"kg·{scene.unit}²/s²"
+        self.forces.hint = (
+            f"Torque of the wrist [{torque}], force of the slide [{force}], torque of the gripper "
+            f"[{torque}]; at 0 the joint stands still."
+        )
+        self.model.write(scene)
+        self._show_papers()
+        self._fields.write(scene)
+
+    def _show_papers(self) -> None:
+        """Show what only the paper's arm has where that is chosen."""
+        if (shown := self.model.is_paper) != self._shows_papers:
+            self._shows_papers = shown
+            for handle in self._papers:
+                handle.visible = shown

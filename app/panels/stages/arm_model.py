@@ -1,0 +1,240 @@
+"""Choice of the arm: the paper's, a shipped one, or a URDF of the user's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import PurePosixPath
+from typing import Any
+
+import viser
+
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.held_joints import NOT_HELD, planned_sentence
+from abi.robot.robot import Robot, bases_to, part_from
+from abi.robot.robot_files import SHIPPED, load_robot
+from abi.robot.usual_tip import usual_tip
+from abi.scene.scene import Scene
+from app.panels.files.file_uploads import Dealing, FileKind, FileUploads, shown_name
+from app.panels.widgets import Wake
+from app.reading.reader import READER
+from app.ui import notices
+from app.ui.arm_size import size_note
+
+_PAPER = "the paper's arm"
+_SHIPPED = {"ur5e": "UR5e", "panda": "Franka Panda", "xarm7": "xArm7"}
+_AXES: dict[str, tuple[float, float, float] | None] = {
+    "any": None,
+    "down": (0.0, 0.0, -1.0),
+    "up": (0.0, 0.0, 1.0),
+    "along x": (1.0, 0.0, 0.0),
+    "along −x": (-1.0, 0.0, 0.0),
+    "along y": (0.0, 1.0, 0.0),
+    "along −y": (0.0, -1.0, 0.0),
+}
+_HALF = 0.5**0.5
+_MOUNTS: dict[str, Quaternion] = {
+    "on the floor": UNTURNED,
+    "on the ceiling": (0.0, 1.0, 0.0, 0.0),
+    "on a wall, along x": (_HALF, 0.0, _HALF, 0.0),
+    "on a wall, along −x": (_HALF, 0.0, -_HALF, 0.0),
+    "on a wall, along y": (_HALF, -_HALF, 0.0, 0.0),
+    "on a wall, along −y": (_HALF, _HALF, 0.0, 0.0),
+}
+_OTHER = "as in the scene"
+
+
+class ArmModelPanel:
+    """Widgets to choose arm, tip, base link, tool's direction and mounting, and to upload a URDF.
+
+    Attributes:
+        files: archives of the arms that were uploaded, by name.
+    """
+
+    def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
+        self._client = client
+        gui = client.gui
+        self.files: dict[str, bytes] = {}
+        self.model = gui.add_dropdown(
+            "arm", (_PAPER, *_SHIPPED.values()), hint="The paper's arm, or a robot by its URDF."
+        )
+        self.upload = gui.add_upload_button(
+            "Add an arm…", mime_type=".zip,.urdf", hint="A URDF file, or a zip with its meshes."
+        )
+        self.uploads = FileUploads(gui, self.upload, FileKind(_read, shown_name), wake)
+        self.tip = gui.add_dropdown(
+            "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
+        )
+        self.base_link = gui.add_dropdown(
+            "base link",
+            ("–",),
+            hint="The link that stands at the base; what does not hang from it is left out.",
+            visible=False,
+        )
+        self.axis = gui.add_dropdown(
+            "gripper points",
+            tuple(_AXES),
+            hint="Direction in which the tip's z axis is held.",
+            visible=False,
+        )
+        self.mount = gui.add_dropdown(
+            "stands",
+            tuple(_MOUNTS),
+            hint="How the base is turned: up is its z axis.",
+            visible=False,
+        )
+        self._held: Mapping[str, float] = {}
+        self._held_of: tuple[str, str, str] | None = None
+        self._scene_axis: tuple[float, float, float] | None = None
+        self._scene_mount: Quaternion = UNTURNED
+        self._tips_of: str | None = None
+        self._unnamed_tip: tuple[str, str] | None = None
+        self._unnamed_base: str | None = None
+        self._bases_of: tuple[str, str] | None = None
+        self._workspace, self._unit = 1.0, "m"
+        self._size_notice: viser.NotificationHandle | None = None
+        self._of_urdf = self.tip, self.base_link, self.axis, self.mount
+        for handle in (self.model, *self._of_urdf):
+            handle.on_update(wake)
+
+    @property
+    def is_paper(self) -> bool:
+        """Whether the paper's arm is chosen."""
+        return self.model.value == _PAPER
+
+    def read(self) -> dict[str, Any]:
+        """Read the fields of the section ``arm`` as typed."""
+        for one in self.uploads.news():
+            if isinstance(one.result, Robot):
+                self._take(one.name, one.result)
+            elif one.result is not None:
+                title = f"{one.name} is not added"
+                notices.notify_refused_file(self._client, title, one.result.message)
+        name = self._name()
+        if name is None:
+            self._take_size_back()
+            self._show(False)
+            return {"model": "abi", "base_wxyz": UNTURNED, "gripper": {}}
+        if name != self._tips_of:
+            self._list_tips(name, None)
+            self._compare_size(name)
+        if (name, self.tip.value) != self._bases_of:
+            self._list_bases(name, None)
+        self._show(True)
+        axis = _AXES.get(self.axis.value, self._scene_axis)
+        mount = _MOUNTS.get(self.mount.value, self._scene_mount)
+        # what a scene leaves to be found stays so, or it would be another scene
+        tip, base = self.tip.value, self.base_link.value
+        return {
+            "model": "urdf",
+            "urdf": name,
+            "tip": None if (tip, base) == self._unnamed_tip else tip,
+            "base_link": None if base == self._unnamed_base else base,
+            "axis": axis,
+            "base_wxyz": mount,
+            # joints of another arm, or those that another tip moves, cannot be held there
+            "gripper": self._held if (name, tip, base) == self._held_of else {},
+        }
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        size = max(scene.workspace.size), scene.unit
+        if size != (self._workspace, self._unit):
+            self._take_size_back()
+        self._workspace, self._unit = size
+        arm = scene.arm
+        is_urdf = arm.model == "urdf"
+        self._show(is_urdf)
+        if not is_urdf:
+            self.model.value = _PAPER
+            return
+        if arm.urdf not in SHIPPED:
+            is_new = self.files.get(arm.urdf) != arm.robot.archive
+            self._add(arm.urdf, arm.robot.archive)
+            if is_new:
+                self._tell(arm.urdf, arm.notes(METRES[scene.unit]))
+        self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
+        self._list_tips(arm.urdf, arm.tip, arm.base_link)
+        self._list_bases(arm.urdf, arm.base_link)
+        self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz
+        self._held = arm.gripper
+        self._held_of = arm.urdf, self.tip.value, self.base_link.value
+        _choose(self.axis, _AXES, arm.axis)
+        _choose(self.mount, _MOUNTS, arm.base_wxyz)
+
+    def _name(self) -> str | None:
+        """Name in the scene of the arm that is chosen; None for the paper's."""
+        by_label = {label: name for name, label in _SHIPPED.items()}
+        chosen = by_label.get(self.model.value, self.model.value)
+        # a page may send anything: only listed arms are taken
+        return chosen if chosen in SHIPPED or chosen in self.files else None
+
+    def _take(self, name: str, robot: Robot) -> None:
+        """Choose an arm that was read."""
+        name = f"{PurePosixPath(name).stem}.zip"
+        self._add(name, robot.archive)
+        self.model.value = name
+        self._list_tips(name, None)
+        planned = planned_sentence(robot, self.tip.value, NOT_HELD)
+        self._tell(name, (planned, *robot.notes))
+        self._compare_size(name)
+
+    def _tell(self, name: str, notes: Sequence[str]) -> None:
+        """Notify the user of what of an arm is planned, and what was left out."""
+        for note in notes:
+            self._client.add_notification(name, note, auto_close_seconds=8)
+
+    def _add(self, name: str, archive: bytes) -> None:
+        self.files[name] = archive
+        self.model.options = (_PAPER, *_SHIPPED.values(), *self.files)
+
+    def _show(self, shown: bool) -> None:
+        """Show or hide what only a URDF has."""
+        for handle in self._of_urdf:
+            handle.visible = shown
+
+    def _list_tips(self, name: str, tip: str | None, base: str | None = None) -> None:
+        """List the links of an arm that may be its tip, and choose one, else its usual one."""
+        robot = load_robot(name, MeshSource(self.files))
+        base = base or robot.root
+        self.tip.options = tuple(joint.child for joint in robot.joints)
+        self.tip.value = tip or SHIPPED.get(name) or usual_tip(part_from(robot, base))
+        self._unnamed_tip = None if tip else (self.tip.value, base)
+        self._tips_of = name
+
+    def _list_bases(self, name: str, base: str | None) -> None:
+        """List the links that may be the base of the tip, and choose one, else the first."""
+        robot = load_robot(name, MeshSource(self.files))
+        bases = bases_to(robot, self.tip.value) or (robot.root,)
+        self.base_link.options = bases
+        self.base_link.value = base or bases[0]
+        self._unnamed_base = None if base else robot.root
+        self._bases_of = name, self.tip.value
+
+    def _compare_size(self, name: str) -> None:
+        """Notify of an arm whose size is not that of the workspace."""
+        self._take_size_back()
+        robot = load_robot(name, MeshSource(self.files))
+        note = size_note(robot, str(self.tip.value), self._workspace, self._unit)
+        if note is not None:
+            self._size_notice = self._client.add_notification(*note, auto_close_seconds=15)
+
+    def _take_size_back(self) -> None:
+        """Take back what was told of the size of another arm, or in another workspace."""
+        if self._size_notice is not None:
+            self._size_notice.remove()
+            self._size_notice = None
+
+
+def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:
+    """Read the file of an arm."""
+    dealing.step("reading", 0.5)
+    return READER.arm(content, dealing.name, dealing.stopped, dealing.wait)
+
+
+def _choose(box: viser.GuiDropdownHandle[str], values: Mapping[str, object], value: object) -> None:
+    """Choose a value of a list, or that of the scene where the list has it not."""
+    known = next((label for label, other in values.items() if other == value), None)
+    if known is None and _OTHER not in box.options:
+        box.options = (*values, _OTHER)
+    box.value = known or _OTHER

@@ -1,0 +1,1 @@
+"""Lessons, lectures, classes, the search theatre and the tour."""

@@ -1,0 +1,321 @@
+"""The search theatre: any search step by step in both directions, with guesses, or as a race."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from functools import partial
+from typing import Any
+
+import numpy as np
+import viser
+from pydantic import ValidationError
+
+from abi.arrays import FloatArray, IntArray
+from abi.errors import StageError
+from abi.search.compare import COMPARED
+from abi.search.replay import replay
+from abi.search.search import SEARCHES
+from abi.search.trace import SearchTrace
+from app.panels.widgets import Wake, clamp
+from app.state.frame import Frame
+from app.teach.lesson import SearchCue
+from app.theatre.searches import TheatreSearches
+from app.theatre.theatre import Answer, Theatre, judge, node_at, one_way_search, race_of, where
+from app.ui import notices, style
+
+FRAME = 1 / 20
+"""Seconds between two pictures while it plays."""
+SPEEDS = {"2 steps a second": 2.0, "10 steps a second": 10.0, "all in 10 s": 0.0}
+_ALL_IN = 10.0
+_INTRO = style.paragraph(
+    f"Watch any of {len(COMPARED)} searches node by node: what it has visited, what waits, and "
+    "what comes next. Or run them all on this grid and compare. Lesson 3, in <i>Learn</i>, begins "
+    "with a grid on which no two nodes tie."
+)
+EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
+_STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
+_COVERING = (
+    frozenset(SEARCHES)
+    | {"taut", "bspline", "control", "quadratic", "ghost", "names", "excluded", "arm", "trace"}
+    | {"tool_only", "other_elbow", "end_poses", "bases"}
+)
+"""Layers that would cover the search, or give away what it finds."""
+
+
+class TheatrePanel:
+    """Widgets and clock of the theatre, and the searches that it shows."""
+
+    def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
+        gui, self._client, self._wake = client.gui, client, wake
+        self._intro = gui.add_html(_INTRO)
+        self.on = gui.add_checkbox(
+            "step through a search",
+            False,
+            hint="Any search, node by node. Paths, curves and arm are hidden meanwhile.",
+        )
+        self.algorithm = gui.add_dropdown(
+            "algorithm", tuple(one.label for one in COMPARED.values())
+        )
+        self.weight = gui.add_slider(
+            "heuristic weight w",
+            0.0,
+            2.0,
+            0.05,
+            1.5,
+            hint="f = (2 − w) g + w h: 0 is Dijkstra, 1 is A*, 2 is greedy.",
+        )
+        self.edges = gui.add_dropdown(
+            "negative edge",
+            tuple(EDGES),
+            hint="A one-way edge of negative cost, which leads Dijkstra astray.",
+        )
+        self.step = gui.add_slider("step", 0, 1, 1, 0, hint="Drag to go anywhere in the search.")
+        self.play = gui.add_button("Play the search", hint="Or press P.")
+        self.one = gui.add_button_group("one step", tuple(_STEPS), hint="Or press B and N.")
+        self.speed = gui.add_dropdown("speed", tuple(SPEEDS), initial_value="10 steps a second")
+        self.ask = gui.add_checkbox(
+            "ask me: which node next?",
+            False,
+            hint="Click the node that you think will be visited next.",
+        )
+        self.race = gui.add_checkbox(
+            "race of three", False, hint="Three searches side by side, step for step."
+        )
+        self.playing = False
+        self._inputs: deque[int | None] = deque()
+        self._click: tuple[FloatArray, FloatArray] | None = None
+        self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
+        self._searches = TheatreSearches()
+        self._answer = Answer()
+        self._last: Theatre | None = None
+        self._seen: tuple[object, ...] = ()
+        for widget in (self.on, self.algorithm, self.weight, self.edges, self.step):
+            widget.on_update(wake)
+        for widget in (self.speed, self.ask, self.race):
+            widget.on_update(wake)
+        self.play.on_click(self._toggle)
+        self.one.on_click(self._one_step)
+        gui.add_command("Search: play or pause", hotkey="P").on_trigger(self._toggle)
+        gui.add_command("Search: one step", hotkey="N").on_trigger(partial(self.go, 1))
+        gui.add_command("Search: one step back", hotkey="B").on_trigger(partial(self.go, -1))
+        client.scene.on_click()(self._clicked)
+
+    @property
+    def chosen(self) -> str:
+        """Name of the search in :data:`abi.search.compare.COMPARED`."""
+        name = next(
+            (k for k, one in COMPARED.items() if one.label == self.algorithm.value), "a_star"
+        )
+        return name if not self._kind else one_way_search(name)
+
+    @property
+    def kept(self) -> str:
+        """Search that is stepped through, and its step, as a text; empty while it is off."""
+        if not self.on.value:
+            return ""
+        cue = SearchCue(
+            algorithm=self.chosen,
+            step=0 if self.playing else self._written,
+            weight=clamp(self.weight.value, 0.0, 2.0),
+            edges=self.edges.value if self.edges.value in EDGES else None,
+            ask=bool(self.ask.value),
+            race=bool(self.race.value),
+        )
+        return cue.model_dump_json(exclude_none=True)
+
+    def restore(self, text: str) -> None:
+        """Show what a kept text says, which may come from anyone; nothing where it says nothing."""
+        if text == self.kept and not self.playing:
+            return
+        try:
+            cue = SearchCue.model_validate_json(text) if text else SearchCue(on=False)
+        except ValidationError:
+            return
+        if cue.edges in (None, *EDGES):
+            self.set(**cue.model_dump(exclude_none=True))
+
+    def uncovered(self, shown: frozenset[str]) -> frozenset[str]:
+        """Names of the switches that are on, without what would cover the search."""
+        return shown - _COVERING if self.on.value else shown
+
+    def timeout(self) -> float | None:
+        """Time until the next picture, [s]; None while it stands still."""
+        return FRAME if self.playing and self.on.value else None
+
+    def set(self, **settings: Any) -> None:
+        """Set widgets by name, as a lesson does: ``on``, ``algorithm``, ``step``, …"""
+        for name, value in settings.items():
+            if name == "step":
+                self._position = float(value)
+                self.playing = False
+            elif name == "algorithm":
+                self.algorithm.value = COMPARED[value].label
+            else:
+                getattr(self, name).value = value
+
+    def advance(self, frame: Frame) -> Theatre | None:
+        """Theatre to show now; None while it is off, or while the plan changes under the hand."""
+        self._replace_search()
+        self._show_widgets()
+        now = time.monotonic()
+        elapsed, self._advanced = now - self._advanced, now
+        plan = frame.plan
+        if not self.on.value or plan.graph is None:
+            self._last = None
+            return None
+        if not self._searches.are_of(plan):
+            if frame.interactive or frame.partial or frame.outdated:
+                return None
+            self._searches, self._last = TheatreSearches(plan), None
+            self._answer = Answer()  # the node was one of another graph
+        name, trace = self._trace_of(self.chosen)
+        racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
+        steps = max([trace.steps, *(other.steps for _, other in racing)])
+        self._move(trace, steps, elapsed)
+        self._show_widgets()  # it may have come to its end
+        self._last = self._view(name, trace, racing)
+        return self._last
+
+    def _show_widgets(self) -> None:
+        """Show the widgets that count now."""
+        on = bool(self.on.value)
+        seen = (on, self.race.value, self.algorithm.value, self.edges.value, self.playing)
+        if seen == self._seen:
+            return
+        self._seen = seen
+        self._intro.visible = not on
+        for widget in (self.algorithm, self.edges, self.step, self.play, self.one, self.speed):
+            widget.visible = on
+        self.ask.visible = on and not self.race.value
+        self.race.visible = on
+        self.weight.visible = on and self.chosen == "weighted_a_star"
+        self.play.label = "Pause the search" if self.playing else "Play the search"
+
+    def _replace_search(self) -> None:
+        """Choose one that takes a negative edge, where the one chosen does not."""
+        label = COMPARED[self.chosen].label
+        if self.on.value and self._kind and label != self.algorithm.value:
+            notices.notify_refusal(
+                self._client,
+                f"{label} instead",
+                f"{self.algorithm.value} cannot handle a negative one-way edge.",
+            )
+            self.algorithm.value = label
+
+    @property
+    def _kind(self) -> str:
+        return EDGES.get(self.edges.value, "")
+
+    def _trace_of(self, name: str) -> tuple[str, SearchTrace]:
+        """A search and its trace; another where it takes no one-way edges."""
+        try:
+            self._searches.prepare(self._kind)
+        except StageError as error:
+            notices.notify_refusal(self._client, "No negative edge", error.message)
+            self.edges.value = next(iter(EDGES))
+        if self._kind:
+            name = one_way_search(name)
+        return name, self._searches.trace(name, self._kind, clamp(self.weight.value, 0.0, 2.0))
+
+    def _move(self, trace: SearchTrace, steps: int, elapsed: float) -> None:
+        """Go to the step that the widgets and the clock ask for."""
+        asking = self.ask.value and not self.race.value
+        if self.step.max != max(steps, 1):
+            self.step.max = max(steps, 1)
+        if self.step.value != self._written:
+            self._position, self.playing = float(self.step.value), False
+        while self._inputs:
+            change = self._inputs.popleft()
+            self._position = 0.0 if change is None else int(self._position) + change
+            self.playing = False
+        if self.playing and not asking:
+            rate = SPEEDS.get(self.speed.value, 10.0) or steps / _ALL_IN
+            if self._position >= steps:
+                self._position = 0.0
+            self._position += elapsed * rate
+            self.playing = self._position < steps
+        before = self._written
+        self._position = clamp(self._position, 0.0, float(steps))
+        clicked = self._click is not None
+        if clicked:
+            self._take(trace, asking)
+        step = int(self._position)
+        if step != before and not clicked:
+            self._answer = Answer(self._answer.node)
+        if self.step.value != step:
+            self.step.value = step
+        self._written = step
+
+    def _take(self, trace: SearchTrace, asking: bool) -> None:
+        """Judge the node that was clicked, or look it up."""
+        assert self._click is not None
+        (origin, direction), self._click = self._click, None
+        state = replay(trace, min(int(self._position), trace.steps))
+        reached = np.flatnonzero(np.isfinite(state.cost)).astype(np.int32)
+        # of both searches' nodes the one that waits
+        points: FloatArray = np.concatenate([trace.arcs.points] * trace.sides)
+        nodes: IntArray = state.open if asking else reached
+        node = node_at(points, nodes, origin, direction)
+        if node < 0 and asking:
+            node = node_at(points, reached, origin, direction)
+        if node < 0:
+            return
+        self._answer = Answer(node)
+        if not asking or trace.queue == "rounds":
+            return
+        right, why = judge(state, node)
+        word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
+        self._answer = Answer(node, f"The node at {where(state, node)}. {word} {why}", right)
+        self._position += right
+
+    def _view(
+        self, name: str, trace: SearchTrace, racing: tuple[tuple[str, SearchTrace], ...]
+    ) -> Theatre:
+        step, last = self._written, self._last
+        asking = bool(self.ask.value) and not racing
+        if self._answer.node >= trace.sides * len(trace.arcs.points):
+            self._answer = Answer()  # of a search from both ends, which has more
+        if (
+            last is not None
+            and last.state.trace is trace
+            and last.state.step == min(step, trace.steps)
+            and (last.answer, last.asking) == (self._answer, asking)
+            and tuple(state.trace for _, state in last.race) == tuple(one for _, one in racing)
+            and all(state.step == min(step, state.trace.steps) for _, state in last.race)
+        ):
+            return last
+        return Theatre(
+            name=name,
+            state=replay(trace, min(step, trace.steps)),
+            race=tuple((other, replay(one, min(step, one.steps))) for other, one in racing),
+            asking=asking,
+            answer=self._answer,
+        )
+
+    def _toggle(self, event: Any) -> None:
+        self.playing = not self.playing
+        self._advanced = time.monotonic()
+        self._wake(event)
+
+    def _one_step(self, event: Any) -> None:
+        if event.target.value in _STEPS:
+            self._inputs.append(_STEPS[event.target.value])
+        self._wake(event)
+
+    def end(self, event: object) -> None:
+        """Show paths, curves and arm again."""
+        self.on.value = False
+        self._wake(event)
+
+    def go(self, change: int, event: object) -> None:
+        """Go some steps forward, or back."""
+        self._inputs.append(change)
+        self._wake(event)
+
+    def _clicked(self, event: Any) -> None:
+        if self.on.value and not self.race.value:
+            ray = np.array(event.ray_origin, float), np.array(event.ray_direction, float)
+            if np.isfinite(ray).all():
+                self._click = ray
+                self._wake(event)

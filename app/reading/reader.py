@@ -1,0 +1,197 @@
+"""Reader of files from outside, in a separate process, so that a crash or a hang does no harm.
+
+The process is started with the first file or before, kept for the next one, and replaced if it has
+ended.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import logging
+import threading
+import time
+from collections.abc import Callable, Mapping
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.robot import Robot
+from abi.robot.robot_files import load_robot
+from app.reading.reading import Answer, Job
+from app.reading.reading_places import ReadingPlaces, Ticket
+from app.reading.running_reader import AT_ONCE, Limits, RunningReader
+
+_log = logging.getLogger(__name__)
+_LOOK = 0.05
+"""Seconds between two looks at whether a file is still wanted."""
+_LONG = 2.0
+"""Seconds after which whoever waits for a place is told so."""
+
+Stopped = threading.Event
+"""Set when a file is not wanted any more; files with the same one are read one after the other."""
+Delayed = Callable[[], object]
+"""Called once if files of others keep one waiting for long."""
+
+
+def _ignore() -> None:
+    """Tell nobody of a delay."""
+
+
+class StoppedError(Exception):
+    """Raised where a file is not wanted any more."""
+
+
+class Reader:
+    """Reader of files from outside.
+
+    Attributes:
+        lost: exit codes of processes that ended over a file; below 0 the signal that ended it.
+        faults: errors in readers that are none of a file.
+    """
+
+    def __init__(self, limits: Limits | None = None) -> None:
+        self.limits = limits or Limits()
+        self.lost: list[int] = []
+        self.faults: list[str] = []
+        self._idle: list[RunningReader] = []
+        self._lock = threading.Lock()
+        self._places = ReadingPlaces(AT_ONCE)
+        atexit.register(self.close)
+
+    def warm(self) -> None:
+        """Start a process if none is idle: the first file need not wait seconds for it then."""
+        with self._lock:
+            if not self._idle:
+                self._idle.append(RunningReader(self.limits))
+
+    def mesh(
+        self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
+    ) -> Surface:
+        """The repaired surface of a mesh file.
+
+        Args:
+            content: of the file.
+            name: of the file.
+            stopped: of this file and of those that are to be read before or after it.
+            delayed: called if it waits.
+
+        Raises:
+            SceneError: it is refused, or took too long or too much.
+            StoppedError: ``stopped`` was set.
+        """
+        return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name].surface()
+
+    def arm(
+        self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
+    ) -> Robot:
+        """The arm of a URDF, or of a zip with one and its meshes; arguments as for :meth:`mesh`.
+
+        Raises:
+            SceneError: it is refused, or took too long or too much.
+            StoppedError: ``stopped`` was set.
+        """
+        archive = self.read(Job("arm", name, content), stopped, delayed).archives[name]
+        return load_robot(name, MeshSource({name: archive}))
+
+    def scene(
+        self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
+    ) -> tuple[object, Mapping[str, bytes | Surface]]:
+        """Plain data of a scene file, and the files that came with it, by name.
+
+        Arguments are those of :meth:`mesh`.
+
+        Raises:
+            SceneError: it is refused, or took too long or too much.
+            StoppedError: ``stopped`` was set.
+        """
+        answer = self.read(Job("scene", name, content), stopped, delayed)
+        surfaces = {file: one.surface() for file, one in answer.surfaces.items()}
+        return json.loads(answer.data), {**answer.archives, **surfaces}
+
+    def read(self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore) -> Answer:
+        """The answer to a job that is no refusal; arguments as for :meth:`mesh`.
+
+        Raises:
+            SceneError: it is refused, or took too long or too much.
+            StoppedError: ``stopped`` was set.
+        """
+        stopped = stopped or threading.Event()
+        ticket = self._places.queue(stopped)
+        try:
+            self._wait(ticket, job, stopped, delayed)
+            answer, seconds = self._answer(job, stopped)
+        finally:
+            self._places.give_back(ticket)
+        if stopped.is_set():
+            raise StoppedError
+        if answer is None:
+            _log.warning("reader lost: %s %r after %.1f s", job.kind, job.name, seconds)
+            raise SceneError("file", job.name, "a file that takes less time and memory to read")
+        if answer.fault:
+            self.faults.append(answer.fault)
+            _log.warning("reader fault: %s %r: %s", job.kind, job.name, answer.fault)
+        if answer.refusal is not None:
+            refusal = answer.refusal
+            raise SceneError(refusal.field, refusal.value, refusal.expected)
+        return answer
+
+    def close(self) -> None:
+        """End the processes; the next file starts one anew."""
+        with self._lock:
+            idle, self._idle = self._idle, []
+        for process in idle:
+            process.close()
+
+    def _wait(self, ticket: Ticket, job: Job, stopped: Stopped, delayed: Delayed) -> None:
+        """Wait for a place, no longer than the file is wanted."""
+        begin, is_told = time.monotonic(), False
+        while not stopped.is_set():
+            if self._places.wait(ticket, _LOOK):
+                return
+            seconds = time.monotonic() - begin
+            if seconds > self.limits.patience:
+                _log.warning("reader busy: %s %r waited %.0f s", job.kind, job.name, seconds)
+                expected = "a moment in which the server reads fewer files; add it again then"
+                raise SceneError("file", job.name, expected)
+            if not is_told and seconds > _LONG:
+                is_told = True
+                _log.info("reader busy: %s %r waits", job.kind, job.name)
+                delayed()
+        raise StoppedError
+
+    def _answer(self, job: Job, stopped: Stopped) -> tuple[Answer | None, float]:
+        """Answer of a process, None where it ended; and the seconds that it took."""
+        with self._lock:
+            process = self._idle.pop() if self._idle else RunningReader(self.limits)
+        done = threading.Event()
+        watch = threading.Thread(target=self._watch, args=(process, done, stopped), daemon=True)
+        begin = time.monotonic()
+        watch.start()
+        try:
+            answer = process.read(job)
+        finally:
+            done.set()
+            watch.join()
+        if answer is None:
+            code = process.close()
+            if not stopped.is_set():
+                self.lost.append(code)
+        else:
+            with self._lock:
+                self._idle.append(process)
+        return answer, time.monotonic() - begin
+
+    def _watch(
+        self, process: RunningReader, done: threading.Event, stopped: threading.Event
+    ) -> None:
+        """End a process that takes too long, or whose file is not wanted."""
+        end = time.monotonic() + self.limits.patience
+        while not done.wait(_LOOK):
+            if stopped.is_set() or time.monotonic() > end:
+                process.kill()
+                return
+
+
+READER = Reader()
+"""The server's."""

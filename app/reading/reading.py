@@ -1,0 +1,202 @@
+"""Work of the reader process on a file from outside: bytes in, checked data out.
+
+Only plain data with a schema passes between the processes, so that nothing in a file can make the
+server run code.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import msgspec
+import numpy as np
+
+from abi.arrays import read_only
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh import mesh_reader
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.bounding_capsules import bounding_capsules
+from abi.robot.robot import Robot
+from abi.robot.robot_files import file_of, load_robot, robot_from_archive
+from abi.scene import scene_archive
+from abi.scene.scene_file import parse_bytes
+from app.reading import sample_meshes
+
+Kind = Literal["mesh", "arm", "scene"]
+
+
+class Job(msgspec.Struct):
+    """A file to read.
+
+    Attributes:
+        kind: what it is to be.
+        name: its name; the ending tells the format.
+        content: its bytes.
+    """
+
+    kind: Kind
+    name: str
+    content: bytes
+
+
+class Triangles(msgspec.Struct):
+    """A surface as bytes: float64 vertices, int32 faces."""
+
+    vertices: bytes
+    faces: bytes
+    closed: bool
+    notes: tuple[str, ...]
+    metres: float | None
+
+    @classmethod
+    def of(cls, surface: Surface) -> Triangles:
+        """The bytes of a surface."""
+        vertices = surface.vertices.astype("<f8").tobytes()
+        faces = surface.faces.astype("<i4").tobytes()
+        return cls(vertices, faces, surface.closed, surface.notes, surface.metres)
+
+    def surface(self) -> Surface:
+        """The surface of the bytes."""
+        vertices = np.frombuffer(self.vertices, "<f8").reshape(-1, 3).astype(np.float64)
+        faces = np.frombuffer(self.faces, "<i4").reshape(-1, 3).astype(np.int32)
+        arrays = read_only(vertices), read_only(faces)
+        return Surface(*arrays, self.closed, self.notes, self.metres)
+
+
+class Refusal(msgspec.Struct):
+    """A :class:`SceneError` as plain data."""
+
+    field: str
+    value: Any
+    expected: str
+
+
+class Answer(msgspec.Struct):
+    """Outcome of reading a file.
+
+    Attributes:
+        refusal: why it is not taken; None where it is.
+        fault: name of an error that no reader should have raised; empty otherwise.
+        data: plain data of a scene, as JSON.
+        surfaces: repaired meshes, by their names.
+        archives: arms with their meshes as zips, by their names.
+    """
+
+    refusal: Refusal | None = None
+    fault: str = ""
+    data: bytes = b""
+    surfaces: dict[str, Triangles] = {}
+    archives: dict[str, bytes] = {}
+
+
+def read(job: Job) -> Answer:
+    """Read a file; whatever is wrong with it is in the answer."""
+    try:
+        return _READERS[job.kind](job.name, job.content)
+    except SceneError as error:
+        return Answer(_refusal(error))
+    except MemoryError:
+        return Answer(Refusal("file", job.name, "one that takes less memory to read"))
+    except Exception as error:  # it stays in this process
+        refusal = Refusal("file", job.name, "a file that can be read")
+        return Answer(refusal, f"{type(error).__name__}: {error}"[:300])
+    finally:
+        robot_from_archive.cache_clear()
+        bounding_capsules.cache_clear()
+
+
+def rehearse() -> None:
+    """Read a file of every kind, whole and cut off, so that nothing is left to be loaded."""
+    import trimesh
+
+    box, other = trimesh.creation.box(), trimesh.creation.box()
+    other.apply_translation((0.5, 0.5, 0.5))
+    pair: Any = trimesh.util.concatenate([box, other])
+    files = [Job("scene", f"a.{ending}", b'{"version": 1}') for ending in ("json", "yaml")]
+    files += [Job("arm", "a.urdf", b'<robot name="a"><link name="b"/></robot>')]
+    own = {".dae": sample_meshes.dae, ".3mf": sample_meshes.threemf}
+    for suffix in mesh_reader.SUFFIXES:
+        content = own[suffix]() if suffix in own else pair.export(file_type=suffix[1:])
+        mesh = content if isinstance(content, bytes) else content.encode()
+        files += [Job("mesh", f"a{suffix}", mesh), Job("mesh", f"a{suffix}", mesh[:200])]
+    for kind, name in (("scene", "a.zip"), ("arm", "a.zip")):
+        files.append(Job(kind, name, b"PK\x03\x04"))  # type: ignore[arg-type]
+    for job in files:
+        read(job)
+
+
+def _mesh(name: str, content: bytes) -> Answer:
+    surface = mesh_reader.read_surface(content, name)
+    return Answer(surfaces={name: Triangles.of(surface)})
+
+
+def _arm(name: str, content: bytes) -> Answer:
+    return Answer(archives={name: _whole(name, {name: content}).archive})
+
+
+def _scene(name: str, content: bytes) -> Answer:
+    files: dict[str, bytes | Surface] = {}
+    if name.lower().endswith(scene_archive.SUFFIX):
+        data, files = scene_archive.unpack(content, name)
+    else:
+        data = parse_bytes(content, name)
+    try:
+        text = json.dumps(data, default=str)
+    except (TypeError, ValueError):  # a key that is a list, a number of thousands of digits
+        raise SceneError("scene", name, "plain numbers, lists and mappings") from None
+    answer = Answer(data=text.encode())
+    meshes, arms = named_files(data)
+    for file in meshes & files.keys():
+        found = files[file]
+        if isinstance(found, Surface):
+            answer.surfaces[file] = Triangles.of(found)
+        else:
+            answer.surfaces |= _mesh(file, found).surfaces
+    for arm in arms:
+        if arm in files or file_of(arm) in files:
+            answer.archives[arm] = _whole(arm, files).archive
+    return answer
+
+
+def named_files(data: object) -> tuple[set[str], set[str]]:
+    """Names of the files of obstacles and of the arm in a scene that is not checked yet."""
+    fields = data if isinstance(data, dict) else {}
+    obstacles, arm = fields.get("obstacles"), fields.get("arm")
+    entries = obstacles if isinstance(obstacles, list) else []
+    meshes = [one.get("file") for one in entries if isinstance(one, dict)]
+    arms = [arm.get("urdf")] if isinstance(arm, dict) and arm.get("model") == "urdf" else []
+    return (
+        {name for name in meshes if isinstance(name, str)},
+        {name for name in arms if isinstance(name, str)},
+    )
+
+
+def _whole(name: str, files: Mapping[str, bytes | Surface]) -> Robot:
+    """An arm whose links have been put into capsules, as planning will do.
+
+    Its archive has only meshes in formats of our own readers: the server reads it again.
+    """
+    robot = load_robot(name, MeshSource(files), plain=True)
+    for link in robot.links.values():
+        bounding_capsules(link)
+    return robot
+
+
+def _refusal(error: SceneError) -> Refusal:
+    """The error without what the schema cannot carry."""
+    value = error.value
+    try:
+        msgspec.msgpack.encode(value)
+    except (TypeError, ValueError, OverflowError):
+        value = repr(value)[:200]
+    # half of a pair of surrogates is no text
+    field, expected = (
+        text.encode(errors="replace").decode() for text in (error.field, error.expected)
+    )
+    return Refusal(field, value, expected)
+
+
+_READERS = {"mesh": _mesh, "arm": _arm, "scene": _scene}

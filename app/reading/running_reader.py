@@ -1,0 +1,99 @@
+"""A running process that reads files from outside, and its limits."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import msgspec
+
+from app.process.process_memory import memory_in_all
+from app.reading.reader_process import READY, receive, send
+from app.reading.reading import Answer, Job
+
+AT_ONCE = 2
+"""Files that are read at once, at most; others wait."""
+_ROOT = Path(__file__).resolve().parents[2]
+_MOST_MEMORY = 2_000_000_000
+_GRACE = 0.5
+"""Seconds for a process to end by itself."""
+_SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def reading_memory(memory: int | None) -> int:
+    """Bytes that one file may take, so that those read at once leave half of all to the server.
+
+    Args:
+        memory: [bytes] of the machine or the container; None where nobody tells.
+    """
+    return _MOST_MEMORY if memory is None else min(_MOST_MEMORY, memory // (2 * AT_ONCE))
+
+
+class Limits(NamedTuple):
+    """Limits of the process that reads a file.
+
+    Attributes:
+        memory: [bytes], beside what the process itself takes.
+        files: that may be open at once; what is open when reading begins stays so.
+        seconds: of processor time.
+        patience: seconds that anybody waits for it, and for a place before.
+    """
+
+    memory: int = reading_memory(memory_in_all())
+    files: int = 0
+    seconds: int = 20
+    patience: float = 90.0
+
+
+class RunningReader:
+    """The process, from its start on."""
+
+    def __init__(self, limits: Limits) -> None:
+        paths = [str(_ROOT), os.environ.get("PYTHONPATH", "")]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
+        environment |= dict.fromkeys(_SINGLE, "1")
+        numbers = map(str, (limits.memory, limits.files, limits.seconds))
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "app.reading.reader_process", *numbers],
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._jobs: BinaryIO = self._process.stdin  # type: ignore[assignment]
+        self._answers: BinaryIO = self._process.stdout  # type: ignore[assignment]
+        self._ready = False
+
+    def read(self, job: Job) -> Answer | None:
+        """The answer to a job; None where the process ended."""
+        try:
+            if not self._ready:
+                self._ready = receive(self._answers) == READY
+            send(self._jobs, msgspec.msgpack.encode(job))
+            content = receive(self._answers)
+        except OSError:
+            return None
+        return None if content is None else msgspec.msgpack.decode(content, type=Answer)
+
+    def kill(self) -> None:
+        """End it at once."""
+        self._process.kill()
+
+    def close(self) -> int:
+        """End it and free what it held; its exit code."""
+        with contextlib.suppress(OSError):  # what was still to be written
+            self._jobs.close()
+        if not self._ready:  # it would go on loading first
+            self._process.kill()
+        try:
+            self._process.wait(_GRACE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+        self._answers.close()
+        return self._process.wait()

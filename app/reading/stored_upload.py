@@ -1,0 +1,130 @@
+"""Files that are on their way from pages or wait to be read: on disk, and only so many bytes.
+
+A page that sends only a part of a file, or files faster than they are read, would fill the memory
+otherwise.
+"""
+
+from __future__ import annotations
+
+import io
+import tempfile
+import threading
+from collections.abc import Iterator, MutableMapping
+from typing import IO
+
+from app.process.process_memory import memory_in_all
+
+IN_MEMORY = 1_000_000
+"""Bytes of a file from which on it is kept on disk, where there is one to write to."""
+_MOST = 500_000_000
+_SHARE = 8
+"""Part of the memory that all files together may take: the disk's place is often memory, too."""
+
+
+class UploadRoom:
+    """Bytes that all files of a process may take together, from any thread."""
+
+    def __init__(self, size: int) -> None:
+        self._lock = threading.Lock()
+        self._free = size
+
+    @property
+    def free(self) -> int:
+        """Bytes that are left."""
+        return self._free
+
+    def take(self, size: int) -> bool:
+        """Take so many bytes, if they are left."""
+        with self._lock:
+            if size > self._free:
+                return False
+            self._free -= size
+            return True
+
+    def give_back(self, size: int) -> None:
+        """Give back bytes that were taken."""
+        with self._lock:
+            self._free += size
+
+
+def room_in(memory: int | None) -> int:
+    """Bytes for all files of a machine or container of so much memory; None where nobody tells."""
+    return _MOST if memory is None else min(_MOST, memory // _SHARE)
+
+
+class StoredUpload(MutableMapping[int, bytes]):
+    """Content of one file by the numbers of its parts, gone with the last reference to it.
+
+    What finds no room reads as zeros, of the same length: whoever puts the parts together goes by
+    that.
+
+    Attributes:
+        lost: why the file cannot be used; empty as long as it can.
+    """
+
+    def __init__(self, room: UploadRoom) -> None:
+        self._room = room
+        self._places: dict[int, tuple[int, int]] = {}
+        self._end = 0
+        self._file = _new_file()
+        self.lost = ""
+
+    def __setitem__(self, number: int, content: bytes) -> None:
+        size = len(content)
+        if not self.lost and not self._room.take(size):
+            self._lose("a moment in which the server has fewer files to read; add it again then")
+        if not self.lost:
+            try:
+                self._file.seek(self._end)
+                self._file.write(content)
+            except OSError:
+                self._room.give_back(size)
+                self._lose("a moment in which the server has a place to keep it")
+        self._places[number] = self._end, size
+        self._end += 0 if self.lost else size
+
+    def __getitem__(self, number: int) -> bytes:
+        place, size = self._places[number]
+        if self.lost:
+            return bytes(size)
+        self._file.seek(place)
+        return self._file.read(size)
+
+    def __delitem__(self, number: int) -> None:
+        del self._places[number]
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(sorted(self._places))
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def __del__(self) -> None:
+        self.close()
+
+    def content(self) -> bytes:
+        """The whole file."""
+        return b"".join(self[number] for number in self)
+
+    def close(self) -> None:
+        """Give its room back; nothing can be read from then on."""
+        self._room.give_back(self._end)
+        self._end = 0
+        self._file.close()
+
+    def _lose(self, expected: str) -> None:
+        """Keep nothing of it; ``expected`` is what would work."""
+        self.close()
+        self.lost = expected
+
+
+def _new_file() -> IO[bytes]:
+    try:
+        tempfile.gettempdir()
+    except FileNotFoundError:  # nothing can be written, as in a container that is read-only
+        return io.BytesIO()
+    return tempfile.SpooledTemporaryFile(max_size=IN_MEMORY)
+
+
+ROOM = UploadRoom(room_in(memory_in_all()))
+"""Of this process."""

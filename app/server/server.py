@@ -1,0 +1,239 @@
+"""The web server: one session for each connected tab.
+
+The page takes a second to load, and so does the method. Code that needs the method imports it where
+it is used, so that both load at the same time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import socket
+import sys
+import threading
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import viser
+
+from app.guard import guarded_server, token
+from app.guard.guard import Guard
+from app.guard.policy import Policy, policy_for
+from app.guard.porter import Porter
+from app.process.process_memory import memory_in_all
+from app.server.address import Address, ensure_port, listening_url
+from app.state.look import OPENING, Look
+from app.ui import notices, page
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from abi.scene.scene import Scene
+    from app.process.memory_budget import MemoryBudget
+    from app.server.warm_up import WarmUp
+    from app.shared.shared_plans import SharedPlans
+    from app.tab.session import Session
+    from app.teach.classroom import Classroom
+    from app.teach.lesson import Lessons, Library
+
+_ADDRESS, _AS_THE_SYSTEM = Address(), Look()
+_FAREWELL = 0.2
+"""Seconds in which the tabs are told that the server stops."""
+
+
+_DEMOS = 3
+"""Tabs at once; one more begins without the demonstration, in which each plans all the time."""
+
+
+class Server:
+    """The page at ``host``, and the tabs' sessions once it has a scene.
+
+    Attributes:
+        url: of the page, e.g. ``http://127.0.0.1:8080``.
+        link: the same with the token, where one is needed.
+        guard: what lets visitors in.
+        sessions: one a tab, by viser's client id.
+    """
+
+    def __init__(
+        self,
+        address: Address,
+        look: Look = _AS_THE_SYSTEM,
+        policy: Policy | None = None,
+    ) -> None:
+        """Open the port; ``policy`` as for :func:`start`."""
+        self._look = look
+        self._lock = threading.Lock()
+        self.sessions: dict[int, Session] = {}
+        self.classroom: Classroom | None = None
+        host, port = address.host, address.port
+        self.guard = Guard(policy or policy_for(host), address.seats, address.entrance)
+        usable = address.usable_host()
+        self.viser = guarded_server.build(self.guard, usable, port, "ABI visualiser")
+        ensure_port(self.viser, port)
+        self.guard.note_tabs()
+        page.disable_sharing(self.viser)
+        self.viser.gui.configure_theme(
+            dark_mode=bool(look.dark), show_logo=False, show_share_button=False
+        )
+        # shadows and surroundings take a weak machine seconds: each tab has them after its plan
+        self.viser.scene.configure_default_lights(cast_shadow=False)
+        self.viser.scene.configure_environment_map(hdri=None)
+        self.url = listening_url(host, self.viser.get_port())
+        self.link = token.link(self.url, self.guard.policy.token)
+
+    def show(self, name: str, scene: Scene, library: Library) -> None:
+        """Open a session on the scene for every tab, present and future."""
+        from app.camera.camera import look_at
+        from app.server.warm_up import WarmUp
+
+        look_at(self.viser.initial_camera, scene)
+        warm_up = WarmUp(scene, self.opening)
+        self.viser.on_client_disconnect(self._close_session)
+        self.viser.on_client_connect(
+            functools.partial(self._open_session, name, scene, library, warm_up)
+        )
+        self.guard.ready = True
+
+    @functools.cached_property
+    def budget(self) -> MemoryBudget:
+        """Memory for the tabs of this process."""
+        from app.process.memory_budget import MemoryBudget, memory_for_tabs
+
+        seats = self.guard.seats
+        processes = 1 if seats is None else seats.processes
+        return MemoryBudget(memory_for_tabs(memory_in_all(), processes))
+
+    @functools.cached_property
+    def opening(self) -> SharedPlans:
+        """First plans of tabs: those of a class that opens at once show the same."""
+        from app.shared.shared_plans import SharedPlans
+
+        return SharedPlans()
+
+    def meet(self, channel: socket.socket) -> None:
+        """Share tabs with the process at the other end of a channel."""
+        porter = self.guard.entrance
+        assert isinstance(porter, Porter)
+        with contextlib.suppress(RuntimeError):  # the server has stopped
+            page.run_on_loop(self.viser, functools.partial(porter.meet, channel))
+
+    def stop(self) -> None:
+        """Tell every tab, end its session and close the port."""
+        self.guard.ready = False
+        with self._lock:
+            sessions, self.sessions = list(self.sessions.values()), {}
+        for session in sessions:
+            session.close()
+            notices.notify_end(session.client)
+        if sessions:
+            threading.Event().wait(_FAREWELL)
+        page.run_on_loop(self.viser, self.guard.hang_up)
+        self.viser.stop()
+
+    def _open_session(
+        self,
+        name: str,
+        scene: Scene,
+        library: Library,
+        warm_up: WarmUp,
+        client: viser.ClientHandle,
+    ) -> None:
+        from app.tab.session import Session
+
+        alone = len(self.sessions) < _DEMOS
+        look = replace(self._look, demo=self._look.demo and alone)
+        session = Session(
+            client,
+            name,
+            scene,
+            look,
+            warm_up.planned,
+            library,
+            self.budget,
+            self.opening,
+            self.classroom,
+        )
+        warm_up.add(client)
+        with self._lock:
+            if client.client_id in self.viser.get_clients():
+                self.sessions[client.client_id] = session
+                return
+        session.close()
+
+    def _close_session(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            session = self.sessions.pop(client.client_id, None)
+        if session is not None:
+            session.close()
+
+
+def start(
+    address: Address = _ADDRESS,
+    scene: str = OPENING,
+    look: Look = _AS_THE_SYSTEM,
+    policy: Policy | None = None,
+    lessons: Path | None = None,
+    classroom: Classroom | None = None,
+    announce: Callable[[str], object] = lambda url: None,
+) -> Server:
+    """Start serving and return at once.
+
+    Args:
+        address: where to listen.
+        scene: a shipped scene's name or a scene file.
+        look: how a new tab begins.
+        policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
+        lessons: a folder with lessons of one's own, besides the shipped ones.
+        classroom: the class that its tabs join; None for tabs that know nothing of each other.
+        announce: called with the link as soon as there is a page to load.
+
+    Raises:
+        AbiError: the scene or a lesson cannot be read, the host is no address of this machine, or
+            another program has the port.
+    """
+    # a tab may close in the middle of a frame; its session ends right after
+    warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
+    # the workers plan in Python: shorter turns let the event loop answer meanwhile
+    sys.setswitchinterval(0.0005)
+    # a file that may be wrong is read before there is a page
+    loaded = None if scene == OPENING else _load(scene)
+    lesson_library = _library(lessons)
+    server = Server(address, look, policy)
+    server.classroom = classroom
+    announce(server.link)
+    server.show(scene, loaded or _load(scene), lesson_library)
+    return server
+
+
+def _load(name: str) -> Scene:
+    from app.reading.local_scene import load_local
+
+    return load_local(name)
+
+
+def _library(folder: Path | None) -> Library:
+    if folder is None:
+        return _shipped_lessons
+    from app.tab.view import SWITCHES
+    from app.teach.lesson import library
+
+    return library(folder, {switch.name for switch in SWITCHES})
+
+
+_reading = threading.Lock()
+
+
+def _shipped_lessons() -> Lessons:
+    """The lessons that come along, read once: tabs that open together wait for the first."""
+    with _reading:
+        return _read_lessons()
+
+
+@functools.cache
+def _read_lessons() -> Lessons:
+    from app.teach.lesson import load_lessons
+
+    return load_lessons()

@@ -1,0 +1,157 @@
+"""Worker processes behind one address, since one interpreter uses no more than one core.
+
+Each is a separate ``abi serve``, but only the first one listens; it gives every new tab to the
+process that has the fewest (:mod:`app.guard.porter`). A tab needs only one connection and keeps its
+scene itself, so any process can serve it, also after another has ended.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from app.guard.porter import Porter
+from app.guard.seats import Seats
+from app.process.scratch import ScratchFolder
+
+Meet = Callable[[socket.socket], None]
+"""Introduces a process, at the other end of a socket, to the porter."""
+
+_log = logging.getLogger("abi.web")
+_PATIENCE = 10.0
+"""Seconds in which a process ends that was told to."""
+_START = 60.0
+"""Seconds in which processes begin to listen that are not hindered."""
+_LONGEST = 60.0
+"""Longest time until a process is started again, [s]."""
+_PERIOD = 0.05
+_METRICS = "PROMETHEUS_MULTIPROC_DIR"
+"""Variable of prometheus-client: where processes keep figures that are counted together."""
+
+
+def are_possible() -> bool:
+    """Check whether processes can hand each other connections, one in a message, as on Linux."""
+    return sys.platform == "linux"
+
+
+class Workers:
+    """Processes besides this one, each started again when it ends by itself.
+
+    Attributes:
+        seats: tabs of all processes; None where there are no others.
+        porter: who gives tabs to the processes; None where there are no others.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._processes: dict[subprocess.Popen[bytes], socket.socket] = {}
+        self._lock = threading.Lock()
+        self._ending = threading.Event()
+        self.seats: Seats | None = None
+        self.porter: Porter | None = None
+        self._folder: ScratchFolder | None = None
+        if count:
+            self._folder = ScratchFolder()
+            os.environ[_METRICS] = str(self._folder.path)
+            self.seats = Seats(self._folder.path, 0, count + 1)
+            self.porter = Porter()
+
+    def start(self, arguments: Sequence[str], token: str | None, meet: Meet) -> None:
+        """Start them with these arguments of ``abi serve``; the token is none for others to see.
+
+        The porter is to ``meet`` each of them.
+        """
+        environment = dict(os.environ)
+        if token is not None:
+            environment["ABI_TOKEN"] = token
+        for place in range(1, self._count + 1):
+            thread = threading.Thread(
+                target=self._keep,
+                args=(place, arguments, environment, meet),
+                name="worker",
+                daemon=True,
+            )
+            thread.start()
+
+    def wait(self, ended: threading.Event) -> None:
+        """Wait until all of them listen, unless ``ended`` is set before.
+
+        Until then the first gets every tab, and keeps it.
+        """
+        end = time.monotonic() + _START
+        while self.seats is not None and not self.seats.are_all_there:
+            if ended.wait(_PERIOD):
+                return
+            if time.monotonic() > end:
+                _log.warning("not all workers listen")
+                return
+
+    def stop(self) -> None:
+        """End them, and tell their tabs."""
+        with self._lock:
+            self._ending.set()
+            processes = dict(self._processes)
+        for process, channel in processes.items():
+            # one that has just begun may not hear the signal, and finds its input at the end
+            with contextlib.suppress(OSError):
+                channel.shutdown(socket.SHUT_RDWR)
+            process.terminate()
+        for process in processes:
+            try:
+                process.wait(_PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        if self._folder is not None:
+            self._folder.close()
+
+    def _keep(
+        self, place: int, arguments: Sequence[str], environment: dict[str, str], meet: Meet
+    ) -> None:
+        """Keep the process at a place running until the end: a thread.
+
+        One that soon ends is started again after longer and longer: it would take a core for good.
+        """
+        command = [sys.executable, "-P", "-m", "app", "serve", "--joins", str(place), *arguments]
+        assert self.seats is not None
+        pause = 0.0
+        while not self._ending.wait(pause):
+            begin = time.monotonic()
+            with self._lock:
+                if self._ending.is_set():
+                    return
+                # its input brings it tabs, and ends when this process is gone
+                channel, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+                with other:
+                    process = subprocess.Popen(
+                        command, env=environment, stdin=other.fileno(), stdout=subprocess.DEVNULL
+                    )
+                self._processes[process] = channel
+            meet(channel)
+            code = process.wait()
+            with self._lock:
+                if self._ending.is_set():
+                    return
+                del self._processes[process]
+            self.seats.vacate(place)
+            from prometheus_client import multiprocess
+
+            multiprocess.mark_process_dead(process.pid)  # type: ignore[no-untyped-call]
+            lived = time.monotonic() - begin
+            pause = 0.0 if lived > _START else min(2 * pause + 1, _LONGEST)
+            _log.warning("worker ended", extra={"code": code, "again_in": pause})
+            if code == 0:
+                return
+
+
+def seat(place: int) -> Seats:
+    """The seats of the process that started this one, at its own place."""
+    return Seats(Path(os.environ[_METRICS]), place)

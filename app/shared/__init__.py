@@ -1,0 +1,1 @@
+"""Values that several tabs share: plans, diagnoses, texts and meshes, made once."""

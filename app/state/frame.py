@@ -1,0 +1,117 @@
+"""Frame: the state of a tab's picture at one moment, which every layer and panel draws from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+from abi.errors import AbiError
+from abi.planner.base_map import BaseMap
+from abi.planner.plan import Plan
+from abi.planner.reason import Reason
+from app.theatre.theatre import Theatre
+from app.ui.layout import Layout
+from app.ui.style import Colour
+
+
+@dataclass(frozen=True)
+class Switch:
+    """Entry of the legend that shows and hides something drawn.
+
+    Attributes:
+        name: element of :attr:`Frame.shown` while it is on.
+        label: its text on the page.
+        colour: of what is drawn; None for what has several or none.
+        on: whether a new tab shows it.
+        hint: when it is there, or what it is, where the label does not say that.
+    """
+
+    name: str
+    label: str
+    colour: Colour | None
+    on: bool = True
+    hint: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Contents of a tab at one moment; the next is a copy with some parts replaced.
+
+    Attributes:
+        plan: the last one.
+        reason: diagnosis of its error.
+        refused: error in the last input, which the plan leaves out.
+        coarse: whether the plan's mesh is coarser than the scene's, while the input changes.
+        partial: whether the mesh is coarser, or two of the searches wait for a pause in the input.
+        interactive: whether the input may still change: what takes long to draw can wait.
+        outdated: whether a newer plan is being made.
+        demonstrates: whether an obstacle moves by itself.
+        shown: names of the switches that are on.
+        mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
+        visited: number of nodes to draw in the order in which the chosen search expanded them.
+        theatre: the search that is stepped through; None while none is.
+        bases: places tried for the arm's base; None while none are.
+        time: since the begin of the motion, [s].
+        playing: whether it advances by itself.
+        lesson: whether one is gone through: what else there is to read waits.
+        asks: whether its page asks something that is not answered yet: no number may give it away.
+        lecture: whether the page is to be read from afar.
+        stage: that a lecture shows alone, named as its folder; empty for all of them.
+        label_scale: of the labels in the scene.
+        rate: seconds of the motion for one of the clock, while it does.
+        plots: whether the tab with the plots has been opened: until then it stays empty.
+    """
+
+    plan: Plan
+    reason: Reason | None = None
+    refused: AbiError | None = None
+    coarse: bool = False
+    partial: bool = False
+    interactive: bool = False
+    outdated: bool = False
+    demonstrates: bool = False
+    shown: frozenset[str] = frozenset()
+    mesh_view: str = "near"
+    visited: int = 0
+    theatre: Theatre | None = None
+    bases: BaseMap | None = None
+    time: float = 0.0
+    playing: bool = False
+    lesson: bool = False
+    asks: bool = False
+    lecture: bool = False
+    stage: str = ""
+    label_scale: float = 1.0
+    rate: float = 1.0
+    plots: bool = False
+
+    @property
+    def current(self) -> bool:
+        """Whether the plan is that of the input."""
+        return not self.outdated and self.refused is None
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion, [s]; 0 without one."""
+        plan = self.plan
+        return plan.profile.duration if plan.motion and plan.profile else 0.0
+
+
+class Drawable(Protocol):
+    """A layer, or a panel that draws."""
+
+    def draw(self, frame: Frame) -> None:
+        """Show ``frame``; return at once where the parts of it that count have not changed."""
+
+
+class Switchable(Protocol):
+    """Something with entries in the legend, or none."""
+
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+
+class Layer(Drawable, Switchable, Protocol):
+    """Part of the picture, in the scene or in a panel."""
+
+    def __init__(self, layout: Layout) -> None:
+        """Add what is drawn to the containers of a tab."""

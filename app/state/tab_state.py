@@ -1,0 +1,257 @@
+"""State of a tab as text, from which a reload, another server or a link restores it."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import msgspec
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.scene.scene import Scene
+from abi.scene.scene_file import MAX_JSON_BYTES
+from app.camera.camera import View
+from app.shared import mesh_store
+
+LONGEST_LINK = 6000
+"""Characters of a state that servers and browsers still take as part of an address."""
+MAX_PROGRESS = 10_000
+"""Characters of the progress in lessons."""
+_VERSION = 1
+_ZLIB_HEADER = b"\x78\x9c"
+_FIELD = "link"
+_NO_VIEW = (
+    "Its camera stands where nothing can be seen, so the scene is shown as when it is opened by "
+    "its name."
+)
+
+
+@dataclass(frozen=True)
+class TabState:
+    """State of a tab.
+
+    Attributes:
+        name: of the scene that was loaded, as in the list of scenes.
+        scene: as it was changed since.
+        view: the camera; None for the scene's own.
+        time: of the motion, [s].
+        playing: whether it advances by itself.
+        shown: names of the switches that are on; None for those of a new tab.
+        dark: whether the page is dark; None for as the system has it.
+        challenge: what is to be reached, as JSON; empty for nothing.
+        lessons: where the student is in which lesson, as the player writes it; empty for nowhere.
+        theatre: the search that is stepped through, as its panel writes it; empty for none.
+        missing: names of mesh files that this server has not; the scene is without them.
+        faults: sentences on what else is left out, because it is damaged.
+        before: the state to which the end of a lesson or of the paper's figures leads; itself
+            without one. No link has it.
+        figure: number of the paper's figure that is shown since; 0 for none.
+    """
+
+    name: str
+    scene: Scene
+    view: View | None = None
+    time: float = 0.0
+    playing: bool = True
+    shown: frozenset[str] | None = None
+    dark: bool | None = None
+    lessons: str = ""
+    challenge: str = ""
+    theatre: str = ""
+    missing: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
+    before: TabState | None = None
+    figure: int = 0
+
+    def alone(self) -> TabState:
+        """The state without the one before it, as others are shown it."""
+        return replace(self, before=None, figure=0)
+
+    def encode(self) -> str:
+        """The state in letters that an address takes as they are."""
+        return StateEncoder().encode(self)
+
+    def settings(self) -> dict[str, Any]:
+        """All but the scene and the state before, as plain data."""
+        return {
+            "version": _VERSION,
+            "name": self.name,
+            "view": None if self.view is None else self.view.to_list(),
+            "time": round(self.time, 3),
+            "playing": self.playing,
+            "shown": None if self.shown is None else sorted(self.shown),
+            "dark": self.dark,
+            "lessons": self.lessons,
+            "challenge": self.challenge,
+            "theatre": self.theatre,
+            **({"figure": self.figure} if self.figure else {}),
+        }
+
+    @classmethod
+    def decode(cls, text: str, meshes: MeshSource) -> TabState:
+        """The state of an encoded text, which may come from anyone.
+
+        Args:
+            text: by :meth:`encode`.
+            meshes: the mesh files that its scene may name.
+
+        Raises:
+            SceneError: no such text, or a field of its scene is wrong.
+        """
+        data = _unpack(text)
+        if not isinstance(data, dict) or data.get("version") != _VERSION:
+            raise SceneError(_FIELD, _shortened(text), "one that this version has made")
+        state, before = _state(data, meshes), _before(data.get("before"), meshes)
+        return state if before is None else replace(state, before=before, figure=_figure(data))
+
+
+class StateEncoder:
+    """Encoder of one tab's states; a scene that stays the same object is compressed once.
+
+    A scene of thousands of obstacles takes tens of milliseconds, and the camera moves more often
+    than the scene changes.
+    """
+
+    def __init__(self) -> None:
+        self._scene = _Stretch()
+        self._before = _Stretch()
+
+    def encode(self, state: TabState) -> str:
+        """The state in letters that an address takes as they are."""
+        self._scene.write(state.scene, lambda: "{" + _scene_fields(state))
+        self._before.write(state.before, lambda: _before_field(state))
+        settings = json.dumps(state.settings(), separators=(",", ":")).encode()
+        settings = b"," + settings.removeprefix(b"{")
+        parts = [self._scene, self._before]
+        if sum(len(part.text) for part in parts) + len(settings) > MAX_JSON_BYTES:
+            parts.pop()  # what is shown now comes back rather than nothing
+        # a zlib stream (RFC 1950) in stretches, none of which looks back into another
+        checksum = zlib.adler32(b"")
+        for part in parts:
+            checksum = zlib.adler32(part.text, checksum)
+        checksum = zlib.adler32(settings, checksum)
+        packed = b"".join(part.packed for part in parts)
+        stream = _ZLIB_HEADER + packed + _deflate(settings, zlib.Z_FINISH) + checksum.to_bytes(4)
+        return base64.urlsafe_b64encode(stream).decode().rstrip("=")
+
+
+class _Stretch:
+    """Part of the stream that is compressed again only where another object is written."""
+
+    def __init__(self) -> None:
+        self._written: object = None
+        self.text = self.packed = b""
+
+    def write(self, written: object, text: Callable[[], str]) -> None:
+        """Compress ``text()`` unless this very object was written last."""
+        if written is not self._written:
+            self._written, self.text = written, text().encode()
+            self.packed = _deflate(self.text, zlib.Z_FULL_FLUSH) if self.text else b""
+
+
+def _scene_fields(state: TabState) -> str:
+    files = json.dumps(mesh_store.keys(state.scene.meshes.files))
+    return f'"scene":{state.scene.model_dump_json()},"files":{files}'
+
+
+def _before_field(state: TabState) -> str:
+    """The state before, as a field of a JSON object; nothing where there is none."""
+    before = state.before
+    if before is None:
+        return ""
+    settings = json.dumps(before.settings(), separators=(",", ":")).removeprefix("{")
+    return f',"before":{{{_scene_fields(before)},{settings}'
+
+
+def _deflate(data: bytes, end: int) -> bytes:
+    """Stretch of a deflate stream, which goes on after it unless ``end`` is ``Z_FINISH``."""
+    packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
+    return packer.compress(data) + packer.flush(end)
+
+
+def _state(data: dict[str, Any], meshes: MeshSource) -> TabState:
+    """The state of plain data, without the one before."""
+    dark, shown = data.get("dark"), data.get("shown")
+    scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
+    view = View.of(data.get("view"))
+    return TabState(
+        name=str(data.get("name", ""))[:200],
+        scene=scene,
+        missing=missing,
+        faults=() if view is not None or data.get("view") is None else (_NO_VIEW,),
+        view=view,
+        time=_time(data.get("time")),
+        playing=data.get("playing") is not False,
+        shown=frozenset(map(str, shown)) if isinstance(shown, list) else None,
+        dark=dark if isinstance(dark, bool) else None,
+        lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
+        challenge=str(data.get("challenge", ""))[:MAX_PROGRESS],
+        theatre=str(data.get("theatre", ""))[:MAX_PROGRESS],
+    )
+
+
+def _before(data: object, meshes: MeshSource) -> TabState | None:
+    """The state before; None for one that cannot be shown, which need not cost the other."""
+    try:
+        return _state(data, meshes) if isinstance(data, dict) else None
+    except SceneError:
+        return None
+
+
+def _figure(data: dict[str, Any]) -> int:
+    number = data.get("figure")
+    return number if type(number) is int and number >= 0 else 0
+
+
+def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple[str, ...]]:
+    """A scene with the files that are here, and names of the meshes that are not."""
+    wanted = keys if isinstance(keys, dict) else {}
+    here = dict(meshes.files)
+    missing = []
+    for name, key in wanted.items():
+        content = mesh_store.find(str(key))
+        if content is not None:
+            here[name] = content
+        elif name not in here and not _is_shipped(name, meshes):
+            missing.append(str(name))
+    if missing and isinstance(data, dict) and isinstance(data.get("obstacles"), list):
+        left = [
+            one
+            for one in data["obstacles"]
+            if not isinstance(one, dict) or one.get("file") not in missing
+        ]
+        data = {**data, "obstacles": left}
+    return Scene.from_dict(data, MeshSource(here, meshes.folder)), tuple(missing)
+
+
+def _is_shipped(name: str, meshes: MeshSource) -> bool:
+    try:
+        meshes.content(name)
+    except SceneError:
+        return False
+    return True
+
+
+def _unpack(text: str) -> object:
+    """Plain data of an encoded text, of no more than a scene file may have."""
+    try:
+        packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
+        unpacked = zlib.decompressobj().decompress(packed, MAX_JSON_BYTES)
+        return msgspec.json.decode(unpacked)
+    except (msgspec.MsgspecError, ValueError, zlib.error, RecursionError):
+        raise SceneError(_FIELD, _shortened(text), "a whole one: it is damaged") from None
+
+
+def _time(value: object) -> float:
+    usable = isinstance(value, int | float) and math.isfinite(value) and value >= 0
+    return float(value) if usable else 0.0  # type: ignore[arg-type]
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= 24 else f"{text[:10]}…{text[-10:]}"

@@ -1,0 +1,1 @@
+"""One browser tab: its session, its thread, its view and its limits."""

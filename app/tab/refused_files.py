@@ -1,0 +1,48 @@
+"""Files that the page itself refuses: it cannot read them, or the server would not take them."""
+
+from __future__ import annotations
+
+import json
+
+import viser
+
+from app.guard.messages import MAX_UPLOAD
+from app.panels.files.file_uploads import shown_name
+from app.ui import notices, page
+
+_REASONS = {
+    "kind": "This button takes {kinds}.",
+    "size": f"It is larger than {MAX_UPLOAD // 1_000_000} MB.",
+    "unreadable": "The browser could not read it. Choose it again.",
+}
+_KINDS = 100
+"""Letters of a list of kinds that are shown."""
+
+
+class RefusedFiles:
+    """Hidden text box into which the page types which file it does not send, and why.
+
+    No input: what is typed is told at once.
+    """
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._box = client.gui.add_text("refused", "", visible=False)
+        self._box.on_update(self._tell)
+        page.call(client, "hearFiles", page.uuid(self._box), MAX_UPLOAD)
+
+    def _tell(self, event: object) -> None:
+        refused = refusal(self._box.value)
+        if refused is not None:
+            notices.notify_refused_file(self._client, *refused)
+
+
+def refusal(text: object) -> tuple[str, str] | None:
+    """Title and reason of what a page has typed; None of what a hostile one may have written."""
+    try:
+        data = json.loads(str(text))
+        name, reason = shown_name(str(data["name"])), _REASONS[data["why"]]
+        kinds = ", ".join(str(data["kinds"])[:_KINDS].split(","))
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return None
+    return f"{name} is not sent", reason.format(kinds=kinds)

@@ -1,0 +1,438 @@
+"""One browser tab: its worker reads the panels, plans what changed, and draws the frame.
+
+Callbacks only wake the worker. It gives one frozen :class:`Frame` to every layer and panel.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import threading
+import time
+from dataclasses import replace
+
+import viser
+
+from abi import assets
+from abi.errors import AbiError, SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.planner.plan import Plan
+from abi.progress import CancelledError
+from abi.scene.scene import Scene
+from app.panels.files.bug_report import describe_fault
+from app.panels.teach.classroom import ClassroomPanel
+from app.process import memory, metrics
+from app.process.memory_budget import MemoryBudget
+from app.process.turns import AT_ONCE, PATIENT
+from app.shared.shared_plans import SharedPlans
+from app.state.frame import Frame
+from app.state.look import Look
+from app.state.tab_state import TabState
+from app.tab.budget import TabBudget
+from app.tab.memory import Report, TabMemory
+from app.tab.pause import IDLE, REST, Pause
+from app.tab.plan_watch import PlanWatch
+from app.tab.planner import TabPlanner
+from app.tab.refused_files import RefusedFiles
+from app.tab.view import TabView
+from app.tab.worker import TabWorker
+from app.teach.classroom import Classroom
+from app.teach.cue import Cue
+from app.teach.lesson import Library
+from app.ui import notices, page
+from app.ui.arm_size import oversize
+from app.ui.labels import sentence
+from app.ui.page_area import PageWatch
+
+_log = logging.getLogger("abi.tab")
+
+SLOW_MS = 120.0
+"""Where the last plan took longer, without the time in which others had the processor, it is drawn
+in grey while the next is made: a picture more, which is what a crowd of tabs has no time for."""
+
+
+class Session:
+    """State and worker of one tab; shared are the turns, and plans of a class or of what opens.
+
+    Attributes:
+        frame: what is drawn.
+        plans: number of plans drawn so far, counting one as often as it was drawn.
+        panels: the tab's.
+        playback: the tab's.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        name: str,
+        scene: Scene,
+        look: Look,
+        planned: threading.Event,
+        library: Library,
+        budget: MemoryBudget,
+        opening: SharedPlans,
+        classroom: Classroom | None = None,
+    ) -> None:
+        """Build the tab and start its worker.
+
+        It sets ``planned`` whenever a plan has been drawn, and takes memory for its scenes, but the
+        first, out of ``budget``. A first plan that another tab has made is in ``opening``.
+        """
+        self.client = client
+        self.frame = Frame(Plan(scene))
+        self.plans = 0
+        self._scene = scene
+        self._watch = PlanWatch(self._tell)
+        self._planner = TabPlanner(client.client_id, self._watch)
+        self._unplanned = False  # whether the plan of the scene was ended by another choice
+        self._budget = TabBudget(budget, client, self)
+        self._opening, self._first = opening, scene
+        self._woken = 0.0
+        self._fault: str | None = None
+        self._broken = False
+        self._planned = planned
+        self._built = self._closed = False
+        self._worker = worker = TabWorker(
+            f"tab-{client.client_id}",
+            prepare=lambda: self._memory.wait(),
+            timeout=self._timeout,
+            patience=self._patience,
+            step=self._work,
+        )
+        page.install(client)
+        watch = PageWatch(client, worker.wake)
+        self._refused = RefusedFiles(client)
+        self._memory = TabMemory(client, self.wake)
+        self._look = look
+        with client.atomic():
+            self._view = TabView(client, name, scene, self.wake, bool(look.dark), library, watch)
+            self.panels, self.playback = self._view.panels, self._view.playback
+            self._built = True
+            self._class: ClassroomPanel | None = None
+            if classroom is not None:
+                self._class = self._view.join(classroom, self.wake, worker.wake)
+        self._pause = Pause(client, self.panels, self._planner, worker.is_woken, look.plain)
+        self._drawn = self.panels.step(scene)
+        self._demonstrated = False  # whether the scene is where the demonstration left it
+        worker.start()
+        self._opened = time.monotonic()
+        metrics.SESSIONS.inc()
+        metrics.TABS.inc()
+        _log.info("tab opened", extra={"tab": client.client_id})
+
+    def close(self) -> None:
+        """End the worker of a closed tab."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._class is not None:
+            self._class.close()
+        self.panels.close()
+        self._worker.close()
+        metrics.TABS.dec()
+        memory.give_back_soon()
+        seconds = time.monotonic() - self._opened
+        fields = {"tab": self.client.client_id, "seconds": seconds, "plans": self.plans}
+        _log.info("tab closed", extra=fields)
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan drawn last; None before the first."""
+        return self.frame.plan if self.plans else None
+
+    @property
+    def resting(self) -> bool:
+        """Whether the plan is complete, all of it is drawn, and no input is waiting."""
+        waiting = self.frame.interactive or self.frame.partial or self._worker.is_woken()
+        return self.plans > 0 and not waiting
+
+    def wake(self, event: object) -> None:
+        """Wake the worker after an input: the callback of every widget.
+
+        What the worker writes into a widget comes back here too, without a client. Not ``async``:
+        viser leaves coroutines behind when it stops.
+        """
+        if getattr(event, "client", None) is not None:
+            if self._built:  # until then no widget has been read
+                self.panels.note(event)
+                self._watch.overtaken |= self.panels.chooses(event)
+            if not self._worker.is_woken():
+                self._woken = time.monotonic()
+            self._worker.hurry()
+
+    def _work(self, woken: bool) -> None:
+        """Take a step, or go back."""
+        try:
+            self._step(woken)
+        except CancelledError:
+            self._unplanned = True  # what was chosen instead has woken the worker
+        except Exception as error:
+            self._recover(error)
+
+    def _patience(self) -> float:
+        """Time for which what there is to do can wait behind the hands in other tabs, [s]."""
+        moving = self._pause.demo.running or self._view.is_due(self.frame)
+        return AT_ONCE if moving or self.plans == 0 else PATIENT
+
+    def _step(self, woken: bool) -> None:
+        """Do what there is to do: on input, in a pause, and for the playback."""
+        demo = self._pause.demo
+        resized = self._view.fit(self.frame)
+        if woken:
+            self._watch.overtaken = False  # before it is read what was chosen
+            self._demonstrated = demo.running
+            demo.end()
+            self._broken = False
+            self._pause.begin()
+            self._update()
+        elif demo.running:
+            demo.step()
+            self._pause.begin(input=False)
+            self._update()
+        elif not self._broken:
+            if self._pause.seconds >= REST:
+                self._work_in_pause()
+            if resized or self._view.is_due(self.frame):
+                self._draw(self.frame)
+        leads = self._class is not None and self._class.teaches
+        if not demo.running and (leads or self._memory.is_due):
+            state = self._state()
+            self._memory.keep(state)
+            if self._class is not None:
+                self._class.publish(state)
+
+    def _recover(self, error: Exception) -> None:
+        """Go back to the last plan after a fault of our own, and say so, until there is input."""
+        self._broken = True
+        self._scene = self._drawn.scene
+        self.panels.read_all()  # what was typed or dragged stays with the hand
+        self._fault = describe_fault(error)
+        metrics.FAULTS.inc()
+        _log.exception("fault", extra={"tab": self.client.client_id})
+        words = (
+            "There was not enough memory for this; a coarser mesh takes less."
+            if isinstance(error, MemoryError)
+            else "The visualiser met a fault of its own. The Scene tab has a text for a bug report."
+        )
+        notices.notify_refusal(self.client, "This did not work", f"{words} The last picture stays.")
+        if self.panels.files.last is not self._drawn.loaded:
+            with contextlib.suppress(Exception):  # the fault may be in what draws
+                self.panels.show(self._drawn)
+                self._view.look_at(self._scene, face=False)
+                self._draw(self.frame)
+
+    def _timeout(self) -> float:
+        """Time to wait for input, [s]."""
+        if self._broken:
+            return IDLE
+        picture, pause = self._view.timeout(self.frame), self._pause.timeout(self.frame)
+        return pause if picture is None else min(picture, pause)
+
+    def _update(self) -> None:
+        """Plan and draw what the panels show."""
+        report = self._memory.report()
+        restored = report is not None and self._restore(report)
+        if self._class is not None:
+            if report is not None:
+                self._class.recognise(report.query.get("teach", ""), report.student)
+            restored |= self._mirror(self._class)
+        if (cue := self.panels.cue(self._scene)) is not None:
+            restored |= self._follow(cue)
+        elif self.panels.left():
+            before, self._scene = self._scene, self._view.go_back(self._scene)
+            self._scene = self._budget.fitting(self._scene)
+            restored |= self._scene != before
+        if (direction := self.panels.lecture.requested_view()) is not None:
+            self._view.viewpoint.look_from(direction)
+        try:
+            scene = self._read()
+        except AbiError as error:
+            # the last scene stays, to be looked at and saved
+            self._draw(replace(self.panels.apply_switches(self.frame), refused=error))
+        else:
+            self.frame = replace(self.frame, refused=self.panels.refused)
+            if self.plans == 0 or restored or self._unplanned or scene != self._scene:
+                self._show(self._replan(scene), interactive=True)
+            else:
+                self._show(self.frame.plan, interactive=True)
+        self.panels.files.save_if_requested(self._scene)
+        self.panels.share.share(self._state, self.frame)
+        if self.panels.exports.requested():
+            self._export()
+        self.panels.bug_report.send_if_requested(self.frame, self._fault)
+
+    def _export(self) -> None:
+        """Send the plan as a file, in full."""
+        if self._planner.live.partial:
+            self._show(self._planner.finish(self._scene, self._shared))
+        self.panels.exports.send(self.frame.plan)
+
+    def _read(self) -> Scene:
+        """Read the panels; what is refused but once, as a file is, is told of and left.
+
+        Raises:
+            SceneError: what they show is no scene.
+        """
+        try:
+            return self._within_memory(self.panels.read(self._scene))
+        except AbiError as error:
+            scene = self.panels.read(self._scene)
+            notices.notify_refusal(self.client, "Not changed", sentence(error))
+            return scene
+
+    def _within_memory(self, scene: Scene) -> Scene:
+        """The scene that the panels show, with the mesh of the last where theirs is too large.
+
+        One that was opened gets the finest mesh that is not.
+        """
+        if (scene.mesh, scene.workspace) == (self._scene.mesh, self._scene.workspace):
+            return scene
+        if self.panels.files.loaded is scene:
+            fitting = self._budget.fitting(scene)
+            if fitting is not scene:
+                self.panels.show(self.panels.step(fitting))
+            return fitting
+        try:
+            self._budget.take(scene)
+        except SceneError as error:
+            self.panels.refuse(error)
+            last = self._scene
+            return scene.replace(mesh=last.mesh.model_dump(), workspace=last.workspace.model_dump())
+        return scene
+
+    def _restore(self, report: Report) -> bool:
+        """Bring back what the page or a link remembers; False where that is nothing."""
+        self._view.take(report, self._look.dark)
+        if report.oversize:
+            reason = (
+                f"What this tab remembers has {report.oversize:,} letters, more than the server "
+                "takes. Open the scene from its file."
+            )
+            notices.notify_refusal(self.client, "Not brought back", reason)
+        if not report.state:
+            self._pause.demo.wanted = self._look.demo and report.query.get("demo") != "0"
+            return False
+        meshes = MeshSource(self._scene.meshes.files, assets.path("scenes"))
+        try:
+            state = TabState.decode(report.state, meshes)
+        except SceneError as error:
+            notices.notify_refusal(self.client, "The link cannot be opened", error.message)
+            return False
+        if state.missing:
+            notices.notify_missing(self.client, state.missing)
+        if state.faults:
+            notices.notify_warning(
+                self.client, "Part of the link is left out", " ".join(state.faults)
+            )
+        state = replace(state, scene=self._budget.fitting(state.scene))
+        self._view.restore(state)
+        self._scene = state.scene
+        return True
+
+    def _mirror(self, classroom: ClassroomPanel) -> bool:
+        """Show what the teacher has sent; whether there is another scene to plan."""
+        view = classroom.view()
+        if view is not None:
+            view = replace(view, scene=self._budget.fitting(view.scene))
+            before, self._scene = self._scene, view.scene
+            self._view.mirror(before, view)
+            return view.scene != before
+        return False
+
+    @property
+    def _shared(self) -> SharedPlans | None:
+        """Plans that others make, too: of what the teacher shows, or of what this tab opened."""
+        of_class = None if self._class is None else self._class.shared_plans(self._scene)
+        opened = self.plans == 0 or self._scene is self._first
+        return self._opening if of_class is None and opened else of_class
+
+    def _follow(self, cue: Cue) -> bool:
+        """Show what a lesson or a figure sets; whether there is another scene to plan."""
+        if not self._demonstrated:
+            self.panels.history.note(self.panels.step(self._scene))
+        own = replace(self._state(), scene=self.panels.history.noted)
+        cue = replace(cue, scene=self._budget.fitting(cue.scene))
+        before, self._scene = self._scene, cue.scene
+        self._view.follow(cue, own)
+        return cue.scene != before
+
+    def _state(self) -> TabState:
+        """State that the page is to remember."""
+        return self._view.state(self._scene, self.frame.time)
+
+    def _replan(self, scene: Scene) -> Plan:
+        """Plan another scene, with the last plan in grey where that may take long.
+
+        One that a teacher shows has been planned already.
+        """
+        # a scene noted before is gone back to, with the camera as it is
+        loaded = self.panels.files.loaded is scene and scene is not self.panels.history.noted
+        grown = scene.arm is not self._scene.arm and oversize(scene) != oversize(self._scene)
+        if scene.workspace != self._scene.workspace or loaded or grown:
+            self._view.look_at(scene)
+        self._scene = scene
+        if self.plans == 0:
+            self._first = scene
+        shared = self._shared
+        if shared is not None and (made := self._planner.take(scene, shared)) is not None:
+            return made
+        if loaded and self.plans:
+            # nothing that is told of the last scene is true of this one, nor of the right size
+            frame = replace(self.frame, plan=Plan(scene), reason=None, coarse=False, partial=False)
+            self._view.draw(replace(frame, outdated=True))
+        elif self._planner.processor_ms > SLOW_MS:
+            self._draw(replace(self.frame, outdated=True))
+        return self._planner(scene, shared)
+
+    def _tell(self, doing: str) -> None:
+        """Show what the plan does that is being made."""
+        self.panels.messages.tell(doing)
+
+    def _show(self, plan: Plan, interactive: bool = False) -> None:
+        """Draw a plan; ``interactive`` while the input may still change."""
+        self._unplanned = False
+        frame = self.panels.apply_switches(self.frame)
+        if plan is not frame.plan:
+            frame = replace(frame, plan=plan, reason=None)
+        live = self._planner.live
+        self._view.face(plan)
+        frame = replace(frame, coarse=live.coarse, partial=live.partial, interactive=interactive)
+        demonstrates = self._pause.demo.running
+        self._draw(replace(frame, outdated=False, demonstrates=demonstrates))
+        if interactive and self.plans:
+            metrics.UPDATES.observe(time.monotonic() - self._woken)
+        self._drawn = self.panels.step(plan.scene)
+        self.plans += 1
+        self._planned.set()
+
+    def _draw(self, frame: Frame) -> None:
+        """Draw a frame at the time of the playback."""
+        self.frame = self._view.draw(frame)
+        if self.panels.lessons.waiting:
+            self._worker.wake()
+
+    def _work_in_pause(self) -> None:
+        """Complete what the input has left incomplete; after that, use the pause."""
+        if self._planner.live.partial:
+            self._complete()
+            return
+        if not self.panels.held:
+            self.panels.history.note(self.panels.step(self._scene))
+            self._view.viewpoint.follow()
+        if self.frame.interactive:
+            self._draw(replace(self.frame, interactive=False))
+        frame = self._pause.use(self.frame, self._scene)
+        if frame.plan is not self.frame.plan:
+            self._show(frame.plan)
+        elif frame is not self.frame:
+            self._draw(frame)
+
+    def _complete(self) -> None:
+        """Plan in full; where all tabs of a class are to, the first does it for the others."""
+        shared = self._shared
+        with contextlib.nullcontext(True) if shared is None else shared.claim(self._scene) as mine:
+            if not mine:
+                return
+            if self._planner.live.coarse:
+                self._draw(replace(self.frame, outdated=True))
+            self._show(self._planner.finish(self._scene, shared))

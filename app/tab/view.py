@@ -1,0 +1,266 @@
+"""View of one tab: panels, layers, playback and camera, drawn and restored as one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import viser
+
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
+from app.camera.camera import View, Viewpoint
+from app.camera.extent import extent
+from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
+from app.layers.details import Details
+from app.panels.all_panels import AllPanels
+from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
+from app.panels.playback import PlaybackPanel
+from app.panels.stages.stage_headers import StageHeaders
+from app.panels.teach.classroom import ClassroomPanel
+from app.panels.widgets import Wake
+from app.process.turns import TURNS
+from app.state.frame import Drawable, Frame, Switchable
+from app.state.tab_state import TabState
+from app.tab.memory import Report
+from app.teach.classroom import Classroom
+from app.teach.cue import Cue
+from app.teach.lesson import Library
+from app.ui import notices
+from app.ui.page_area import PageWatch, label_scale
+from app.ui.panel_folding import PanelFolding
+
+_SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
+SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
+"""Entries of the legend."""
+SHOWN = frozenset(switch.name for switch in SWITCHES if switch.on)
+"""Entries that are on in a new tab."""
+_DETAILS = (*DETAILS, StageHeaders)
+
+
+class TabView:
+    """Panels, layers, playback and viewpoint of a tab.
+
+    Attributes:
+        panels: all panels but the playback.
+        layers: all layers.
+        parts: what draws a frame: at once, and after that what takes longer.
+        viewpoint: the tab's camera.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        name: str,
+        scene: Scene,
+        wake: Wake,
+        dark: bool,
+        library: Library,
+        watch: PageWatch,
+    ) -> None:
+        """Add panels and layers, in the order of the page where they share a tab or a folder."""
+        self._client = client
+        self._watch = watch
+        self.viewpoint = Viewpoint(client.camera, scene)
+        self._to_face = True
+        self._surrounded: Plan | None = None
+        self._arm: object = self
+        self._before: TabState | None = None
+        self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
+        self._folding = PanelFolding(self.panels.layout)
+        layers = [layer(self.panels.layout) for layer in LAYERS]
+        slow_layers = [layer(self.panels.layout) for layer in SLOW_LAYERS]
+        with self.panels.layout.result:
+            self.playback = PlaybackPanel(client.gui, self.panels.layout.overlay, wake)
+        self.layers = (*layers, *slow_layers)
+        drawn = (*self.panels.drawn, *layers)
+        details = [part for part in drawn if isinstance(part, _DETAILS)]
+        others = [part for part in drawn if not isinstance(part, _DETAILS)]
+        self.parts: tuple[tuple[Drawable, ...], ...] = (
+            (*others, Details(details, lambda: TURNS.waiting)),
+            tuple(slow_layers),
+        )
+
+    def join(self, classroom: Classroom, wake: Wake, nudge: Callable[[], None]) -> ClassroomPanel:
+        """Add the panel of the class that the tab joins."""
+        with self.panels.layout.learn:
+            overlay = self.panels.layout.overlay
+            panel = ClassroomPanel(self._client, overlay, classroom, wake, nudge)
+        quick, slow = self.parts
+        self.parts = ((*quick, panel), slow)
+        return panel
+
+    def draw(self, frame: Frame) -> Frame:
+        """Draw a frame at the time of the playback; the frame as it was drawn.
+
+        What takes the page longer comes in a message of its own, but for an arm that it has: then
+        one message takes less.
+        """
+        quick, slow = self.parts
+        same, self._arm = frame.plan.arm is self._arm, frame.plan.arm
+        with self._client.atomic():
+            frame = self._now(frame)
+            self._fit(frame)
+            for part in (*quick, *slow) if same else quick:
+                part.draw(frame)
+        if not same:
+            with self._client.atomic():
+                for part in slow:
+                    part.draw(frame)
+        return frame
+
+    def timeout(self, frame: Frame) -> float | None:
+        """Time until the next picture, [s]; None where nothing moves but what the page plays.
+
+        Nor does anything follow from the time alone where nobody sees the page.
+        """
+        if self._is_hidden:
+            return None
+        times = (self.panels.theatre.timeout(), self._until_contact(frame))
+        return min((max(seconds, 0.0) for seconds in times if seconds is not None), default=None)
+
+    def is_due(self, frame: Frame) -> bool:
+        """Check whether there is another picture to draw now, after a wait for :meth:`timeout`."""
+        if self._is_hidden:
+            return False
+        left = self._until_contact(frame)
+        return self.panels.theatre.timeout() is not None or (left is not None and left <= 0)
+
+    @property
+    def _is_hidden(self) -> bool:
+        area = self._watch.area()
+        return area is not None and area.hidden
+
+    def _until_contact(self, frame: Frame) -> float | None:
+        """Time until other links of the arm that plays are red, [s]; None where none ever are."""
+        return self.playback.until_contact(frame.duration) if self.playback.playing else None
+
+    def _now(self, frame: Frame) -> Frame:
+        """The frame at this moment of playback and theatre."""
+        now = self.playback.advance(frame.duration)
+        playing, rate = self.playback.playing, self.playback.rate
+        scale = label_scale(self._watch.area(), frame.lecture)
+        frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
+        frame = replace(frame, plots=self._watch.plots)
+        theatre = self.panels.theatre.advance(frame)
+        told = frame.lecture or frame.lesson  # what is shown is chosen for the student
+        hidden = theatre is not None or (told and "arm" not in frame.shown)
+        self.playback.mark(frame.plan.arm_clearance, frame.duration, seen=not hidden)
+        bases = self.panels.stages.bases.found(frame.plan.scene)
+        return replace(frame, theatre=theatre, bases=bases)
+
+    def _fit(self, frame: Frame) -> None:
+        """Fit panels and camera to a lecture, or end that."""
+        self._folding.update(self._watch.area(), frame.lecture)
+        if not frame.lecture:
+            self.viewpoint.surround(None)
+        elif frame.plan is not self._surrounded:
+            self.viewpoint.surround(extent(frame.plan))
+        self._surrounded = frame.plan if frame.lecture else None
+
+    def fit(self, frame: Frame) -> bool:
+        """Fit panels and camera to the page as it is now; whether ``frame`` fits it no longer."""
+        area = self._watch.area()
+        self._folding.update(area, self.panels.lecture.on)
+        self.viewpoint.fit(area)
+        shown = label_scale(area, frame.lecture), self._watch.plots
+        return shown != (frame.label_scale, frame.plots)
+
+    def take(self, report: Report, dark: bool | None) -> None:
+        """Take over what the browser remembers, and the system's colours unless ``dark`` says."""
+        if dark is None:
+            self.panels.layer_switches.restore(None, report.dark)
+        self.panels.lessons.recall(report.lessons)
+
+    def face(self, plan: Plan) -> None:
+        """Turn the camera to where the first plan of a scene is seen well."""
+        if self._to_face and plan.bspline is not None:
+            self._to_face = False
+            self.viewpoint.face(plan)
+
+    def look_at(self, scene: Scene, face: bool = True) -> None:
+        """Put the camera before another scene; ``face`` for turning to its curve once planned."""
+        self.viewpoint.show(scene)
+        self._to_face = face
+
+    def restore(self, state: TabState) -> None:
+        """Show what a tab showed before."""
+        self.panels.restore(state)
+        self.viewpoint.show(state.scene)
+        if state.view is not None:
+            self._to_face = False
+            state.view.show(self._client.camera)
+        self.playback.restore(state.time, state.playing)
+        self.panels.history.begin(self.panels.step(state.scene))
+        if state.before is not None:
+            self.panels.figures.restore(state.figure)
+            # of a lesson that this server does not have there is no end
+            if self.panels.lessons.chosen or self.panels.figures.number:
+                self._before = state.before
+
+    def mirror(self, own: Scene, state: TabState) -> None:
+        """Show what another tab shows, instead of ``own``; what is so already is left alone."""
+        before = self.panels.step(own)
+        self.panels.restore(state)
+        self.viewpoint.mirror(state.scene, state.view)
+        self._to_face &= state.view is None
+        self.playback.follow(state.time, state.playing)
+        self.panels.history.follow(before, self.panels.step(state.scene))
+
+    def follow(self, cue: Cue, before: TabState) -> None:
+        """Show what a lesson or a figure sets.
+
+        Args:
+            cue: what it sets.
+            before: what is shown now, to which :meth:`go_back` leads unless an earlier one waits.
+        """
+        self._before = self._before or before
+        self.panels.follow(cue)
+        setting = cue.setting
+        if setting.scene is not None:
+            self.look_at(cue.scene, setting.camera is None)
+        if setting.camera is not None:
+            camera = setting.camera
+            view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
+            if view is not None:
+                view.show(self._client.camera)
+        if setting.time is not None or setting.play is not None:
+            self.playback.restore(setting.time or 0.0, bool(setting.play))
+
+    def go_back(self, scene: Scene) -> Scene:
+        """Show what was shown before a lesson or a figure; the scene to plan.
+
+        Who came by a link had none: then ``scene``, with the layers of a new tab.
+        """
+        before, self._before = self._before, None
+        if before is not None:
+            self._client.add_notification(
+                "Your scene is back", "Undo returns to the other one.", auto_close_seconds=5
+            )
+        state = before or replace(self.state(scene, 0.0), shown=SHOWN, view=None, theatre="")
+        if state.missing:
+            notices.notify_missing(self._client, state.missing)
+        self.panels.go_back(state)
+        self.look_at(state.scene, state.view is None)
+        if state.view is not None:
+            state.view.show(self._client.camera)
+        self.playback.restore(state.time, state.playing)
+        return state.scene
+
+    def state(self, scene: Scene, time: float) -> TabState:
+        """State that the page is to remember; while the arm moves, not where it is."""
+        playing = self.playback.playing
+        return TabState(
+            name=self.panels.files.name,
+            scene=scene,
+            view=View.of_camera(self._client.camera),
+            time=0.0 if playing else time,
+            playing=playing,
+            shown=self.panels.layer_switches.shown(),
+            dark=bool(self.panels.layer_switches.dark.value),
+            lessons=self.panels.lessons.progress,
+            challenge=self.panels.share.kept,
+            theatre=self.panels.theatre.kept,
+            before=self._before,
+            figure=self.panels.figures.number,
+        )

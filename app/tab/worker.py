@@ -1,0 +1,75 @@
+"""Worker thread of a tab: waits for input or for a moment, and works in its turn."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from app.process.turns import TURNS, Turn
+
+_PATIENCE = 5.0
+"""Seconds that the end of a tab waits for a step that has begun."""
+
+
+class TabWorker:
+    """Thread that takes a step after input; of several inputs before a step the newest counts."""
+
+    def __init__(
+        self,
+        name: str,
+        prepare: Callable[[], None],
+        timeout: Callable[[], float],
+        patience: Callable[[], float],
+        step: Callable[[bool], None],
+    ) -> None:
+        """Begin without a thread.
+
+        Args:
+            name: of the thread.
+            prepare: called first, outside of any turn.
+            timeout: time to wait for input, [s].
+            patience: time for which a step can wait behind the hands in other tabs, [s].
+            step: called with whether there was input.
+        """
+        self._prepare, self._timeout, self._patience, self._step = prepare, timeout, patience, step
+        self._changed = threading.Event()
+        self._closing = False
+        self._turn = Turn(TURNS)
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    def start(self) -> None:
+        """Start the thread, with a first step."""
+        self._changed.set()
+        self._thread.start()
+
+    def wake(self) -> None:
+        """Ask for a step."""
+        self._changed.set()
+
+    def hurry(self) -> None:
+        """Ask for a step before those of others: a hand waits for it."""
+        self._changed.set()
+        self._turn.hasten()
+
+    def is_woken(self) -> bool:
+        """Check whether a step is asked for."""
+        return self._changed.is_set()
+
+    def close(self) -> None:
+        """End the thread, and wait for that but in itself."""
+        self._closing = True
+        self._changed.set()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(_PATIENCE)
+
+    def _run(self) -> None:
+        self._prepare()
+        while True:
+            self._changed.wait(self._timeout())
+            if self._closing:
+                return
+            with self._turn.after(self._patience()):
+                # not what wait() returned: the input may have come while it gave up
+                if woken := self._changed.is_set():
+                    self._changed.clear()
+                self._step(woken)

@@ -1,0 +1,1 @@
+"""Teaching: lessons with their files, steps and measures; challenges, and classes."""

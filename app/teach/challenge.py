@@ -1,0 +1,140 @@
+"""Challenges: a scene, and a goal for whoever opens the link."""
+
+from __future__ import annotations
+
+import hashlib
+import html
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from abi.planner.plan import Plan
+from app.shared.once_a_plan import once_a_plan
+from app.state.frame import Frame
+from app.teach.lesson import Condition
+from app.teach.measures import MEASURES, text
+from app.ui import style
+
+_SHORTER = 0.97
+_FARTHER = 1 / 30
+"""Distance to gain, as a part of the workspace's longest side."""
+_LEAST_GAP = 0.005
+"""Excess over the best possible length, as a part of it, below which nothing is left to gain."""
+_SAME = "with start, goal and obstacles as they are"
+_COMPLETE = Condition(measure="plan.complete", at_least=1)
+_TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)
+
+
+class Challenge(BaseModel):
+    """A challenge: what is to be reached.
+
+    Attributes:
+        text: in words.
+        until: conditions, all of which must hold.
+        task: fingerprint of start, goal and obstacles, which must stay; empty where they may move.
+        scene: name of the scene that it is for; empty for that of the link.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    text: Annotated[str, Field(max_length=200)]
+    until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=3)]
+    task: Annotated[str, Field(max_length=64)] = ""
+    scene: str = ""
+
+    def is_met(self, frame: Frame) -> bool:
+        """Check whether all conditions hold now."""
+        return self._keeps_task(frame) and all(one.holds(frame) for one in self.until)
+
+    def _keeps_task(self, frame: Frame) -> bool:
+        return self.task in ("", _task(frame.plan))
+
+    def html(self, met: bool, frame: Frame) -> str:
+        """The challenge and the present number, for the layer over the scene."""
+        colour = style.readable(style.GOOD if met else style.BAD)
+        now = ", ".join(text(one.measure, frame) for one in self.until if one.measure in _SHOWN)
+        sign = f'<b style="color:{colour}">{"✓ Done" if met else "Challenge"}:</b>'
+        number = f" (now {now})" if now else ""
+        moved = "" if self._keeps_task(frame) else " <b>Start, goal or obstacles have changed.</b>"
+        return f"{sign} {html.escape(self.text)}{number}.{moved}"
+
+
+@once_a_plan
+def _task(plan: Plan) -> str:
+    """Fingerprint of start, goal and obstacles."""
+    data = plan.scene.model_dump_json(include={"unit", "start", "goal", "obstacles"})
+    return hashlib.sha256(data.encode()).hexdigest()[:16]
+
+
+_SHOWN = {"curve.length", "arm.clearance"}
+
+
+def _shorter(frame: Frame) -> Challenge | None:
+    length, best = MEASURES["curve.length"](frame), MEASURES["optimum.length"](frame)
+    if length is None or best is None or length < (1 + _LEAST_GAP) * best:
+        return None
+    most = float(f"{max(_SHORTER * length, (length + best) / 2):.4g}")
+    wording = f"make the arm's curve shorter: {most} {frame.plan.scene.unit} or less, {_SAME}"
+    return _with_arm(frame, wording, Condition(measure="curve.length", at_most=most), still=True)
+
+
+def _quadratic(frame: Frame) -> Challenge | None:
+    condition = Condition(measure="quadratic.clear", at_least=1)
+    wording = f"keep the quadratic clear of all obstacles, {_SAME}"
+    return _with_arm(frame, wording, condition, still=True)
+
+
+def _arm(frame: Frame) -> Challenge | None:
+    scene, distance = frame.plan.scene, MEASURES["arm.clearance"](frame)
+    if distance is None or not abs(distance) < 1e6:
+        return None
+    least = float(f"{distance + _FARTHER * max(scene.workspace.size):.3g}")
+    farther = f"bring the whole arm {least} {scene.unit} or more from the obstacles"
+    wording = f"{farther}; move what you like"
+    condition = Condition(measure="arm.clearance", at_least=least)
+    return Challenge(text=wording, until=(condition, _COMPLETE))
+
+
+def _plan(frame: Frame) -> Challenge | None:
+    return _with_arm(frame, "move what you like until there is a plan")
+
+
+def _with_arm(frame: Frame, wording: str, *conditions: Condition, still: bool = False) -> Challenge:
+    """The challenge, met by a plan whose whole arm is clear; ``still`` where the task must stay.
+
+    A scene that is planned for the tool alone, and whose arm goes through something, asks for the
+    tool alone, and says so: no arm may get through.
+    """
+    plan, task = frame.plan, _task(frame.plan) if still else ""
+    touches = plan.arm_clearance is not None and bool(plan.arm_clearance.contacts)
+    if touches and not plan.scene.arm.avoid:
+        text = f"{wording} (for the tool tip alone, whatever the arm touches)"
+        return Challenge(text=text, until=(*conditions, _TOOL_COMPLETE), task=task)
+    text = f"{wording}, with the whole arm clear"
+    return Challenge(text=text, until=(*conditions, _COMPLETE), task=task)
+
+
+GOALS: Mapping[str, Callable[[Frame], Challenge | None]] = MappingProxyType(
+    {
+        "make it shorter": _shorter,
+        "keep the quadratic clear": _quadratic,
+        "keep the arm farther away": _arm,
+        "find a plan": _plan,
+    }
+)
+"""Goals by name; each makes its challenge of the present plan, or none."""
+
+
+def challenge_of(goal: str, frame: Frame) -> Challenge | None:
+    """The challenge of that goal; None where the plan has not what it takes."""
+    return GOALS[goal](frame) if goal in GOALS else None
+
+
+def parsed(data: str) -> Challenge | None:
+    """The challenge of a link, which may come from anyone; None where it is none."""
+    try:
+        return Challenge.model_validate_json(data) if data else None
+    except ValidationError:
+        return None

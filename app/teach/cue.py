@@ -1,0 +1,21 @@
+"""Cue: a view that a lesson, a figure of the paper or a teacher tells a tab to show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from abi.scene.scene import Scene
+from app.teach.lesson import Setting
+
+
+@dataclass(frozen=True, eq=False)
+class Cue:
+    """A setting, and the scene that it leads to.
+
+    Attributes:
+        setting: layers, camera, search and time.
+        scene: to be planned.
+    """
+
+    setting: Setting
+    scene: Scene

@@ -1,0 +1,297 @@
+"""Lessons as data: YAML files with Markdown texts, checked when they are read."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from abi import assets
+from abi.errors import AbiError, SceneError
+from abi.obstacles.pose import Vec3
+from abi.scene.scene import Scene, load_scene, scene_names
+from abi.scene.scene_file import parse
+from abi.search.compare import COMPARED
+from app.state.frame import Frame
+from app.teach.measures import MEASURES, names_in
+
+_NEAREST = 1e-3
+"""Least distance of a camera from what it looks at, [unit]."""
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _measures_exist(self) -> Self:
+        """Refuse texts that name a measure that there is not."""
+        for field, content in self:
+            for name in names_in(content) if isinstance(content, str) else ():
+                if name not in MEASURES:
+                    raise ValueError(f"{field}: a measure of {', '.join(MEASURES)}, not {name}")
+        return self
+
+
+class Condition(_Part):
+    """A measure and the range that it must be in."""
+
+    measure: str
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @model_validator(mode="after")
+    def _measure_exists(self) -> Self:
+        if self.measure not in MEASURES:
+            raise ValueError(f"one of the measures {', '.join(MEASURES)}")
+        if self.at_least is None and self.at_most is None:
+            raise ValueError("at_least or at_most")
+        return self
+
+    def holds(self, frame: Frame) -> bool:
+        """Check whether it holds now; a measure that there is not holds in nothing."""
+        number = MEASURES[self.measure](frame)
+        return number is not None and (
+            (self.at_least is None or number >= self.at_least - 1e-9)
+            and (self.at_most is None or number <= self.at_most + 1e-9)
+        )
+
+
+class Camera(_Part):
+    """Place of the eye and the point it looks at, [unit], world."""
+
+    position: Vec3
+    target: Vec3
+
+    @model_validator(mode="after")
+    def _looks_somewhere(self) -> Self:
+        if math.dist(self.position, self.target) < _NEAREST:
+            raise ValueError("a target apart from the position")
+        return self
+
+
+class SearchCue(_Part):
+    """State of the search theatre."""
+
+    on: bool = True
+    algorithm: str | None = None
+    step: Annotated[int, Field(ge=0)] | None = None
+    weight: Annotated[float, Field(ge=0, le=2)] | None = None
+    edges: str | None = None
+    ask: bool | None = None
+    race: bool | None = None
+
+    @model_validator(mode="after")
+    def _search_exists(self) -> Self:
+        if self.algorithm is not None and self.algorithm not in COMPARED:
+            raise ValueError(f"one of the searches {', '.join(COMPARED)}")
+        return self
+
+
+class Setting(_Part):
+    """Settings of a step: each part that is given, and no other.
+
+    Attributes:
+        scene: name of a shipped scene, or a scene file beside the lesson.
+        change: fields of the scene to change after that.
+        shown: layers to show; all others are hidden.
+        camera: where to look from.
+        search: of the theatre.
+        time: of the motion, [s]; it stands still there.
+        play: whether the motion plays.
+    """
+
+    scene: str | None = None
+    change: dict[str, Any] | None = None
+    shown: tuple[str, ...] | None = None
+    camera: Camera | None = None
+    search: SearchCue | None = None
+    time: Annotated[float, Field(ge=0)] | None = None
+    play: bool | None = None
+
+
+class Choice(_Part):
+    """One answer of a question, and what is said to whoever gives it."""
+
+    text: str
+    right: bool = False
+    why: str
+
+
+class Question(_Part):
+    """A question with answers to choose from, asked before anything is revealed."""
+
+    text: str
+    choices: Annotated[tuple[Choice, ...], Field(min_length=2, max_length=4)]
+
+    @model_validator(mode="after")
+    def _one_is_right(self) -> Self:
+        if sum(choice.right for choice in self.choices) != 1:
+            raise ValueError("choices of which exactly one is right")
+        return self
+
+
+class Task(_Part):
+    """Something to do; the lesson waits until all its conditions hold.
+
+    Attributes:
+        text: what to do.
+        until: conditions.
+        shown_by: what does it, for those who are stuck.
+    """
+
+    text: str
+    until: Annotated[tuple[Condition, ...], Field(min_length=1)]
+    shown_by: Setting
+
+
+class Step(_Part):
+    """One page of a lesson.
+
+    Attributes:
+        set: what it sets when it begins.
+        text: what to look at, Markdown with formulas between dollars, numbers as
+            ``{{path.length}}``.
+        question: asked before ``after`` is revealed.
+        task: to be done before it is.
+        reveal: what is set then.
+        after: text that is shown then.
+    """
+
+    text: str
+    set: Setting = Setting()
+    question: Question | None = None
+    task: Task | None = None
+    reveal: Setting = Setting()
+    after: str = ""
+
+
+class Lesson(_Part):
+    """A lesson.
+
+    Attributes:
+        title: in the list.
+        minutes: that it takes.
+        steps: in order.
+    """
+
+    title: Annotated[str, Field(min_length=1, max_length=60)]
+    minutes: Annotated[int, Field(ge=1, le=120)] = 5
+    steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=40)]
+
+
+Lessons = Mapping[str, tuple[Lesson, Path]]
+"""Lessons by file name, each with its folder."""
+NO_LESSONS: Lessons = MappingProxyType({})
+Library = Callable[[], Lessons]
+"""Reads the lessons at the first call, and remembers them."""
+
+
+class LessonError(AbiError):
+    """A lesson that cannot be read."""
+
+
+def scene_of(setting: Setting, scene: Scene, folder: Path) -> Scene:
+    """The scene that a step sets, starting from ``scene``.
+
+    Raises:
+        SceneError: it cannot be read, or a change is wrong.
+    """
+    if setting.scene is not None:
+        file = folder / setting.scene
+        known = setting.scene in scene_names()
+        scene = load_scene(setting.scene if known else file)
+    return scene.replace(**setting.change) if setting.change else scene
+
+
+def load_lessons(folder: Path | None = None) -> Lessons:
+    """The shipped lessons and those of a folder, by file name, each with its folder.
+
+    Raises:
+        LessonError: the folder has no lesson, or one is wrong; names file and field.
+    """
+    found: dict[str, tuple[Lesson, Path]] = {}
+    for place in (assets.path("lessons"), folder):
+        if place is None:
+            continue
+        own = place is folder
+        files = sorted(place.glob("*.yaml")) if place.is_dir() else []
+        if own:
+            files = [file for file in files if not _is_scene(file)]
+        lessons = {file.stem: (_read(file, own), place) for file in files}
+        if not lessons:
+            raise LessonError(f"--lessons: {str(place)!r} has no lesson; expected *.yaml in it.")
+        found |= lessons
+    return found
+
+
+def library(folder: Path, layers: Collection[str]) -> Library:
+    """The shipped lessons and those of a folder, which is checked at once.
+
+    Args:
+        folder: of a teacher's own.
+        layers: names that ``shown`` may have.
+
+    Raises:
+        LessonError: as :func:`load_lessons`, or a layer has another name.
+    """
+    read = functools.cache(functools.partial(load_lessons, folder))
+    for name, (lesson, place) in read().items():
+        if place is folder:
+            check_layers(name, lesson, layers)
+    return read
+
+
+def check_layers(name: str, lesson: Lesson, layers: Collection[str]) -> None:
+    """Check the layers that a lesson shows.
+
+    Raises:
+        LessonError: there is none of that name.
+    """
+    for number, step in enumerate(lesson.steps):
+        for part in _settings(step):
+            for layer in part.shown or ():
+                if layer not in layers:
+                    known = ", ".join(sorted(layers))
+                    raise LessonError(
+                        f"{name}.yaml: steps.{number}: shown has {layer!r}; expected: {known}."
+                    )
+
+
+def _settings(step: Step) -> list[Setting]:
+    parts = (step.set, step.reveal, step.task.shown_by if step.task else None)
+    return [part for part in parts if part is not None]
+
+
+def _is_scene(file: Path) -> bool:
+    """Check whether a file is no lesson but a scene beside them: only that has a version."""
+    try:
+        data = parse(file)
+    except SceneError:  # told where the file is read
+        return False
+    return isinstance(data, dict) and "version" in data and "steps" not in data
+
+
+def _read(file: Path, check_scenes: bool) -> Lesson:
+    step_name = ""
+    try:
+        lesson = Lesson.model_validate(parse(file))
+        if not check_scenes:
+            return lesson
+        scene = load_scene("paper")
+        for number, step in enumerate(lesson.steps):
+            step_name = f"steps.{number}: "
+            for part in _settings(step):
+                scene = scene_of(part, scene, file.parent)
+    except SceneError as error:
+        raise LessonError(f"{file.name}: {step_name}{error.message}") from None
+    except ValidationError as error:
+        detail = error.errors(include_url=False)[0]
+        place = ".".join(str(part) for part in detail["loc"]) or "the lesson"
+        message = detail["msg"].removeprefix("Value error, ")
+        raise LessonError(f"{file.name}: {place} is wrong; expected: {message}.") from None
+    return lesson

@@ -1,0 +1,135 @@
+"""What a search that is stepped through says: its step in words and numbers, and its legend."""
+
+from __future__ import annotations
+
+from abi.scene.scene import Scene
+from abi.search.compare import COMPARED
+from abi.search.replay import SearchState
+from app.theatre.theatre import Theatre, formula, labels, priorities, where
+from app.ui import style
+from app.ui.numbers import format_count, format_length
+from app.ui.table import table
+
+_PLACES = ("next", "2nd", "3rd", "4th", "5th")
+"""Names of the nodes at the queue's head that are shown."""
+_RING = '<i class="abi-disc abi-ring"></i>'
+
+
+def describe(theatre: Theatre, scene: Scene) -> str:
+    """The step in words and numbers, as HTML.
+
+    A row of the table has its node's place, so that the page finds the one by the other.
+    """
+    state = theatre.state
+    trace, n = state.trace, len(state.trace.arcs.points)
+    what = "round" if trace.queue == "rounds" else "step"
+    text = (
+        f"<b>{COMPARED[theatre.name].label}</b>, {what} {format_count(state.step)} of "
+        f"{format_count(trace.steps)}: "
+        f"{format_count(len(state.closed))} visited, {format_count(len(state.open))} waiting, "
+        f"{format_count(state.examined)} edges tried."
+    )
+    if state.done:
+        text += f" {_end(state, scene.unit)}"
+    elif tied := _ties(theatre):
+        text += f" {tied}"
+    named = [
+        (f"{_disc(style.MARK)}visited last", state.current, ""),
+        (f"{_disc(style.POINT)}clicked", theatre.answer.node, ""),
+    ]
+    if not theatre.asking and trace.queue != "rounds":
+        queue = state.queue(len(_PLACES)).tolist()
+        sides = (" ←" if node >= n else "" for node in queue)
+        named += zip(_PLACES, queue, sides, strict=False)
+    rows = [
+        (_at(state, node, f"{name} {where(state, node)}{side}"), *labels(state, node))
+        for name, node, side in named
+        if node >= 0
+    ]
+    text = style.paragraph(text)
+    if rows:
+        cost = _unit(scene)
+        text += table(
+            (f"node at [{scene.unit}]", f"g so far [{cost}]", f"h to go [{cost}]", f"f [{cost}]"),
+            rows,
+        )
+    if theatre.asking and not state.done:
+        asked = "<b>Which node is visited next?</b> Click one of those that wait."
+        text += style.paragraph(asked)
+    if theatre.answer.text:
+        text += style.paragraph(theatre.answer.text)
+    return text
+
+
+def legend(theatre: Theatre, lesson: bool = False) -> str:
+    """Meaning of the colours and rings in the scene, as HTML; a ``lesson`` may ask for it first."""
+    state = theatre.state
+    parts = [f"{_disc(style.CLOSED)}visited", f"{_disc(style.MARK)}visited last"]
+    if len(state.open) == 0:
+        return _entries(parts)
+    values = priorities(state)
+    least, most = (format_length(float(value)) for value in (values.min(), values.max()))
+    if state.trace.queue == "rounds":
+        parts.append(f"{_disc(style.WAITING[0])}waiting")
+    elif lesson and theatre.asking:
+        parts.append(f"waiting: next {_scale()} last")
+    elif state.trace.queue == "first_in":
+        parts.append(f"waiting: first in line {_scale()} last")
+    else:
+        by = formula(state)
+        by = f"f = {by}" if by not in ("g", "h") else by
+        parts.append(f"waiting, by {by}: {least} {_scale() if least != most else ''} {most}")
+    ringed = len(theatre.ringed)
+    if ringed and state.trace.queue != "rounds":
+        parts.append(f"{_RING}{'next' if ringed == 1 else f'{ringed} tie for the least'}")
+    return _entries(parts)
+
+
+def _ties(theatre: Theatre) -> str:
+    """How equals are told apart; empty where one node is the least, or is to be guessed."""
+    count = len(theatre.ringed)
+    if count < 2:
+        return ""
+    name = formula(theatre.state)
+    name = name if name in ("g", "h") else "f"
+    return (
+        f"{count} waiting nodes tie for the least {name}, so any of them may be next. Of those "
+        "that tie, the one reached last is visited first: it tends to be the farthest on its way. "
+        "On an irregular grid (Delaunay, in stage 1) nodes hardly ever tie."
+    )
+
+
+def _unit(scene: Scene) -> str:
+    return scene.unit if scene.search.weight == "length" else "edges"
+
+
+def _at(state: SearchState, node: int, text: str) -> str:
+    points = state.trace.arcs.points
+    place = " ".join(f"{x:.6g}" for x in points[node % len(points)])
+    return f'<span data-place="{place}">{text}</span>'
+
+
+def _end(state: SearchState, unit: str) -> str:
+    trace = state.trace
+    if len(trace.cycle):
+        return "<b>✗ Negative cycle</b> (red): each turn costs less, so there is no cheapest path."
+    if not len(trace.vertices):
+        return "<b>✗ No path.</b>"
+    found = f"<b>Path found:</b> {format_length(trace.length)} {unit}"
+    if trace.arcs.negative is not None:
+        found += f", cost {format_length(trace.cost)}"
+    return f"{found}."
+
+
+def _entries(parts: list[str]) -> str:
+    entries = "".join(f"<span>{part}</span>" for part in parts)
+    return f'<div class="abi-card abi-legend">{entries}</div>'
+
+
+def _disc(colour: style.Colour) -> str:
+    return f'<i class="abi-disc" style="background:{style.css(colour)}"></i>'
+
+
+def _scale() -> str:
+    stops = ",".join(map(style.css, style.WAITING))
+    return f'<i class="abi-scale" style="background:linear-gradient(90deg,{stops})"></i>'

@@ -1,0 +1,155 @@
+"""Searches stopped at a step, and the question "which node next?"."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray
+from abi.search.compare import COMPARED
+from abi.search.replay import SearchState
+from abi.search.trace import NO_NODES
+from app.ui import style
+from app.ui.numbers import format_length, with_minus
+
+_NEAR = 0.04
+"""Angle, [rad], from a node within which a click means it."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A node that was clicked, and what is said of it.
+
+    Attributes:
+        node: its id; -1 for none.
+        text: HTML; empty for nothing.
+        right: whether it was a right guess, or no guess.
+    """
+
+    node: int = -1
+    text: str = ""
+    right: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Theatre:
+    """Picture of one search, or of three that race.
+
+    Attributes:
+        name: of the search, in :data:`abi.search.compare.COMPARED`.
+        state: the search at the step shown.
+        race: (name, state) of each search of a race; empty without one.
+        asking: whether the next node is to be guessed.
+        answer: of the click before.
+    """
+
+    name: str
+    state: SearchState
+    race: tuple[tuple[str, SearchState], ...] = ()
+    asking: bool = False
+    answer: Answer = Answer()
+
+    @property
+    def ringed(self) -> IntArray:
+        """Nodes that may be visited next; none while they are to be guessed."""
+        return NO_NODES if self.asking and self.answer.right else self.state.candidates()
+
+
+def node_at(points: FloatArray, nodes: IntArray, origin: FloatArray, direction: FloatArray) -> int:
+    """The node that a ray means, the one that it passes at the least angle; -1 for none near.
+
+    Args:
+        points: places (n, 3) of all nodes, [unit], world.
+        nodes: (k,) those that may be meant.
+        origin: of the ray (3,), [unit], world.
+        direction: of the ray (3,), a unit vector.
+    """
+    if len(nodes) == 0:
+        return -1
+    to_node = points[nodes] - origin
+    ahead = to_node @ direction
+    aside = np.linalg.norm(to_node - ahead[:, None] * direction, axis=1)
+    angle = np.where(ahead > 0, np.arctan2(aside, ahead), np.inf)
+    nearest = angle <= max(2.0 * float(angle.min()), 0.2 * _NEAR)
+    # of several behind each other the one in front
+    best = int(np.where(nearest, ahead, np.inf).argmin())
+    return int(nodes[best]) if angle[best] <= _NEAR else -1
+
+
+def judge(state: SearchState, node: int) -> tuple[bool, str]:
+    """Check whether a node may be visited next, and why, as HTML with the present numbers."""
+    if state.following < 0:
+        return False, "The search has ended: nothing comes next."
+    queue = state.trace.queue
+    if state.may_follow(node):
+        if queue == "first_in":
+            return True, "it has waited longest."
+        same = "" if node == state.following else " Several are as good, and any of them is right."
+        return True, f"{_sum(state, node)} is the least of all that wait.{same}"
+    if not np.isfinite(state.cost[node]):
+        return False, "it has not been reached: no edge leads there from a visited node."
+    if node in state.closed:
+        return False, "it has been visited, and its cost has not fallen since."
+    if queue == "first_in":
+        return False, "it waits, but others have waited longer: first in, first out."
+    least = state.promise(np.array([state.following], np.int32))[0]
+    return False, f"{_sum(state, node)}, and one that waits has only {format_length(float(least))}."
+
+
+def priorities(state: SearchState) -> FloatArray:
+    """What orders the open nodes (o,), least first: f, or the place in a line; 0 in rounds."""
+    if state.trace.queue == "best_first":
+        return state.promise(state.open)
+    places = np.zeros(len(state.cost))
+    if state.trace.queue == "first_in":
+        line = state.queue(len(state.open))
+        places[line] = np.arange(1, len(line) + 1)
+    return places[state.open]
+
+
+def labels(state: SearchState, node: int) -> tuple[str, str, str]:
+    """g, h and f of a node, as text; "∞" where it is not reached."""
+    one = np.array([node], np.int32)
+    numbers = (state.cost[node], state.to_go(one)[0], state.promise(one)[0])
+    g, h, f = (format_length(float(x)) if np.isfinite(x) else "∞" for x in numbers)
+    return g, h, f
+
+
+def where(state: SearchState, node: int) -> str:
+    """Position of a node, [unit], as text."""
+    points = state.trace.arcs.points
+    place = (f"{x:.3g}" for x in points[node % len(points)] + 0.0)
+    return with_minus(f"({', '.join(place)})")
+
+
+def one_way_search(name: str) -> str:
+    """The search itself where it takes one-way edges, else the nearest one that does."""
+    if COMPARED[name].one_way:
+        return name
+    return "bellman_ford_rounds" if name == "bellman_ford" else "dijkstra"
+
+
+def race_of(name: str) -> tuple[str, ...]:
+    """The three searches that race: the chosen one among them."""
+    first = tuple(style.ALGORITHMS)
+    return first if name in first else (name, *first[:2])
+
+
+def formula(state: SearchState, g: str = "g", h: str = "h") -> str:
+    """The sum f that a best-first search makes least, such as ``g + h``."""
+    return " + ".join(
+        f"{_factor(k)}{x}" for k, x in zip(state.trace.factors, (g, h), strict=True) if k
+    )
+
+
+def _sum(state: SearchState, node: int) -> str:
+    """Priority of one node, as a sum."""
+    g, h, f = labels(state, node)
+    numbers = formula(state, g, h)
+    total = "" if numbers == f else f" = {f}"
+    return f"its f = {formula(state)} = {numbers}{total}"
+
+
+def _factor(k: float) -> str:
+    return "" if k == 1 else f"{k:.3g}·"

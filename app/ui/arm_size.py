@@ -1,0 +1,82 @@
+"""Arms whose size is not that of the scene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.obstacles.pose import METRES
+from abi.robot.robot import Robot, joints_to
+from abi.scene.scene import Scene
+from abi.scene.settings import ArmSettings
+from app.ui.numbers import format_setting
+
+MADE_FOR_ARMS = "kitchen-ur5e"
+"""Shipped scene for arms of about a metre."""
+_LENGTHS = ("a1", "a2", "a3", "a4", "a5")
+"""Fields of the lengths of the paper's arm."""
+_PAPER_SIDE = 6.0
+"""Side of the paper's workspace, [cm], for the lengths that its arm has by default."""
+_MOST = 6.0
+"""Length of an arm, in sides of the workspace, from which it hardly fits."""
+
+
+def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str, str] | None:
+    """Fault of an arm's size, in words and in numbers; None where it may fit.
+
+    Args:
+        robot: the arm.
+        tip: name of the link that follows the curve.
+        workspace: longest side, [unit].
+        unit: of the scene's lengths.
+    """
+    note = _size_note(_length(robot, tip, unit), workspace, unit)
+    if note is None:
+        return None
+    title, numbers = note
+    return title, f"{numbers} The scene {MADE_FOR_ARMS} is made for arms of about a metre."
+
+
+def oversize(scene: Scene) -> float:
+    """Length of a scene's arm, [unit], that is far too large for it; 0 for any other arm."""
+    length = _scene_length(scene)
+    return length if length > _MOST * max(scene.workspace.size) else 0.0
+
+
+def _length(robot: Robot, tip: str, unit: str) -> float:
+    """Length of the links to the tip, [unit]."""
+    links = (float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints_to(robot, tip))
+    return sum(links) / METRES[unit]
+
+
+def scene_size_note(scene: Scene) -> tuple[str, str] | None:
+    """The same of a scene's arm."""
+    workspace, unit = max(scene.workspace.size), scene.unit
+    if scene.arm.model == "urdf":
+        return size_note(scene.arm.robot, scene.arm.tool, workspace, unit)
+    return _size_note(_scene_length(scene), workspace, unit)
+
+
+def fitting_lengths(scene: Scene) -> dict[str, float]:
+    """Lengths of the paper's arm, [unit], that are to the workspace as in the paper."""
+    usual, factor = ArmSettings(), max(scene.workspace.size) / _PAPER_SIDE
+    return {name: float(f"{factor * getattr(usual, name):.3g}") for name in _LENGTHS}
+
+
+def _size_note(length: float, workspace: float, unit: str) -> tuple[str, str] | None:
+    if 0 < length < workspace / _MOST:
+        title = "This arm is too short for the scene"
+    elif length > _MOST * workspace:
+        title = "This arm is too large for the scene"
+    else:
+        return None
+    return title, (
+        f"Its links are {format_setting(float(f'{length:.2g}'))} {unit} long in all; the "
+        f"workspace measures {format_setting(workspace)} {unit}."
+    )
+
+
+def _scene_length(scene: Scene) -> float:
+    """Length of the links of a scene's arm, [unit]."""
+    if scene.arm.model == "urdf":
+        return _length(scene.arm.robot, scene.arm.tool, scene.unit)
+    return float(sum(getattr(scene.arm, name) for name in _LENGTHS))

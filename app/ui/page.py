@@ -1,0 +1,302 @@
+"""Access to the few parts of the page that viser 1.1.1 has no public name for."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import json
+import re
+import time
+import uuid as uuids
+import weakref
+from collections.abc import Callable, MutableMapping, Sequence
+from concurrent.futures import Executor, Future
+from typing import Any, Generic, Literal, TypeVar
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+from viser import _messages
+from viser._threadpool_exceptions import print_awaited_callback_error
+
+from abi import assets
+from app.ui import node_poses, viser_shortcuts
+
+assert viser.__version__ == "1.1.1", "app/ui/page.py uses private names of viser 1.1.1"
+
+SILENCE = 60.0
+"""Seconds after which a file of which nothing more has come is taken for lost, unless it comes."""
+LIFETIME = 900.0
+"""Seconds in which the whole of a file must have come: 50 MB over a slow line."""
+
+Function = Literal[
+    "clock",
+    "copyLink",
+    "follow",
+    "hearFiles",
+    "lecture",
+    "next",
+    "openTab",
+    "play",
+    "pointOut",
+    "remember",
+    "rememberLessons",
+    "report",
+    "seek",
+    "show",
+    "showNodes",
+    "stand",
+    "watch",
+]
+"""Functions of the page, in ``assets/page``."""
+
+_SLOTS: dict[Function, str] = {
+    "clock": "clock",
+    "follow": "bodies",
+    "lecture": "lecture",
+    "play": "motion",
+    "pointOut": "spotlight",
+    "remember": "remember",
+    "seek": "moment",
+    "showNodes": "nodes",
+    "stand": "end of motion",
+}
+"""Calls of one slot replace each other while unsent; so do those of ``show`` for one part.
+
+A motion does not replace the end of the one before: that comes before the nodes of another arm."""
+_Store = TypeVar("_Store", bound=MutableMapping[int, bytes])
+_COMMENT = re.compile(r"(//.*|/\*[^*]*\*/)?")
+
+viser_shortcuts.install()
+node_poses.install()
+
+
+class _AtOnce(Executor):
+    """Runs callbacks where they are called: ours only wake a worker, as threads of a pool take
+    longer to, and in no order.
+    """
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        done: Future[Any] = Future()
+        try:
+            done.set_result(call(*args, **named))
+        except Exception as error:
+            done.set_exception(error)
+        return done
+
+
+class _Event(asyncio.Event):
+    """An event that is set in the thread of the connections only.
+
+    viser sets its events at once in any thread, and then has that thread set them. The first may
+    come between a waiter's look at the event and its place among those who are woken; the second
+    changes nothing then, and the tab would never hear of anything again.
+    """
+
+    def set(self) -> None:
+        if asyncio._get_running_loop() is not None:
+            super().set()
+
+
+def install(client: viser.ClientHandle) -> None:
+    """Give the tab its name, and the functions of :func:`call`."""
+    buffer = client._websock_connection.get_message_buffer()
+    buffer.message_event.__class__ = _Event
+    client.gui._thread_executor = client.scene._thread_executor = _AtOnce()  # type: ignore[assignment]
+    _run(client, 'document.title = "ABI visualiser"')
+    _run(client, _script())
+
+
+def call(client: viser.ClientHandle, function: Function, *arguments: object) -> None:
+    """Have the tab call a function of ``assets/page``, which says there what it does.
+
+    Args:
+        client: the tab.
+        function: name in ``abi``.
+        arguments: plain data.
+    """
+    slot = f"show {arguments[0]}" if function == "show" else _SLOTS.get(function, "")
+    _run(client, f"abi.{function}({', '.join(map(json.dumps, arguments))})", slot)
+
+
+def uuid(
+    widget: viser.GuiInputHandle[Any] | viser.GuiButtonHandle | viser.GuiUploadButtonHandle,
+) -> str:
+    """Name by which the page sets a widget."""
+    return widget._impl.uuid
+
+
+def on_arrival(
+    gui: viser.GuiApi,
+    button: viser.GuiUploadButtonHandle,
+    tell: Callable[[str, float | None], None],
+    store: Callable[[], _Store],
+) -> Callable[[], _Store | None]:
+    """Have ``tell`` called with the name of a file on its way to ``button``, and the part there.
+
+    viser itself calls back once the whole file is there. These calls come from the first word of a
+    file until then, and in the thread of the connections; with None for the part when nothing more
+    of it has come for ``SILENCE`` seconds. Parts of a file by their numbers are put into what
+    ``store`` makes, and dropped after ``LIFETIME``, or once the tab is gone.
+
+    Returns:
+        A function for viser's call: the file that is there, or None for one without a byte.
+    """
+    arrivals = _Arrivals(gui, uuid(button), tell, store)
+    for message in (_messages.FileTransferStartUpload, _messages.FileTransferPart):
+        gui._websock_interface.register_handler(message, arrivals.hear)
+    return arrivals.take
+
+
+def forget_file(button: viser.GuiUploadButtonHandle) -> None:
+    """Let go of the content of the last file, which viser keeps until the next one."""
+    button._impl.value = viser.UploadedFile("", b"")
+
+
+class _Arrivals(Generic[_Store]):
+    """Files on their way to a button."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        button: str,
+        tell: Callable[[str, float | None], None],
+        store: Callable[[], _Store],
+    ) -> None:
+        self._gui, self._button, self._tell, self._store = gui, button, tell, store
+        self._silence: asyncio.TimerHandle | None = None
+        # viser has the files, and drops those of a tab that is gone
+        self._files = weakref.WeakValueDictionary[str, _Store]()
+
+    def hear(self, _: int, message: Any) -> None:
+        if message.source_component_uuid != self._button:
+            return
+        if self._silence is not None:
+            self._silence.cancel()
+        # viser has heard it before: of a file that is there it knows no more
+        state = self._gui._current_file_upload_states.get(message.transfer_uuid)
+        if state is None:
+            return
+        loop = asyncio.get_running_loop()
+        transfer = message.transfer_uuid
+        if transfer not in self._files:
+            self._files[transfer] = state["parts"] = file = self._store()  # type: ignore[typeddict-item]
+            loop.call_later(LIFETIME, self._drop, transfer, weakref.ref(file))
+        self._silence = loop.call_later(SILENCE, self._give_up, transfer)
+        self._tell(state["filename"], state["transferred_bytes"] / max(state["total_bytes"], 1))
+
+    def take(self) -> _Store | None:
+        """The file that has just become whole, of which viser knows no more: once."""
+        known = self._gui._current_file_upload_states
+        whole = next((name for name in self._files if name not in known), None)
+        return None if whole is None else self._files.pop(whole, None)
+
+    def _give_up(self, transfer: str) -> None:
+        state = self._gui._current_file_upload_states.get(transfer)
+        if state is not None:  # the tab is still there
+            self._tell(state["filename"], None)
+
+    def _drop(self, transfer: str, file: Callable[[], _Store | None]) -> None:
+        """Drop a file that has not come in time."""
+        state = self._gui._current_file_upload_states.get(transfer)
+        if state is not None and state["parts"] is file():
+            self._give_up(transfer)
+            del self._gui._current_file_upload_states[transfer]
+
+
+def disable_sharing(server: viser.ViserServer) -> None:
+    """Remove the public tunnel that any visitor of a stock viser page may open."""
+    handlers = server._websock_server._incoming_handlers
+    for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
+        handlers.pop(message, None)
+
+
+def run_on_loop(server: viser.ViserServer, call: Callable[[], object]) -> None:
+    """Run ``call`` in the thread of the server's connections, soon."""
+    loop = server._websock_server._background_event_loop
+    assert loop is not None
+    loop.call_soon_threadsafe(call)
+
+
+def widget(server: viser.ViserServer, connection: object, uuid: str) -> Any:
+    """The widget with this id in the tab behind a websocket; None without one."""
+    client = tab(server, connection)
+    return None if client is None else client.gui._gui_input_handle_from_uuid.get(uuid)
+
+
+def tab(server: viser.ViserServer, connection: object) -> viser.ClientHandle | None:
+    """The tab behind a websocket; None before it has reported its camera."""
+    for number, live in tuple(server._websock_server._live_connections.items()):
+        if live is connection:
+            return server._connected_clients.get(number)
+    return None
+
+
+def set_lines(plot: viser.GuiUplotHandle, lines: Sequence[NDArray[np.float32]]) -> None:
+    """Show ``lines`` (m,) over the first of them in a plot.
+
+    viser itself sends them in double precision, of which the page has no use.
+    """
+    vars(plot._impl.props)["data"] = tuple(lines)
+    plot._queue_update("data", tuple(lines))
+
+
+def move_gizmo(
+    client: viser.ClientHandle,
+    name: str,
+    owner: str,
+    wxyz: tuple[float, float, float, float],
+    position: tuple[float, float, float],
+) -> bool:
+    """Move a gizmo of a tab to where its page has it, and call those who wait for that.
+
+    A hand sends twenty such messages a second, and viser takes ten times as long over one.
+
+    Args:
+        client: the tab.
+        name: of the gizmo's node.
+        owner: of the node, as the page has it.
+        wxyz: unit quaternion of the gizmo in its parent's frame.
+        position: of the gizmo in that frame, [unit].
+
+    Returns:
+        Whether it is done: not where other tabs, or other tabs' gizmos, have to do with it.
+    """
+    scene = client.scene
+    key: Any = (client.client_id, name)
+    held = scene._active_transform_drag_handles.get(key)
+    gizmo = held or scene._handle_from_transform_controls_name.get(name)
+    if gizmo is None or owner != scene._owner_id or gizmo._impl_aux.sync_cb is not None:
+        return False
+    gizmo._impl.wxyz, gizmo._impl.position = np.array(wxyz), np.array(position)
+    gizmo._impl_aux.last_updated = time.time()
+    event = viser.TransformControlsEvent(client, client.client_id, gizmo, "update")
+    for call in gizmo._impl_aux.update_cb:
+        try:
+            call(event)
+        except Exception as error:
+            print_awaited_callback_error(error)
+    return True
+
+
+def keep_to_tab(gizmo: viser.TransformControlsHandle) -> None:
+    """Tell no other tab where a gizmo is: there is none that shows a tab's own gizmos."""
+    gizmo._impl_aux.sync_cb = None
+
+
+def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
+    """Run a script in the page, instead of one that still waits in the same ``slot``."""
+    message = _messages.RunJavascriptMessage(source=script)
+    # viser asks again when it has sent the message: another answer, as its own, is kept for ever
+    key = f"run {slot or uuids.uuid4()}"
+    message.redundancy_key = functools.partial(str, key)  # type: ignore[method-assign]
+    client._websock_connection.queue_message(message)
+
+
+@functools.cache
+def _script() -> str:
+    """The page's scripts, without indentation and lines of nothing but a comment."""
+    files = ("page.js", "files.js", "labels.js", "nodes.js", "keyboard.js", "sight.js")
+    text = "\n".join(assets.path("page", name).read_text(encoding="utf-8") for name in files)
+    lines = (line.strip() for line in text.splitlines())
+    return "\n".join(line for line in lines if not _COMMENT.fullmatch(line))

@@ -1,0 +1,104 @@
+"""Size of a page, and what panels and text take of it from the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, TypeAlias
+
+import msgspec
+import viser
+
+from app.ui import page
+from app.ui.layout import PLOTS, TITLE
+
+_Pixels: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=100_000)]
+_Part: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=1)]
+_USUAL = 12.0
+"""Height of the letters of a label of scale 1, [px]: viser's."""
+_LETTERS = (0.036, 0.03)
+"""The same in a lecture, as parts of the scene's width and height."""
+_SMALLEST, _LARGEST = 14.0, 26.0
+"""Limits of these letters, [px]."""
+
+
+@dataclass(frozen=True)
+class PageArea:
+    """Size of a page, and what panels and text take of it from the scene.
+
+    Attributes:
+        width: of the page, [px].
+        height: of the scene, [px].
+        left: width of what panels take on the left, [px].
+        right: the same on the right.
+        above: part of the scene's height that text covers from above, 0 to 1.
+        below: the same from below.
+        hidden: whether nobody sees the page, as behind another tab of the browser.
+        plots: whether the tab with the plots has been opened.
+    """
+
+    width: _Pixels = 1280.0
+    height: _Pixels = 720.0
+    left: _Pixels = 0.0
+    right: _Pixels = 0.0
+    above: _Part = 0.0
+    below: _Part = 0.0
+    hidden: bool = False
+    plots: bool = False
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of the scene."""
+        return (self.width - self.left - self.right) / max(self.height, 1.0)
+
+    @classmethod
+    def of(cls, text: object) -> PageArea | None:
+        """The area of a text, which a hostile page may have written; None where that is none."""
+        try:
+            return msgspec.json.decode(str(text), type=cls, strict=False)
+        except (msgspec.MsgspecError, ValueError, RecursionError):
+            return None
+
+
+def label_scale(area: PageArea | None, lecture: bool) -> float:
+    """Scale of the labels in the scene: in a lecture as large as the scene has room for them."""
+    if not lecture:
+        return 1.0
+    area = area or PageArea()
+    width = area.width - area.left - area.right
+    letters = min(_LETTERS[0] * width, _LETTERS[1] * area.height)
+    return round(min(max(letters, _SMALLEST), _LARGEST) / _USUAL, 1)
+
+
+class PageWatch:
+    """Hidden text box into which the page types its area whenever that changes.
+
+    A new area is no input: who needs it looks here. Only plots that come into sight are waited for.
+    """
+
+    def __init__(self, client: viser.ClientHandle, nudge: Callable[[], None]) -> None:
+        """Begin without an area; ``nudge`` is called when the plots are opened."""
+        self._box = client.gui.add_text("area", "", visible=False)
+        self._read: object = ""
+        self._area: PageArea | None = None
+        self._nudge = nudge
+        self._box.on_update(self._hear)
+        page.call(client, "watch", [page.uuid(self._box), TITLE, PLOTS])
+
+    @property
+    def plots(self) -> bool:
+        """Whether the tab with the plots has been opened."""
+        area = self.area()
+        return area is not None and area.plots
+
+    def _hear(self, _: object) -> None:
+        before = self._area
+        if self.plots and not (before is not None and before.plots):
+            self._nudge()
+
+    def area(self) -> PageArea | None:
+        """The page's area; None before its first word."""
+        if self._box.value != self._read:
+            self._read = self._box.value
+            self._area = PageArea.of(self._read) or self._area
+        return self._area

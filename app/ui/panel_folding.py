@@ -1,0 +1,70 @@
+"""Folding of the two panels, in a lecture or on a page too narrow for them and the scene."""
+
+from __future__ import annotations
+
+import viser
+
+from app.ui.layout import Layout
+from app.ui.page_area import PageArea
+
+PHONE = 600
+"""Width of a page, [px], below which viser makes the panels one sheet, which the page folds."""
+NARROW = 1000
+"""Width of a page, [px], below which both panels would leave the scene little room."""
+_RAIL = 60
+"""Width, [px], that a folded panel leaves less than."""
+
+
+class PanelFolding:
+    """Folds panels where they are in the way, and unfolds after that what no hand has touched."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._sides = [_Side(panel) for panel in layout.panels]
+        self._lecture = self._narrow = self._phone = False
+
+    def update(self, area: PageArea | None, lecture: bool) -> None:
+        """Fold or unfold where a lecture begins or ends, or the page's width passes a limit."""
+        phone = self._phone if area is None else area.width < PHONE
+        narrow = self._narrow if area is None else area.width < NARROW and not phone
+        if area is not None and not phone and not self._phone:
+            for side, width in zip(self._sides, (area.left, area.right), strict=True):
+                side.look(width < _RAIL)
+        if (lecture and not self._lecture) or (narrow and not self._narrow):
+            for side in self._sides:
+                side.fold()
+        elif not (lecture or narrow or phone):
+            for side in self._sides:
+                side.unfold()
+        self._lecture, self._narrow, self._phone = lecture, narrow, phone
+
+
+class _Side:
+    """One panel, and whether it is folded by us or by a hand."""
+
+    def __init__(self, panel: viser.MainPanelHandle | viser.PanelHandle) -> None:
+        self._panel = panel
+        self._open = True
+        self._begun = self._ours = self._seen = False
+
+    def look(self, folded: bool) -> None:
+        """Take note of what the page shows; one that we folded and that is open is the hand's."""
+        self._begun |= not folded
+        if not self._begun:
+            return  # a new page has no panels yet
+        self._open = not folded
+        self._seen |= folded
+        if self._ours and self._seen and self._open:
+            self._ours = False
+
+    def fold(self) -> None:
+        """Fold it, unless it is."""
+        if self._open:
+            self._panel.minimize()
+            # the page shows it open until it has done so
+            self._open, self._ours, self._seen, self._begun = False, True, False, True
+
+    def unfold(self) -> None:
+        """Unfold what we have folded."""
+        if self._ours:
+            self._panel.expand()
+            self._open, self._ours = True, False

@@ -1,0 +1,142 @@
+"""Notes on a plan as HTML: control points, coefficients, motion and arm in numbers."""
+
+from __future__ import annotations
+
+import html
+import math
+
+from abi.curves.timed_profile import TimedProfile
+from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
+from abi.planner.arm_words import clearance_sentence, contact_sentence
+from abi.planner.plan import AnyFit, Plan
+from app.shared.once_a_plan import once_a_plan
+from app.ui import style
+from app.ui.numbers import distance_to_show, format_length, format_lower_bound, format_setting
+
+_PIECES_SHOWN = 2
+_SPILLS = 60
+"""Tilt of a liquid's level at which no cup holds it, [°]."""
+_LAWS = {
+    "time_optimal": "As fast as the joints may",
+    "jerk_limited": "Smooth (limited jerk)",
+}
+
+
+@once_a_plan
+def notes(plan: Plan) -> dict[str, str]:
+    """Text of each note, and of the motion, as HTML."""
+    return {
+        "bspline": _clearance(plan, plan.bspline) + _control_points(plan),
+        "quadratic": _clearance(plan, plan.quadratic) + _coefficients(plan),
+        "motion": _motion(plan),
+        "arm": _arm(plan),
+    }
+
+
+def _clearance(plan: Plan, fit: AnyFit | None) -> str:
+    """Sentence on a curve that comes nearer to an obstacle than asked; empty for one that holds."""
+    if fit is None or fit.holds or math.isinf(fit.clearance.distance):
+        return ""
+    unit, number = plan.scene.unit, fit.clearance.obstacle + 1
+    distance = format_lower_bound(distance_to_show(fit.clearance))
+    if fit.clearance.nearest > 0:
+        text = f"too close: {distance} {unit}, wanted {format_setting(fit.required)} {unit}"
+    else:
+        text = f"cuts {distance.removeprefix('−')} {unit} into obstacle {number}"
+    return style.paragraph(f"<b>{text} ✗</b>")
+
+
+def _control_points(plan: Plan) -> str:
+    """Count of the control points that keep the spline clear; empty where none is needed."""
+    spline = None if plan.bspline is None else plan.bspline.curve
+    if spline is None or not (spline.inserted or spline.moved):
+        return ""
+    counts = ((spline.inserted, "added"), (spline.moved, "moved"))
+    first, *others = [(count, done) for count, done in counts if count]
+    text = f"{first[0]} control point{'s' if first[0] > 1 else ''} {first[1]}"
+    text += "".join(f", {count} {done}" for count, done in others)
+    return style.paragraph(f"{text} to stay clear.")
+
+
+def _coefficients(plan: Plan) -> str:
+    """Polynomials of the quadratic, as the paper prints them."""
+    if plan.quadratic is None:
+        return ""
+    # above them, since of a long note the end is out of sight
+    note = ""
+    if plan.quadratic.note:
+        text = html.escape(plan.quadratic.note)
+        sign = "" if plan.quadratic.holds else "✗ "
+        note = f'<div style="margin:0 10px;line-height:1.2;font-size:12.5px">{sign}{text}</div>'
+    lines = []
+    pieces = plan.quadratic.curve.pieces
+    for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
+        if len(pieces) > 1:
+            lines.append(f"t from {first:.3f} to {last:.3f}:")
+        lines += [
+            f"P{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")
+        ]
+    if len(pieces) > _PIECES_SHOWN:
+        lines.append(f"… {len(pieces)} pieces in all")
+    css = "margin:0 12px 3px;font:12px/1.12 ui-monospace,monospace"
+    return f'{note}<div style="{css}">{"<br>".join(lines)}</div>'
+
+
+def _polynomial(*coefficients: float) -> str:
+    """c0 + c1 t + c2 t² in three decimals, without terms that vanish."""
+    text = ""
+    for number, power in zip(coefficients, ("", "t", "t²"), strict=True):
+        if abs(number) >= 5e-4:
+            sign = ("−" if number < 0 else "") if not text else (" − " if number < 0 else " + ")
+            text += f"{sign}{abs(number):.3f}{power}"
+    return text or "0"
+
+
+def _motion(plan: Plan) -> str:
+    if plan.profile is None:
+        return ""
+    profile, unit = plan.profile, f"{plan.scene.unit}/s"
+    if isinstance(profile, TimedProfile):
+        text = f"{_LAWS[profile.law]}, up to {format_length(profile.peak_speed)} {unit}: "
+        return style.paragraph(f"{text}{profile.duration:.2f} s in all.{_tilt(plan)}")
+    text = f"Speed up {profile.t1:.2f} s, cruise {profile.t2:.2f} s, brake {profile.t3:.2f} s."
+    if profile.triangular:
+        text += (
+            f" The path is too short to reach {format_setting(plan.scene.motion.speed)} {unit}; "
+            f"top speed {format_length(profile.peak_speed)} {unit}."
+        )
+    return style.paragraph(text + _tilt(plan))
+
+
+def _tilt(plan: Plan) -> str:
+    if plan.liquid_tilt is None:
+        return ""
+    tilt = math.degrees(plan.liquid_tilt)
+    told = f" Liquid in a cup would tilt by up to {tilt:.{0 if tilt >= 10 else 1}f}°"
+    return f"{told}: it would be spilt." if tilt > _SPILLS else f"{told}."
+
+
+def _arm(plan: Plan) -> str:
+    if plan.motion is None:
+        return ""
+    motion, unit, curve = plan.motion, plan.scene.unit, plan.followed_curve
+    lines = []
+    if curve is not None and not curve.holds and plan.followed is not None:
+        label = style.CURVES[plan.followed][0]
+        lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")
+    if plan.arm_clearance is not None:
+        contacts = plan.arm_clearance.contacts
+        touched = (html.escape(contact_sentence(one, unit)) for one in contacts[:CONTACTS])
+        lines += [f"<b>✗ {sentence}.</b>" for sentence in touched]
+        if len(contacts) > CONTACTS:
+            lines.append(f"… {len(contacts)} contacts in all")
+        if sentence := clearance_sentence(plan):
+            too_near = plan.arm_clearance.is_too_near
+            sentence = html.escape(sentence)
+            lines.append(f"<b>✗ {sentence}</b>" if too_near else sentence)
+    lines += [
+        f"✗ {html.escape(limit_sentence(one, motion, unit))}" for one in motion.limit_violations
+    ]
+    if past := limits_warning(plan):
+        lines.append(f"✗ {past}")
+    return style.paragraph("<br>".join(lines)) if lines else ""

@@ -1,0 +1,36 @@
+"""Cards of the scenes: what each is about, from the comment at the head of its file."""
+
+from __future__ import annotations
+
+import functools
+import re
+
+from abi import assets
+from abi.scene.scene import scene_names
+from app.ui.cards import Card
+
+_SENTENCE = re.compile(r"(?<=[.!?]) ")
+
+
+def scene_cards(chosen: str) -> list[Card]:
+    """A card of each shipped scene, the ``chosen`` one first."""
+    return [
+        Card(
+            name,
+            name,
+            about(name),
+            assets.path("pictures", "scenes", f"{name}.webp"),
+            name == chosen,
+        )
+        for name in sorted(scene_names(), key=lambda name: name != chosen)
+    ]
+
+
+@functools.cache
+def about(name: str) -> str:
+    """The first sentence of the comment at the head of a shipped scene's file."""
+    text = assets.path("scenes", f"{name}.yaml").read_text(encoding="utf-8")
+    comment = re.match(r"(#.*\n)*", text)
+    assert comment is not None
+    lines = (line.removeprefix("#").strip() for line in comment[0].splitlines())
+    return _SENTENCE.split(" ".join(lines))[0]

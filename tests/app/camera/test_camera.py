@@ -1,0 +1,245 @@
+from __future__ import annotations
+
+import time
+from typing import Any, cast
+
+import numpy as np
+import pytest
+import viser
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.camera.camera import View
+from app.camera.extent import extent
+from app.camera.framing import Window, axes, holds
+from app.tab.session import Session
+from app.ui.page_area import PageArea
+from tests.app.fake_tab import FakeTab, until
+
+
+def distance(session: Session) -> float:
+    camera = session.client.camera
+    return float(np.linalg.norm(camera.position - camera.look_at))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [300, 200])
+def test_in_a_narrow_picture_the_camera_steps_back_and_near_again(
+    tab: tuple[FakeTab, Session], width: int
+) -> None:
+    fake, session = tab
+    session.playback.playing = True
+    near = distance(session)
+    fake.look(session.client.camera, width)
+    until(lambda: distance(session) > 1.2 * near)
+    fake.look(session.client.camera, 900)
+    until(lambda: distance(session) == pytest.approx(near))
+
+
+def test_a_camera_that_the_hand_has_moved_stays(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    session.playback.playing = True
+    fake.look(session.client.camera, 300, position=[1.0, -9.0, 2.0])
+    until(lambda: session._view.viewpoint._distance_factor > 1)
+
+    np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])
+
+
+def test_an_arm_that_is_far_too_large_is_seen_whole(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    model = session.panels.stages.arm.model.model
+    until(lambda: session.resting)
+    near = distance(session)
+    fake.set(model, "UR5e")
+    until(lambda: distance(session) > 8 * near)
+    fake.set(model, "the paper's arm")
+    until(lambda: distance(session) == pytest.approx(near))
+
+
+def test_in_a_lecture_all_is_seen_from_the_same_side(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    before, away = camera.position, camera.position - camera.look_at
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and not np.allclose(camera.position, before))
+    away_now = camera.position - camera.look_at
+    np.testing.assert_allclose(np.cross(away_now, away), 0, atol=1e-6)
+    assert session.plan is not None
+    right, up, forward = axes(away)
+    seen = extent(session.plan) - camera.position
+    half = np.tan(camera.fov / 2)
+    assert (np.abs(seen @ up) < half * (seen @ forward)).all()
+    assert (np.abs(seen @ right) < half * camera.aspect * (seen @ forward)).all()
+    fake.set(lecture.toggle, True)
+    until(lambda: not lecture.on and np.allclose(camera.position, before))
+
+
+def test_a_view_that_is_chosen_follows_the_picture(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on)
+    fake.set(lecture._views["Front"], True)
+    until(lambda: session.resting and bool(camera.position[1] > camera.look_at[1]))
+    near = distance(session)
+    fake.look(camera, 300)
+    until(lambda: distance(session) > 1.2 * near)
+    assert camera.position[1] > camera.look_at[1]
+
+
+def test_undo_leaves_the_camera_where_the_hand_has_put_it(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    speed = session.panels.stages.motion.speed
+    fake.look(session.client.camera, 900, position=[1.0, -9.0, 2.0])
+    fake.set(speed, 3.0)
+    until(lambda: session.resting and session.panels.history.can_undo)
+    fake.set(session.panels.history.undo, True)
+    until(lambda: session.resting and session.frame.plan.scene.motion.speed != 3.0)
+    assert session.frame.plan.scene is session.panels.files.loaded
+    np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])
+
+
+def test_in_a_lecture_the_camera_follows_what_the_hand_has_let_go(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    camera, lecture, goal = session.client.camera, session.panels.lecture, _goal(session)
+    before = camera.position
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and session.resting and not np.allclose(camera.position, before))
+    before, plans = camera.position, session.plans
+    fake.hold(goal)
+    fake.set(session.panels.stages.arm.base, [0.0, -12.0, 0.0])
+    until(lambda: session.plans > plans and session.resting)
+    assert not _sees_all(session)
+    np.testing.assert_array_equal(camera.position, before)
+    fake.let_go(goal)
+    until(lambda: _sees_all(session))
+
+
+def test_in_a_lecture_a_camera_that_the_hand_has_turned_does_not_follow(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and session.resting)
+    fake.look(camera, 900, position=[12.0, -6.0, 3.0])
+    until(lambda: bool(camera.position[0] == 12))
+    plans = session.plans
+    fake.set(session.panels.stages.arm.base, [0.0, -12.0, 0.0])
+    until(lambda: session.plans > plans and session.resting)
+    np.testing.assert_array_equal(camera.position, [12.0, -6.0, 3.0])
+
+
+def test_a_picture_without_area_is_none_to_follow(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    camera = session.client.camera
+    session.playback.playing = True
+    near = distance(session)
+    fake.look(camera, 0)
+    until(lambda: camera.image_width == 0)
+    plans = session.plans
+    fake.set(session.panels.stages.arm.base, [0.0, -12.0, 0.0])
+    until(lambda: session.plans > plans and session.resting)
+    assert session._fault is None
+    assert distance(session) == near
+
+
+def test_a_page_that_tells_of_the_place_before_has_not_moved_its_camera(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    before = camera.position
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and session.resting and not np.allclose(camera.position, before))
+    fake.look(camera, 300, position=list(before))
+    until(lambda: camera.image_width == 300 and _sees_all(session))
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_text_counts_only_where_it_was_measured_in_a_picture_of_this_shape(
+    tab: tuple[FakeTab, Session], same: bool
+) -> None:
+    _, session = tab
+    viewpoint, camera = session._view.viewpoint, session.client.camera
+    width, height = float(camera.image_width), float(camera.image_height)
+    # with a panel still open the scene beside it had half the width
+    area = PageArea(width=width, height=height, left=0.0 if same else width / 2, below=0.3)
+    assert viewpoint._free(area).below == (0.3 if same else viewpoint._free(None).below)
+    assert viewpoint._free(None).below < 0.3
+
+
+def _goal(session: Session) -> Any:
+    return session.panels.ends.gizmos["goal"]
+
+
+def _sees_all(session: Session) -> bool:
+    assert session.plan is not None
+    camera = session.client.camera
+    window = Window(camera.fov, camera.aspect)
+    return holds(extent(session.plan), camera.position, camera.look_at, window)
+
+
+class Page:
+    """Client of a camera, which sends nothing."""
+
+    @property
+    def _websock_connection(self) -> Page:
+        return self
+
+    def queue_message(self, message: object) -> None:
+        """Drop it."""
+
+
+def camera_at(view: View) -> viser.CameraHandle:
+    """Camera of a page that stands where the view says."""
+    camera = viser.CameraHandle(cast(viser.ClientHandle, Page()))
+    state = camera._state
+    state.position, state.look_at, state.up_direction = map(
+        np.array, (view.position, view.target, view.up)
+    )
+    state.wxyz, state.update_timestamp = np.array([1.0, 0.0, 0.0, 0.0]), time.time()
+    return camera
+
+
+_NUMBERS = st.floats() | st.sampled_from([0.0, 1.0, 3.0, 1e8, 1e30, 1e-300, 1e-320, -1e8, 1e-7])
+_VIEWS = st.lists(_NUMBERS, min_size=9, max_size=9)
+USUAL = View((3.0, -3.0, 4.0), (3.0, 3.0, 3.0), (0.0, 0.0, 1.0))
+
+
+@given(_VIEWS, _VIEWS)
+def test_every_view_that_is_kept_can_be_shown_from_wherever_one_looks(
+    numbers: list[float], before: list[float]
+) -> None:
+    view = View.of(numbers)
+    if view is None:
+        return
+    camera = camera_at(View.of(before) or USUAL)
+    view.show(camera)
+    shown = View.of_camera(camera)
+    assert shown is not None
+    np.testing.assert_allclose(shown.position, view.position, rtol=1e-5, atol=1e-7)
+    assert np.isfinite(camera.wxyz).all()
+    assert np.linalg.norm(camera.wxyz) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        None,
+        "nine",
+        [1.0] * 8,
+        [1e30, 0, 0, 0, 0, 0, 0, 0, 1],
+        [1e-300, 0, 0, 0, 0, 0, 0, 0, 1],
+        [3, 3, 3, 0, 0, 0, 0, 0, 1e-320],
+        [3, 3, 3, 0, 0, 0, 0, 0, 1e300],
+        [3, 3, 3, 3, 3, 3, 0, 0, 1],
+        [float("nan"), 3, 3, 0, 0, 0, 0, 0, 1],
+        [10**400, 3, 3, 0, 0, 0, 0, 0, 1],
+    ],
+)
+def test_a_view_of_nothing_is_none(numbers: object) -> None:
+    assert View.of(numbers) is None

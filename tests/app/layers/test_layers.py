@@ -1,0 +1,491 @@
+"""Layers follow every change of the frame, and send nothing else."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy
+import viser
+
+from abi import load_scene, plan
+from abi.planner.arm_words import arm_result
+from abi.planner.diagnosis import explain
+from abi.scene.scene import Scene
+from app.drawing.lines import points_at
+from app.layers.arm.arm import ArmLayer
+from app.layers.axes import AxesLayer
+from app.layers.markers import _are_reached
+from app.layers.mesh import MeshLayer
+from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
+from app.layers.result.curve_numbers import blocks
+from app.layers.result.headline import headline
+from app.layers.result.plots import PlotsLayer, _joints_title
+from app.layers.result.stage_numbers import stage_numbers
+from app.layers.search_order import SearchOrderLayer
+from app.layers.workspace import WorkspaceLayer
+from app.panels.base_offer import _may_help
+from app.panels.messages import _change_label, _progress
+from app.panels.stages.stage_headers import STAGES
+from app.panels.teach.lecture import VIEWS
+from app.server.address import Address
+from app.server.server import Server, start
+from app.state.frame import Frame
+from app.state.look import PLAIN
+from app.tab.session import Session
+from app.tab.view import SWITCHES
+from app.ui.colour_scale import scale_colours
+from app.ui.numbers import format_lower_bound
+from app.ui.plan_notes import notes
+from app.ui.style import CURVES, HEAT
+from tests.app.fake_tab import FakeTab, drawn_points, layer, until
+
+
+def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    place = [5.7, 0.35, 0.1]
+    fake.drag(session.panels.ends.gizmos["start"], place)
+    until(lambda: np.allclose(session.plan.scene.start, place))  # type: ignore[union-attr]
+    until(lambda: session.resting and not session._worker.is_woken())
+
+    nodes = drawn_points(layer(session, MeshLayer)._clouds["nodes"])
+    assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
+
+
+def test_the_distance_to_the_obstacles_is_shown_with_its_curve(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    names, boxes = layer(session, NamesLayer), session.panels.layer_switches.boxes
+    assert session.plan is not None
+    assert session.plan.followed == "bspline"
+    for on in (True, False, True):
+        fake.set(boxes["bspline"], on)
+        until(lambda: names._line.visible == names._distance.visible == on)  # noqa: B023
+    fake.set(boxes["names"], False)
+    until(lambda: not names._distance.visible)
+
+
+def test_every_search_has_its_name_where_no_curve_is_shown(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    names, boxes = layer(session, NamesLayer), session.panels.layer_switches.boxes
+
+    def named() -> set[str]:
+        return {label.text for label in names._labels.values() if label.visible}
+
+    until(lambda: session.resting and named() == {"A*", "B-spline ▸", "quadratic"})
+    fake.set(boxes["bspline"], False)
+    until(lambda: named() == {"A*", "quadratic"})
+    fake.set(boxes["quadratic"], False)
+    until(lambda: named() == {"A*", "Dijkstra", "Bellman-Ford (queue)"})
+    fake.set(boxes["dijkstra"], False)
+    until(lambda: named() == {"A*", "Bellman-Ford (queue)"})
+    fake.set(session.panels.stages.search.algorithm.handle, "Dijkstra")
+    until(lambda: named() == {"A*", "Bellman-Ford (queue)"} and session.resting)
+
+
+@pytest.mark.parametrize("direction", VIEWS.values(), ids=list(VIEWS))
+def test_names_are_seen_apart_from_wherever_the_camera_looks(
+    direction: tuple[float, float, float],
+) -> None:
+    made = plan(load_scene("paper"))
+    eye = 3 + 14 * np.array(direction) / np.linalg.norm(direction)
+    view = (_rounded(eye), (3.0, 3.0, 3.0))
+    lines, nearest = _lines(made), _nearest(made)
+    assert nearest is not None
+    labels = [nearest.mean(axis=0), np.array(made.scene.start), np.array(made.scene.goal)]
+    for name, place in _apart(made, view).items():
+        if name in ("path", "bspline", "quadratic"):
+            labels.append(points_at(lines[name], np.array([place]))[0])
+    seen = pictured(np.array(labels), *view)
+    assert scipy.spatial.distance.pdist(seen).min() > 0.14  # the width of a word
+
+
+@pytest.mark.slow
+def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    fake.set(session.panels.stages.mesh.pitch, 0.2)
+    until(lambda: session.plan.scene.mesh.pitch == 0.2 and session.resting)  # type: ignore[union-attr]
+    fake.drag(session.panels.ends.gizmos["start"], [5.7, 0.35, 0.1])
+
+    def is_shown() -> bool:
+        plan = session.plan
+        assert plan is not None
+        if plan.path is None or plan.mesh is None or plan.scene.start[0] < 5:
+            return False
+        nodes = drawn_points(layer(session, MeshLayer)._clouds["nodes"])
+        away = [np.linalg.norm(nodes - vertex, axis=1).min() for vertex in plan.path.points]
+        return bool(max(away) < plan.mesh.pitch)
+
+    until(is_shown)
+    assert layer(session, MeshLayer)._note
+
+
+def test_the_ground_is_below_the_arm(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    for height in (-4.0, 0.0):
+        fake.set(session.panels.stages.arm.base, (3.0, -3.0, height))
+        until(lambda z=height: session.plan.scene.arm.base[2] == z)  # type: ignore[misc, union-attr]
+        until(lambda z=height: z - 0.1 < layer(session, WorkspaceLayer)._grid.position[2] < z)  # type: ignore[misc, union-attr]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "scene",
+    [
+        {"unit": "mm"},
+        {"arm": {"a1": 0.1, "a2": 0.2, "a3": 0.6, "a4": 0.3, "a5": 0.25}},
+        {"arm": {"a3": 0.1}},
+        {"arm": {"a1": 100, "a2": 200, "a3": 600, "a4": 300, "a5": 250}, "unit": "m"},
+    ],
+)
+def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, object]) -> None:
+    path = tmp_path / "scene.yaml"
+    scene_of_arm = Scene.from_dict({"version": 1, **scene})
+    scene_of_arm.save(path)
+    server = start(Address(port=0), scene=str(path), look=PLAIN)
+    try:
+        fake = FakeTab(server.url)
+        until(lambda: any(session.plans for session in list(server.sessions.values())))
+        (session,) = server.sessions.values()
+        until(lambda: bool(layer(session, ArmLayer)._nodes.joint_nodes))
+        nodes = {
+            name.rpartition("/")[2]: node
+            for name, node in session.client.scene._handle_from_node_name.items()
+            if name.startswith("/arm/links/") and not name.endswith(("/mesh", "/red"))
+        }
+        assert [*nodes] == ["turret", "upper_arm", "elbow", "forearm", "rod", "gripper", "tool"]
+        arm = scene_of_arm.arm
+        reach = sum(float(np.linalg.norm(node.position)) for node in nodes.values())
+        assert reach == pytest.approx(arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5, rel=1e-6)
+        fake.close()
+    finally:
+        server.stop()
+
+
+def test_the_seed_is_offered_where_it_counts(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    assert not session.panels.stages.mesh.seed.visible
+    fake.set(session.panels.stages.mesh.lattice.handle, "Delaunay (irregular)")
+    until(lambda: session.panels.stages.mesh.seed.visible)
+    fake.set(session.panels.stages.mesh.lattice.handle, "Kuhn (cube cut in 6)")
+    until(lambda: not session.panels.stages.mesh.seed.visible)
+
+
+def test_a_plot_has_its_data_once_and_before_it_is_shown(tab: tuple[FakeTab, Session]) -> None:
+    """A chart that is shown first and gets its data at once after stays without a time axis."""
+    _, session = tab
+    tabs = session.client.gui.add_tab_group()
+    one = tabs.add_tab("all of it")
+    layout = replace(session.panels.layout, result=one, plots=one)
+    layer = PlotsLayer(layout)
+    updates: list[tuple[object, str]] = []
+    for plot in layer._plots.values():
+        object.__setattr__(
+            plot, "_queue_update", lambda name, _, of=plot: updates.append((of, name))
+        )
+    result = plan(load_scene("paper"))
+    assert result.motion is not None
+    layer.draw(Frame(result, interactive=True))
+    layer.draw(Frame(result, plots=True))
+    layer.draw(Frame(result, plots=True, time=0.5))
+    for plot in layer._plots.values():
+        # the page itself marks the time
+        assert [name for of, name in updates if of is plot] == ["data", "visible"]
+        assert plot.visible
+        assert plot.data[0][-1] == pytest.approx(result.motion.time[-1])
+    tabs.remove()
+
+
+@pytest.mark.parametrize(
+    ("slides", "unit", "title"),
+    [
+        ((False, True), "cm", "joint positions [rad, cm]"),
+        ((False, False), "mm", "joint positions [rad]"),
+        ((True, True), "m", "joint positions [m]"),
+    ],
+)
+def test_the_plot_of_joints_names_their_units(
+    slides: tuple[bool, ...], unit: str, title: str
+) -> None:
+    motion = plan(load_scene("paper")).motion
+    assert motion is not None
+    assert _joints_title(replace(motion, slides=slides), unit) == title
+
+
+def _still(session: Session) -> Frame:
+    """The session's last frame, drawn to its end while nothing moves any more."""
+    until(lambda: session.resting)
+    session.close()
+    frame = replace(session.frame, playing=False)
+    _draw(session, frame)
+    return frame
+
+
+def _draw(session: Session, frame: Frame) -> None:
+    for group in session._view.parts:
+        for drawn in group:
+            drawn.draw(frame)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["paper", "forest", "no-way"])
+def test_what_is_drawn_already_is_not_sent_again(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, name)
+    until(lambda: session.frame.plan.scene == load_scene(name))
+    until(lambda: session.frame.plan.error is None or session.frame.reason is not None)
+    frame = _still(session)
+    sent: list[object] = []
+    monkeypatch.setattr(session.client._websock_connection, "queue_message", sent.append)
+    _draw(session, replace(frame))
+    assert sent == []
+
+
+def test_a_switch_sends_what_it_hides_and_nothing_else(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, session = tab
+    frame = replace(_still(session), shown=frozenset(switch.name for switch in SWITCHES))
+    _draw(session, frame)
+    sent: list[object] = []
+    monkeypatch.setattr(session.client._websock_connection, "queue_message", sent.append)
+    hidden: list[str] = []
+    for switch in SWITCHES:
+        _draw(session, replace(frame, shown=frame.shown - {switch.name}))
+        if switch.name == "obstacles":  # the sentence no longer asks to drag one
+            sent[:] = [one for one in sent if "Drag start or goal." not in str(one)]
+        assert sent
+        for message in sent:
+            assert isinstance(message, viser._messages.SetSceneNodeVisibilityMessage)
+            assert not message.visible
+            if not message.name.startswith("/name/"):  # they go with what they name
+                hidden.append(message.name)
+        _draw(session, frame)
+        sent.clear()
+    assert len(hidden) == len(set(hidden))
+
+
+def test_the_axes_lead_along_x_y_and_z_in_the_scenes_unit(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: session.frame.plan.scene == load_scene("kitchen-ur5e"))
+    axes = layer(session, AxesLayer)
+    until(lambda: axes._labels[2].text == "z [m]")
+    workspace = session.frame.plan.scene.workspace
+    for axis, (arrow, label) in enumerate(zip(axes._arrows, axes._labels, strict=True)):
+        (begin, end), *barbs = np.asarray(arrow.points)
+        direction = np.eye(3)[axis]
+        np.testing.assert_allclose(begin, 0)
+        np.testing.assert_allclose(end / np.linalg.norm(end), direction)
+        assert all(np.array_equal(barb[1], end) for barb in barbs)
+        assert label.text == ("x", "y", "z [m]")[axis]
+    # beside the workspace, where no obstacle, path or end is
+    assert axes._corner.position[0] > workspace.max[0]
+    assert axes._corner.position[1] < workspace.min[1]
+
+
+def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    playback = session.playback
+    fake.set(playback.slider, 2.0)
+    until(lambda: playback._time == pytest.approx(2.0) and not playback.playing)
+    inside, outside = [3.0, 3.0, 3.0], [6.0, 6.0, 6.0]
+    fake.drag(session.panels.ends.gizmos["goal"], inside)
+    until(lambda: session.plan.error is not None)  # type: ignore[union-attr]
+    fake.drag(session.panels.ends.gizmos["goal"], outside)
+    until(lambda: session.plan.error is None)  # type: ignore[union-attr]
+
+    assert playback._time == pytest.approx(2.0)
+    until(lambda: playback.slider.value == pytest.approx(2.0))
+
+
+@pytest.mark.slow
+def test_a_tab_that_has_gone_leaves_nothing_behind(server: Server) -> None:
+    gone = []
+    for _ in range(3):
+        fake = FakeTab(server.url)
+        until(lambda: len(server.sessions) == 1)
+        (session,) = server.sessions.values()
+        until(lambda one=session: one.plan is not None)  # type: ignore[misc]
+        gone.append(weakref.ref(session))
+        del session
+        fake.close()
+        until(lambda: not server.sessions)
+
+    # the last one's frames may still be on a thread's way out
+    def left() -> int:
+        gc.collect()
+        return sum(one() is not None for one in gone)
+
+    until(lambda: left() <= 1)
+
+
+def test_the_usual_layers_come_back(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    switches, usual = session.panels.layer_switches, session.frame.shown
+    for name in usual:
+        fake.set(switches.boxes[name], False)
+    fake.set(switches.boxes["shadow"], True)
+    until(lambda: session.frame.shown == {"shadow"})
+    fake.set(switches.usual, True)
+    until(lambda: session.frame.shown == usual)
+
+
+def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something() -> None:
+    scene = load_scene("arm-in-the-way")
+    through = plan(scene.replace(arm={"avoid": False}))
+    assert through.arm_clearance is not None
+    assert through.arm_clearance.contacts
+    assert through.followed_curve is not None
+    assert through.followed_curve.holds
+    assert "✓" not in headline(through)
+    around = plan(scene)
+    assert around.arm_clearance is not None
+    assert around.arm_clearance.certified
+    assert "✓" in headline(around)
+
+
+def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    panels, shown = session.panels, session.panels.layout.overlay.shown
+    assert " length" in shown["numbers"]
+    fake.set(panels.lecture.toggle, True)
+    until(lambda: session.frame.lecture)
+    assert " length" in shown["numbers"]
+    seen = []
+    for stage in STAGES:
+        fake.set(panels.lecture._forward, True)
+        until(lambda: session.frame.stage == stage)  # noqa: B023
+        numbers = blocks(stage_numbers(session.frame.plan, stage))
+        until(lambda: shown["numbers"] == numbers)  # noqa: B023
+        seen.append(numbers)
+    assert all(seen)
+    assert len(set(seen)) == len(STAGES)
+    fake.set(panels.lecture._forward, True)
+    until(lambda: not session.frame.stage and " length" in shown["numbers"])
+    fake.set(panels.lecture.toggle, True)
+    until(lambda: not session.frame.lecture)
+    panels.theatre.set(on=True)
+    until(lambda: not shown["numbers"])
+
+
+def test_the_sentence_tells_of_the_curve_that_the_arm_follows() -> None:
+    for followed in ("bspline", "quadratic"):
+        result = plan(load_scene("paper").replace(motion={"curve": followed}))
+        assert result.followed == followed
+        length = headline(result).split("<b>")[1].split("</b>")[0]
+        assert f"{CURVES[followed][0]}</span> of" in _progress(Frame(result))
+        assert length in _progress(Frame(result))
+
+
+def test_what_the_start_reaches_has_no_second_mark() -> None:
+    paper = load_scene("paper")
+    (box,) = paper.obstacles
+    wall = {**box.model_dump(mode="json"), "size": [1.0, 8.0, 8.0]}
+    walled = ((paper.replace(obstacles=[wall]), True), (load_scene("no-way"), False))
+    for scene, around_start in walled:
+        result = plan(scene)
+        reason = explain(scene, result)
+        assert reason is not None
+        assert len(reason.points) > 0
+        assert _are_reached(reason, result) is around_start
+
+
+def test_a_demonstration_says_that_it_is_one() -> None:
+    frame = Frame(plan(load_scene("paper")))
+    assert "Demo:" not in _progress(frame)
+    assert "Demo:" in _progress(replace(frame, demonstrates=True))
+
+
+@pytest.mark.parametrize(
+    "arm",
+    [
+        {"base": (3.0, -30.0, 0.0)},  # out of reach
+        {"q5": 2.5},  # past the slide's limit
+        {"clearance": 5.0, "avoid": False},  # too near
+    ],
+)
+def test_no_headline_is_green_while_the_arm_is_not_proven_clear(arm: dict[str, object]) -> None:
+    aside = {"shape": "sphere", "radius": 0.2, "position": (5.7, 0.3, 5.7)}
+    result = plan(load_scene("paper").replace(arm=arm, obstacles=[aside]))
+    assert result.followed_curve is not None
+    assert result.followed_curve.holds
+    assert result.arm_clearance is not None
+    assert not result.arm_clearance.contacts
+    assert not result.is_arm_clear
+    assert "✓" not in arm_result(result)
+    assert "✓" not in headline(result)
+    assert "tool tip only, arm ignored" in headline(result)
+
+
+def test_links_nearer_than_asked_for_are_told_with_both_numbers() -> None:
+    scene = load_scene("paper").replace(arm={"clearance": 0.5, "avoid": False})
+    result = plan(scene)
+    assert result.arm_clearance is not None
+    assert result.arm_clearance.is_too_near
+    assert arm_result(result) == "links too near ✗"
+    note = notes(result)["arm"]
+    assert f"{format_lower_bound(result.arm_clearance.distance)} cm of the 0.5 cm wanted" in note
+    assert "✗" in note
+    assert "Proven" not in note
+    kept = plan(load_scene("paper"))
+    assert arm_result(kept) == "proven clear ✓"
+    assert "Proven: every link stays" in notes(kept)["arm"]
+
+
+@pytest.mark.parametrize(("speed", "spilt"), [(30.0, False), (3000.0, True)])
+def test_a_cup_has_its_tilt_in_degrees_though_it_is_spilt(speed: float, spilt: bool) -> None:
+    motion = {"speed": speed, "acceleration": speed, "deceleration": speed}
+    result = plan(load_scene("paper").replace(motion=motion))
+    assert result.liquid_tilt is not None
+    note = notes(result)["motion"]
+    assert ("spilt" in note) == spilt
+    assert f"by up to {np.degrees(result.liquid_tilt):.0f}°" in note
+
+
+def test_an_obstacle_in_the_way_is_moved_by_a_button_beside_find_a_base() -> None:
+    scene = load_scene("wall-with-window").replace(arm={"avoid": True})
+    result = plan(scene)
+    reason = explain(scene, result)
+    assert reason is not None
+    assert reason.moved is not None
+    assert _change_label(reason) == f"Move obstacle {reason.moved + 1} there"
+    assert _may_help(Frame(result, reason=reason))
+
+
+def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    slider, visited = session.panels.stages.search.shown, layer(session, SearchOrderLayer)
+    until(lambda: session.resting)
+    plan = session.frame.plan
+    assert plan.path is not None
+    assert plan.graph is not None
+    order = plan.path.order
+    assert slider.max == len(order)
+    count = len(order) // 2
+    fake.set(slider, count)
+    until(lambda: len(drawn_points(visited._cloud)) == count)
+    until(lambda: session.resting)
+    places = plan.graph.points[order[:count]].astype(np.float32)
+    assert len(np.unique(order[:count])) == count  # A* expands no node again
+    cloud = visited._cloud._cloud
+    assert cloud is not None
+    colour = {tuple(p): tuple(c) for p, c in zip(cloud.points, cloud.colors, strict=True)}
+    wanted = map(tuple, scale_colours(HEAT, np.arange(count) / (len(order) - 1)))
+    assert [colour[tuple(place)] for place in places] == list(wanted)
+    assert np.allclose(drawn_points(visited._latest), places[-1:])
+    fake.set(session.panels.files.choice, "two-boxes")
+    until(lambda: session.frame.plan.scene == load_scene("two-boxes") and session.resting)
+    assert slider.value == session.frame.visited == 0
+    path = session.frame.plan.path
+    until(lambda: path is not None and slider.max == path.expanded)

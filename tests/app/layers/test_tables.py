@@ -1,0 +1,137 @@
+"""Tables of the result tab."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from dataclasses import replace
+from html import unescape
+from types import SimpleNamespace
+
+import pytest
+
+import abi
+from abi.errors import SceneError
+from abi.planner.plan import Plan
+from abi.scene.scene import load_scene
+from app.layers.result.tables import TablesLayer, _searches, _stages
+from app.panels.messages import _progress, _replan_ms
+from app.panels.stages.stage_headers import StageHeaders
+from app.state.frame import Frame
+
+
+@pytest.mark.parametrize("ms", [0.01, 0.99, 13.0, 40_000.0])
+def test_the_table_is_as_high_however_long_the_searches_took(ms: float) -> None:
+    plan = abi.Planner()(load_scene("paper"))
+    slow = replace(plan, ms=dict.fromkeys(plan.ms, ms))
+    told, usual = (unescape(re.sub(r"<.*?>", " ", _searches(one, {}))) for one in (slow, plan))
+    times = re.compile(r"\d[\d.]* (?:µs|ms|s)\b")
+    assert times.sub("", told) == times.sub("", usual)
+    assert len(times.findall(told)) == len(times.findall(usual)) == len(plan.searches)
+    assert max(map(len, times.findall(told))) <= 6
+
+
+class _Tables:
+    """The layer without a page."""
+
+    def __init__(self) -> None:
+        html = SimpleNamespace(content="")
+        gui = SimpleNamespace(add_html=lambda _: html)
+        layout = SimpleNamespace(result=contextlib.nullcontext(), client=SimpleNamespace(gui=gui))
+        self._html, self._layer = html, TablesLayer(layout)  # type: ignore[arg-type]
+
+    def show(self, plan: Plan, partial: bool = False) -> list[list[str]]:
+        """The cells of every row, and the paragraphs."""
+        self._layer.draw(Frame(plan, coarse=partial, partial=partial))
+        rows = re.findall(r"<tr>(.*?)</tr>|<div[^>]*>(?!<table)(.*?)</div>", self._html.content)
+        return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) or [text] for row, text in rows]
+
+
+def test_tables_keep_their_rows_while_a_hand_drags() -> None:
+    scene, tables = load_scene("paper"), _Tables()
+    full = abi.Planner()(scene)
+    at_rest = tables.show(full)
+    one = abi.Planner()(scene.replace(mesh={"pitch": 0.4}), chosen_only=True)
+    assert len(one.searches) == 1
+    preview = tables.show(one, partial=True)
+    assert list(map(len, preview)) == list(map(len, at_rest))
+    others = [
+        index
+        for index, (new, old) in enumerate(zip(preview, at_rest, strict=True))
+        if "Dijkstra" in old[0] or "Bellman" in old[0]
+    ]
+    assert len(others) == 2
+    for index in others:
+        cells = [re.sub("<.*?>", "", cell) for cell in preview[index]]
+        assert cells == [re.sub("<.*?>", "", cell) for cell in at_rest[index]]
+        assert all("opacity" in cell for cell in preview[index][1:])
+    assert tables.show(full) == at_rest
+
+
+@pytest.mark.parametrize("partial", [False, True])
+def test_tables_are_as_high_where_there_is_no_path(partial: bool) -> None:
+    tables = _Tables()
+    at_rest = tables.show(abi.Planner()(load_scene("two-boxes")))
+    blocked = abi.Planner()(load_scene("no-way"))
+    assert blocked.error is not None
+    missed = tables.show(blocked, partial)
+    assert list(map(len, missed)) == list(map(len, at_rest))
+    # numbers of another plan would be taken for this one's
+    assert "opacity" not in str(missed)
+
+
+def test_a_preview_is_marked_once() -> None:
+    gui = SimpleNamespace(
+        add_html=lambda *_, **__: None, add_folder=lambda label, **_: SimpleNamespace(label=label)
+    )
+    headers = StageHeaders(gui)  # type: ignore[arg-type]
+    plan = abi.Planner()(load_scene("paper"))
+    labels = []
+    for coarse in (False, True):
+        frame = Frame(plan, coarse=coarse, partial=coarse)
+        headers.draw(frame)
+        labels.append([folder.label for folder in headers.folders.values()])
+        assert _progress(frame).count("≈") == coarse
+    assert labels[0] == labels[1]
+    assert _progress(Frame(plan, partial=True)).count("≈") == 1
+
+
+def test_a_heading_and_the_table_judge_the_quadratic_alike() -> None:
+    for name in ("paper", "forest", "two-boxes"):
+        made = abi.Planner()(load_scene(name))
+        assert made.quadratic is not None
+        fit = made.quadratic
+        noted = replace(made, quadratic=replace(fit, note="The arm cannot follow it."))
+        for plan in (made, noted):
+            folders = _headings(Frame(plan))
+            assert ("✓" in folders["quadratic"]) == fit.holds
+            row = _stages(plan).split("quadratic")[1].split("</tr>")[0]
+            assert ("✓" in row) == ("✓" in folders["quadratic"])
+
+
+def test_after_a_refused_change_no_result_is_called_good() -> None:
+    plan = abi.Planner()(load_scene("paper"))
+    error = SceneError("spline.degree", 9, "at most 5")
+    folders = _headings(Frame(plan, refused=error))
+    assert "✓" in str(_headings(Frame(plan)))
+    assert "✓" not in str(folders)
+    assert "not changed ✗" in folders["bspline"]
+
+
+def test_the_time_told_is_that_of_all_stages() -> None:
+    planner, scene = abi.Planner(), load_scene("paper").replace(mesh={"pitch": 0.5})
+    first = planner(scene, chosen_only=True)
+    second = planner(scene)  # does what was left
+    assert _replan_ms(second) > _replan_ms(first) > first.ms["mesh"] + first.ms["graph"]
+    third = planner(scene)  # has nothing to do
+    assert third.total_ms < _replan_ms(third) == _replan_ms(second)
+    assert _replan_ms(replace(third, ms=dict.fromkeys(third.ms, 0.0))) == 0
+
+
+def _headings(frame: Frame) -> dict[str, str]:
+    gui = SimpleNamespace(
+        add_html=lambda *_, **__: None, add_folder=lambda label, **_: SimpleNamespace(label=label)
+    )
+    headers = StageHeaders(gui)  # type: ignore[arg-type]
+    headers.draw(frame)
+    return {stage: str(folder.label) for stage, folder in headers.folders.items()}

@@ -1,0 +1,91 @@
+"""The sentence over the scene on what the arm's motion lacks, and what its buttons change."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+from html import unescape
+from typing import Any
+
+import pytest
+
+import abi
+from abi.planner.arm_words import arm_result
+from app.panels.arm_banner import ArmBanner
+from app.tab.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+_TOO_NEAR: dict[str, Any] = {"arm": {"clearance": 0.5}}
+_TOO_FAST: dict[str, Any] = {
+    "motion": {"speed": 1.5, "acceleration": 5.0, "deceleration": 5.0, "law": "three_phase"}
+}
+
+
+def _plan(name: str, changes: dict[str, Any]) -> abi.Plan:
+    return abi.plan(abi.load_scene(name).replace(**changes))
+
+
+def _told(session: Session) -> str:
+    shown = session.panels.layout.overlay.shown.get("contact", "")
+    return unescape(re.sub(r"<.*?>", "", shown)).replace("\N{NO-BREAK SPACE}", " ")
+
+
+@pytest.mark.parametrize("name", ["paper", "two-boxes", "kitchen-ur5e"])
+def test_an_arm_that_is_proven_clear_has_no_banner(tab: tuple[FakeTab, Session], name: str) -> None:
+    _, session = tab
+    assert session.panels.messages.banner.html(_plan(name, {})) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "sentence"),
+    [
+        ("paper", _TOO_NEAR, "Links too near: 0.112 cm of the 0.5 cm wanted; the gripper"),
+        ("kitchen-ur5e", _TOO_FAST, "elbow_joint passes its acceleration limit of 4 rad/s²"),
+        ("paper", {"motion": {"speed": 2.0}}, "q6 passes its limit of 360° at"),
+        ("paper", {"motion": {"speed": 2.0}}, "Its drive in stage 6 is too strong"),
+        ("wall-with-window", {}, "The slide goes 0.549 cm into obstacle 2 at 2.05 s."),
+    ],
+)
+def test_what_only_the_arms_stage_told_is_over_the_scene(
+    tab: tuple[FakeTab, Session], name: str, changes: dict[str, Any], sentence: str
+) -> None:
+    banner: ArmBanner = tab[1].panels.messages.banner
+    made = _plan(name, changes)
+    assert made.error is None
+    assert "✗" in arm_result(made)
+    assert sentence in unescape(banner.html(made))
+
+
+def test_a_button_takes_the_link_clearance_that_is_kept(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.stages.arm.clearance, 0.5)
+    until(lambda: "Links too near" in _told(session) and session.resting)
+    assert "Set link clearance to 0.11 cm" in _told(session)
+    fake.set(session.panels.messages.banner.nearer, True)
+    until(lambda: session.frame.plan.is_arm_clear and session.resting)
+    assert _told(session) == ""
+    assert session.plan is not None
+    assert session.plan.scene.arm.clearance == 0.11
+
+
+def test_a_button_follows_the_curve_that_is_clear(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.stages.motion.curve.handle, "quadratic")
+    until(lambda: "Follow the B-spline" in _told(session) and session.resting)
+    fake.set(session.panels.messages.banner.follow, True)
+    until(lambda: session.frame.plan.followed == "bspline" and session.resting)
+    assert _told(session) == ""
+
+
+def test_a_button_slows_the_motion_down(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    made = _plan("kitchen-ur5e", _TOO_FAST)
+    banner = session.panels.messages.banner
+    assert "Slow down for the joints" in banner.html(made)
+    fake.set(banner.slow, True)
+    until(partial(_is_slowed, session))
+    assert not _plan("kitchen-ur5e", {"motion": {**_TOO_FAST["motion"], "law": "slowed"}}).error
+
+
+def _is_slowed(session: Session) -> bool:
+    return session.frame.plan.scene.motion.law == "slowed"

@@ -1,0 +1,238 @@
+"""Files from outside are read in a process that can be lost without harm."""
+
+from __future__ import annotations
+
+import re
+import resource
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
+from abi.robot.robot_files import robot_from_archive
+from abi.scene.scene import Scene
+from app.reading import reader as module
+from app.reading.reader import Reader, StoppedError
+from app.reading.running_reader import AT_ONCE, Limits, reading_memory
+from tests.abi import meshes
+from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.test_robot_files import HOSTILE
+from tests.abi.robot.test_visuals import ENTITY, dae, looking
+
+
+@pytest.fixture(scope="module")
+def reader() -> Iterator[Reader]:
+    reader = Reader()
+    yield reader
+    reader.close()
+
+
+def file_of(suffix: str) -> bytes:
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    content = ball.export(file_type=suffix[1:])
+    return content if isinstance(content, bytes) else str(content).encode()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_mesh_is_the_one_that_is_read_here(reader: Reader, suffix: str) -> None:
+    content, name = file_of(suffix), f"ball{suffix}"
+    surface, wanted = reader.mesh(content, name), read_surface(content, name)
+    assert surface == wanted
+    assert surface.notes == wanted.notes
+
+
+def test_a_process_that_was_started_before_reads_the_first_file() -> None:
+    reader = Reader()
+    reader.warm()
+    (process,) = reader._idle
+    reader.warm()
+    assert reader._idle == [process]
+    content = meshes.stl(meshes.box())
+    assert len(reader.mesh(content, "a.stl").faces) == 12
+    assert reader._idle == [process]
+    reader.close()
+
+    reader.warm()  # one that is not wanted after all is not waited for
+    (process,) = reader._idle
+    reader.close()
+    assert process._process.returncode == -signal.SIGKILL
+    assert reader.lost == []
+
+
+def test_a_scene_comes_with_its_meshes_and_its_arm(reader: Reader) -> None:
+    files = {"a.stl": meshes.stl(meshes.bumpy(2)), "own.zip": packed({"x.urdf": arm()})}
+    data = {
+        "version": 1,
+        "obstacles": [{"shape": "mesh", "file": "a.stl", "position": [3, 3, 3]}],
+        "arm": {"model": "urdf", "urdf": "own.zip"},
+    }
+    scene = Scene.from_dict(data, files)
+    again = Scene.from_dict(*reader.scene(scene.pack(), "scene.zip"))  # type: ignore[arg-type]
+
+    assert again.arm.robot == scene.arm.robot
+    surface, other = (
+        one.meshes.surface(file) for one, file in ((scene, "a.stl"), (again, "a.stl"))
+    )
+    np.testing.assert_array_equal(surface.vertices, other.vertices)
+    assert reader.arm(arm().encode(), "plain.urdf").links.keys() == scene.arm.robot.links.keys()
+
+
+def test_an_arm_comes_without_the_dae_that_it_is_drawn_with(reader: Reader) -> None:
+    files: dict[str, str | bytes] = {"a.urdf": looking("a.dae"), "a.dae": dae(0.3)}
+    robot = reader.arm(packed(files), "a.zip")
+
+    assert [len(shape.faces) for shape in robot.links["a"].drawn] == [320]
+    assert b".dae.plain.stl" in robot.archive
+    files["a.dae"] = ENTITY
+    assert "cannot be read: a." in reader.arm(packed(files), "a.zip").notes[0]
+    assert not reader.lost
+    assert not reader.faults
+
+
+@pytest.mark.slow
+def test_a_dae_whose_parts_double_again_and_again_is_refused(reader: Reader) -> None:
+    nodes = "".join(
+        f'<node id="n{k}">' + f'<instance_node url="#n{k - 1}"/>' * 2 + "</node>"
+        for k in range(1, 40)
+    )
+    first = dae(0.1).decode().replace('<node id="node0"', '<node id="n0"', 1)
+    bomb = re.sub(r"(?s)(<visual_scene [^>]*>)(.*?)(</visual_scene>)", rf"\1\2{nodes}\3", first)
+    assert bomb.count("<instance_node") == 78
+    with pytest.raises(SceneError, match="at most 500,000 triangles"):
+        reader.mesh(bomb.encode(), "a.dae")
+    arm = reader.arm(packed({"a.urdf": looking("a.dae"), "a.dae": bomb}), "a.zip")
+    assert "cannot be read: a." in arm.notes[0]
+    assert not reader.lost
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_refusal_is_the_sentence_that_it_is_here(reader: Reader, name: str) -> None:
+    content = packed({"r.urdf": HOSTILE[name]})
+    with pytest.raises(SceneError) as here:
+        robot_from_archive(content)
+    with pytest.raises(SceneError) as there:
+        reader.arm(content, "r.zip")
+
+    assert there.value.field == here.value.field
+    assert there.value.expected == here.value.expected
+    assert not reader.lost
+    assert not reader.faults
+
+
+@pytest.mark.parametrize("name", ["a.urdf", "scene.yaml"])
+def test_a_file_without_a_name_in_an_archive_is_passed_over(reader: Reader, name: str) -> None:
+    text = arm() if name == "a.urdf" else "version: 1"
+    content = packed({name: text, "x.txt": "nothing"}).replace(b"x.txt", b"\0.txt")
+    if name == "a.urdf":
+        assert reader.arm(content, "a.zip").links
+    else:
+        assert reader.scene(content, "a.zip") == ({"version": 1}, {})
+    assert not reader.faults
+
+
+def test_half_a_letter_and_a_huge_number_are_refused(reader: Reader) -> None:
+    for content in (b'{"\\ud800": 1, "\\ud800": 2}', b"[" * 900 + b"]" * 900):
+        with pytest.raises(SceneError):
+            reader.scene(content, "a.json")
+    for content in (b"a: 0x" + b"f" * 9999, b"? [1, 2]\n: 3"):
+        with pytest.raises(SceneError):
+            reader.scene(content, "a.yaml")
+    assert not reader.lost
+    assert not reader.faults
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limits", [Limits(seconds=0), Limits(patience=0.0)], ids=["cpu", "time"])
+def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: Limits) -> None:
+    reader = Reader(limits)
+    many = trimesh.creation.icosphere(subdivisions=7)  # over a second, the least limit there is
+    with pytest.raises(SceneError, match="less time"):
+        reader.mesh(meshes.stl((many.vertices, many.faces)), "many.stl")
+    assert len(reader.lost) == 1
+    assert reader.lost[0] < 0
+
+    reader.limits = Limits()
+    assert len(reader.mesh(file_of(".stl"), "a.stl").faces) == 320
+    reader.close()
+
+
+@pytest.mark.slow
+def test_too_much_memory_is_refused_and_the_next_file_is_read() -> None:
+    reader = Reader(Limits(memory=60_000_000))
+    many = trimesh.creation.icosphere(subdivisions=7)
+    with pytest.raises(SceneError, match="memory"):
+        reader.mesh(meshes.stl((many.vertices, many.faces)), "many.stl")
+    assert len(reader.mesh(file_of(".stl"), "a.stl").faces) == 320
+    reader.close()
+
+
+def test_what_is_not_wanted_any_more_is_not_waited_for(reader: Reader) -> None:
+    stopped = threading.Event()
+    stopped.set()
+    with pytest.raises(StoppedError):
+        reader.mesh(file_of(".stl"), "a.stl", stopped)
+
+
+def _occupied(monkeypatch: pytest.MonkeyPatch, limits: Limits | None = None) -> Reader:
+    """A reader that others' files keep busy for good."""
+    monkeypatch.setattr(module, "_LONG", 0.05)
+    reader = Reader(limits)
+    for owner in range(AT_ONCE):
+        assert reader._places.wait(reader._places.queue(owner), 0)
+    return reader
+
+
+@pytest.mark.timeout(20)
+def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reader, stopped = _occupied(monkeypatch), threading.Event()
+    told: list[str] = []
+
+    def tell() -> None:
+        told.append("others first")
+        threading.Timer(0.3, stopped.set).start()
+
+    with pytest.raises(StoppedError):
+        reader.mesh(file_of(".stl"), "a.stl", stopped, tell)
+    assert told == ["others first"]
+    assert not reader._places._waiting
+
+
+@pytest.mark.timeout(20)
+def test_a_file_is_refused_when_others_are_read_for_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reader = _occupied(monkeypatch, Limits(patience=0.2))
+    with pytest.raises(SceneError, match="the server reads fewer files"):
+        reader.scene(b"{}", "a.json")
+    assert not reader._places._waiting
+
+
+def test_readers_leave_half_of_the_memory_to_the_server() -> None:
+    assert reading_memory(None) == reading_memory(64 * 10**9)
+    for memory in (10**9, 2 * 10**9, 3 * 10**9):
+        assert 2 * AT_ONCE * reading_memory(memory) == memory
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is ended for want of memory")
+def test_the_reader_is_the_first_to_end_where_memory_runs_out(reader: Reader) -> None:
+    reader.mesh(file_of(".stl"), "a.stl")
+    (process,) = reader._idle
+    score = Path(f"/proc/{process._process.pid}/oom_score_adj").read_text()
+    assert int(score) == 1000
+
+
+def test_the_process_can_open_and_write_no_file(reader: Reader) -> None:
+    reader.mesh(file_of(".stl"), "a.stl")
+    (process,) = reader._idle
+    for limit in (resource.RLIMIT_NOFILE, resource.RLIMIT_FSIZE):
+        assert resource.prlimit(process._process.pid, limit) == (0, 0)

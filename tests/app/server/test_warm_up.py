@@ -1,0 +1,74 @@
+"""The notice of how far the compilation is: the same in all tabs, and gone at the end."""
+
+from __future__ import annotations
+
+import math
+import re
+import threading
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from abi import compiling
+from abi.compiling import Remaining
+from abi.scene.scene import load_scene
+from app.server import warm_up
+from app.server.warm_up import WarmUp, _faster, _words
+from app.shared.shared_plans import SharedPlans
+
+
+class Tab:
+    """Takes the place of a client, and keeps its notices."""
+
+    def __init__(self) -> None:
+        self.notices: list[Any] = []
+
+    def add_notification(self, title: str, body: str, **_: object) -> Any:
+        notice = SimpleNamespace(title=title, body=body)
+        notice.remove = lambda: self.notices.remove(notice)
+        self.notices.append(notice)
+        return notice
+
+
+@pytest.mark.parametrize("left", [0.0, 3.0, 10.0, 11.0, 89.0, 91.0, 600.0])
+def test_the_time_left_is_told_in_round_numbers(left: float) -> None:
+    [number], minutes = re.findall(r"\d+", _faster(left)), "minutes" in _faster(left)
+    told = int(number) * (60 if minutes else 1)
+    assert math.isclose(told, left, abs_tol=30 if minutes else 10)
+    assert told > 0
+
+
+def test_nothing_is_told_of_a_time_that_is_not_known() -> None:
+    assert not re.search(r"\d", " ".join(_words(None)))
+    assert "40 %" in _words(Remaining(0.4, 25.0))[1].replace("40%", "40 %")
+
+
+def test_all_tabs_are_told_how_far_it_is_until_it_is_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first, second, ready = Tab(), Tab(), threading.Event()
+    states = Remaining(0.1, 90.0), Remaining(0.6, 40.0), None
+    coming, told = iter(states), []
+
+    def wait(_: float) -> bool:
+        told.append([[notice.title for notice in tab.notices] for tab in (first, second)])
+        if len(told) == 2:
+            work.add(cast(Any, second))
+        return len(told) == 4
+
+    monkeypatch.setattr(warm_up, "PLAN_TIMEOUT", 0.0)
+    monkeypatch.setattr(warm_up, "prepare_picture", lambda: None)
+    monkeypatch.setattr(warm_up, "loaded", lambda: None)
+    monkeypatch.setattr(compiling, "begin", lambda spare: ready.wait())
+    monkeypatch.setattr(compiling, "wait", wait)
+    monkeypatch.setattr(compiling, "remaining", lambda: next(coming))
+    for name in ("_plan_opening", "_load", "_call_kernels"):
+        monkeypatch.setattr(WarmUp, name, lambda *_: None)
+    work = WarmUp(load_scene("paper"), SharedPlans())
+    work.add(cast(Any, first))
+    ready.set()
+    work.thread.join()
+    titles = [_words(state)[0] for state in states]
+    assert told == [[[], []], [[titles[0]], []], [[titles[1]]] * 2, [[titles[2]]] * 2]
+    assert not first.notices + second.notices

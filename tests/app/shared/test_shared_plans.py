@@ -1,0 +1,107 @@
+"""Plans that a class shares are those of equal scenes."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from abi.planner.live_planner import LivePlanner
+from abi.planner.plan import Plan
+from abi.planner.planner import plan
+from abi.scene.scene import Scene, load_scene
+from app.panels.messages import _progress
+from app.shared.shared_plans import SharedPlans
+from app.state.frame import Frame
+from app.tab.plan_watch import PlanWatch
+from app.tab.planner import TabPlanner
+from tests.kernel_forms import kernels_as
+
+
+def test_a_plan_is_found_by_an_equal_scene_only() -> None:
+    plans, made = SharedPlans(), plan(load_scene("two-boxes"))
+    plans.keep(made.scene, made)
+    found = plans.find(load_scene("two-boxes"))
+    assert found is not None
+    assert found.plan is made
+    assert plans.find(made.scene.replace(goal=(0.5, 0.5, 0.5))) is None
+
+
+def test_a_full_plan_goes_before_a_newer_partial_one() -> None:
+    plans, made = SharedPlans(), plan(load_scene("two-boxes"))
+    plans.keep(made.scene, made, partial=True)
+    assert plans.find(made.scene, full=True) is None
+    plans.keep(made.scene, made)
+    plans.keep(made.scene, made, partial=True)
+    found = plans.find(made.scene)
+    assert found is not None
+    assert not found.partial
+
+
+def test_one_tab_of_many_plans_a_scene_in_full() -> None:
+    plans, scene = SharedPlans(), load_scene("two-boxes")
+    with plans.claim(scene) as first, plans.claim(load_scene("two-boxes")) as second:
+        assert (first, second) == (True, False)
+        with plans.claim(scene.replace(goal=(0.5, 0.5, 0.5))) as other:
+            assert other
+    # also after a fault
+    with pytest.raises(MemoryError), plans.claim(scene):
+        raise MemoryError
+    with plans.claim(scene) as again:
+        assert again
+
+
+def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
+    plans, made = SharedPlans(), plan(load_scene("two-boxes"))
+    planner = TabPlanner(1, PlanWatch(print))
+    plans.keep(made.scene, made, coarse=True, partial=True)
+    assert planner.take(made.scene, plans) is made
+    assert (planner.live.coarse, planner.live.partial) == (True, True)
+    plans.keep(made.scene, made)
+    assert planner.finish(made.scene, plans) is made
+    assert (planner.live.coarse, planner.live.partial) == (False, False)
+
+
+def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_processor() -> None:
+    scene, planner = load_scene("two-boxes"), TabPlanner(1, PlanWatch(print))
+    made = plan(scene)
+
+    class Waiting(LivePlanner):
+        def __call__(self, scene: Scene) -> Plan:
+            time.sleep(0.2)
+            return made
+
+    class Working(LivePlanner):
+        def __call__(self, scene: Scene) -> Plan:
+            begin = time.thread_time()
+            while time.thread_time() - begin < 0.2:
+                pass
+            return made
+
+    planner.live = Waiting()
+    planner(scene, None)
+    assert planner.processor_ms < 100
+    planner.live = Working()
+    planner(scene, None)
+    assert planner.processor_ms >= 200
+
+
+def test_no_time_is_told_of_what_ran_before_it_was_compiled() -> None:
+    planner, scene = TabPlanner(0, PlanWatch(print)), load_scene("two-boxes")
+    with kernels_as(compiled=False):
+        slow = planner(scene, None)
+    assert slow.total_ms == 0
+    assert not any(slow.ms[name] for name in slow.interpreted)
+    assert slow.ms["timing"] > 0  # it has no kernel
+    assert " in " not in _progress(Frame(slow))
+    with kernels_as(compiled=True):
+        other = planner(scene.replace(spline={"degree": 2}), None)
+        moved = planner(scene.replace(goal=(0.5, 0.5, 0.5)), None)
+        remeshed = planner(scene.replace(mesh={"pitch": 0.7}), None)
+    assert other.path is slow.path  # searched once, and no second time for its time
+    assert other.ms["a_star"] == 0 < other.ms["bspline"]
+    assert other.total_ms > 0
+    assert moved.ms["a_star"] > 0
+    assert moved.interpreted <= {"mesh"}  # which is the same
+    assert not remeshed.interpreted
+    assert remeshed.ms["mesh"] > 0

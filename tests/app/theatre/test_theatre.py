@@ -1,0 +1,309 @@
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from abi import load_scene, plan
+from abi.planner.comparison import search_task
+from abi.search.compare import COMPARED
+from abi.search.replay import SearchState, replay
+from app.layers.race import RaceLayer
+from app.layers.search_step import NODE_BUDGET, TheatreLayer, few, order_colours
+from app.tab.session import Session
+from app.teach.lesson import load_lessons, scene_of
+from app.theatre.text import describe, legend
+from app.theatre.theatre import Answer, Theatre, judge, node_at, priorities, race_of
+from app.ui import style
+from tests.app.fake_tab import FakeTab, drawn_points, layer, until
+
+PLAN = plan(load_scene("paper"))
+
+
+def state_of(name: str, step: int, w: float = 1.0) -> SearchState:
+    return replay(COMPARED[name].find(search_task(PLAN, w)), step)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_click_means_the_node_under_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(0, 6, (60, 3))
+    nodes = rng.permutation(60)[:40].astype(np.int32)
+    eye, target = np.array([20.0, -9.0, 8.0]), int(nodes[3])
+    ray = points[target] - eye
+    found = node_at(points, nodes, eye, ray / np.linalg.norm(ray))
+    rays = points[nodes] - eye
+    angles = np.arccos(
+        np.clip(rays @ ray / np.linalg.norm(rays, axis=1) / np.linalg.norm(ray), -1, 1)
+    )
+    assert found in nodes[angles < 0.01]
+    assert np.linalg.norm(points[found] - eye) <= np.linalg.norm(ray) + 1e-9
+    assert node_at(points, nodes, eye, -ray / np.linalg.norm(ray)) == -1
+    assert node_at(points, nodes[:0], eye, ray) == -1
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_guesses_are_judged_with_a_reason(name: str) -> None:
+    state = state_of(name, 3)
+    if state.following >= 0:
+        assert judge(state, state.following)[0]
+        right, why = judge(state, int(state.closed[0]))
+        assert not right
+        assert "has been visited" in why
+        unreached = int(np.flatnonzero(~np.isfinite(state.cost))[0])
+        assert "not been reached" in judge(state, unreached)[1]
+    end = replay(state.trace, state.trace.steps)
+    assert judge(end, 0) == (False, "The search has ended: nothing comes next.")
+
+
+def test_a_sum_is_what_the_search_makes_least() -> None:
+    state = state_of("weighted_a_star", 2, 1.5)
+    node = int(state.open[0])
+    assert f"{state.promise(state.open[:1])[0]:.3f}" in judge(state, node)[1]
+    assert "0.5·g + 1.5·h" in judge(state, node)[1]
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
+    state = state_of(name, 5)
+    text = describe(Theatre(name, state), PLAN.scene)
+    assert f"{len(state.open)} waiting" in text
+    assert COMPARED[name].label in text
+    end = replay(state.trace, state.trace.steps)
+    assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), PLAN.scene)
+    shares = order_colours(end, end.closed)
+    assert 0 <= shares.min() <= shares.max() <= 1
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_nodes_that_may_be_next_are_the_least_of_what_orders_them(name: str) -> None:
+    for step in (0, 1, 4, 9):
+        state = state_of(name, min(step, COMPARED[name].find(search_task(PLAN)).steps - 1))
+        if state.trace.queue == "rounds":
+            assert not Theatre(name, state).ringed.size
+            continue
+        ringed, values = set(Theatre(name, state).ringed.tolist()), priorities(state)
+        assert state.following in ringed
+        least = {int(n) for n, x in zip(state.open, values, strict=True) if x <= values.min()}
+        # a search from both ends alternates between two orders
+        assert state.trace.sides == 2 or least <= ringed
+        text = legend(Theatre(name, state))
+        assert ("tie" in text) == (len(ringed) > 1)
+        assert ("tie for the least" in describe(Theatre(name, state), PLAN.scene)) == (
+            len(ringed) > 1
+        )
+
+
+def test_a_guess_is_not_given_away_until_it_was_wrong() -> None:
+    state = state_of("a_star", 6)
+    wrong = Answer(int(state.closed[0]), "no", right=False)
+    assert Theatre("a_star", state, asking=True).ringed.size == 0
+    assert Theatre("a_star", state, asking=True, answer=Answer(3, "yes")).ringed.size == 0
+    assert state.following in Theatre("a_star", state, asking=True, answer=wrong).ringed
+    assert "next" not in legend(Theatre("a_star", state, asking=True))
+
+
+def test_on_the_grid_of_the_lesson_on_searches_no_two_nodes_tie() -> None:
+    lesson, folder = load_lessons(None)["03-search"]
+    setting = lesson.steps[0].set
+    assert setting is not None
+    task = search_task(plan(scene_of(setting, PLAN.scene, folder)))
+    trace = COMPARED["a_star"].find(task)
+    assert trace.steps > 15
+    assert all(len(replay(trace, step).candidates()) == 1 for step in range(trace.steps))
+    assert setting.search is not None
+    shown = replay(COMPARED["dijkstra"].find(task), setting.search.step or 0)
+    assert len(shown.candidates()) == 1
+
+
+def test_of_many_nodes_the_same_part_is_drawn_at_every_step() -> None:
+    n = 200_000
+    nodes = np.arange(n, dtype=np.int32)
+    part = set(few(nodes, n).tolist())
+    assert 0.8 * NODE_BUDGET < len(part) < 1.2 * NODE_BUDGET
+    assert set(few(nodes[::3], n).tolist()) == part & set(nodes[::3].tolist())
+    assert len(few(nodes[:5000], 5000)) == 5000
+
+
+def test_the_chosen_search_is_in_the_race() -> None:
+    for name in COMPARED:
+        assert name in race_of(name)
+        assert len(set(race_of(name))) == 3
+
+
+def drawn(session: Session) -> list[object]:
+    clouds = layer(session, TheatreLayer)._clouds
+    parts = [drawn_points(clouds[name]).tobytes() for name in ("closed", "open", "current")]
+    return [*parts, layer(session, TheatreLayer)._path.points.tobytes()]
+
+
+@pytest.mark.slow
+def test_steps_forward_and_back_show_the_same(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+
+    def at(step: int) -> bool:
+        theatre = session.frame.theatre
+        shown = layer(session, TheatreLayer)._drawn is theatre
+        return theatre is not None and theatre.state.step == step and session.resting and shown
+
+    fake.set(panel.on, True)
+    until(lambda: at(0))
+    pictures = [drawn(session)]
+    for step in (1, 2, 3):
+        fake.set(panel.one, "1 ▶")
+        until(lambda step=step: at(step))  # type: ignore[misc]
+        pictures.append(drawn(session))
+    assert all(one != other for one, other in pairwise(pictures))
+    for step in (2, 1, 0):
+        fake.set(panel.one, "◀ 1")
+        until(lambda step=step: at(step))  # type: ignore[misc]
+        assert drawn(session) == pictures[step]
+    fake.set(panel.step, 3)
+    until(lambda: at(3))
+    assert drawn(session) == pictures[3]
+    fake.set(panel.race, True)
+    until(lambda: bool(session.frame.theatre.race))  # type: ignore[union-attr]
+    assert layer(session, RaceLayer)._root is not None
+    assert [name for name, _ in session.frame.theatre.race] == list(style.ALGORITHMS)  # type: ignore[union-attr]
+    fake.set(panel.on, False)
+    until(lambda: session.frame.theatre is None and layer(session, RaceLayer)._root is None)
+
+
+@pytest.mark.slow
+def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    fake.set(panel.on, True)
+    until(lambda: session.frame.theatre is not None)
+    fake.drag(session.panels.ends.gizmos["start"], [0.0, 2.0, 0.0])
+    until(lambda: session.resting and session.plan.scene.start[1] == 2.0)  # type: ignore[union-attr]
+    graph = session.frame.plan.graph
+    assert graph is not None
+    until(
+        lambda: (
+            session.frame.theatre is not None
+            and session.frame.theatre.state.trace.arcs.points is graph.points
+        )
+    )
+    fake.set(panel.edges, "one, with a cycle")
+    fake.set(panel.algorithm, COMPARED["bellman_ford_rounds"].label)
+    until(
+        lambda: (
+            session.frame.theatre is not None and len(session.frame.theatre.state.trace.cycle) > 0
+        )
+    )
+    fake.set(panel.algorithm, COMPARED["bidirectional_dijkstra"].label)
+    until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
+    fake.set(session.panels.comparison.button, True)
+    until(lambda: session.panels.comparison._text.visible)
+    for label in (one.label for one in COMPARED.values()):
+        assert label in session.panels.comparison._text.content
+
+
+def test_the_search_is_seen_alone_while_it_is_stepped_through(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel, usual = session.panels.theatre, session.frame.shown
+    fake.set(panel.on, True)
+    until(lambda: not {"arm", "bspline", "a_star", "names"} & session.frame.shown)
+    assert {"workspace", "obstacles", "edges"} <= session.frame.shown
+    fake.set(panel.on, False)
+    until(lambda: session.frame.shown == usual)
+
+
+def test_a_lesson_says_itself_what_is_shown_beside_a_search(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    lessons = session.panels.lessons
+    until(lambda: len(lessons.choice.options) > 12)
+    fake.set(lessons.choice, lessons.choice.options[-1])
+    until(lambda: lessons.chosen and session.frame.shown < session.panels.layer_switches._usual)
+    shown = session.frame.shown
+    assert "arm" in shown
+    fake.set(session.panels.theatre.on, True)
+    until(lambda: session.frame.theatre is not None)
+    assert session.frame.shown == shown
+
+
+@pytest.mark.slow
+def test_at_its_end_a_search_can_be_played_again(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    fake.set(panel.on, True)
+    until(lambda: session.frame.theatre is not None)
+    steps = session.frame.theatre.state.trace.steps  # type: ignore[union-attr]
+    fake.set(panel.step, steps - 2)
+    until(lambda: session.frame.theatre.state.step == steps - 2)  # type: ignore[union-attr]
+    fake.set(panel.play, True)
+    until(lambda: session.frame.theatre.state.done)  # type: ignore[union-attr]
+    until(lambda: session.resting and panel.play.label == "Play the search")
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_what_takes_no_negative_edge_says_what_is_shown_instead(
+    tab: tuple[FakeTab, Session], name: str
+) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    fake.set(panel.on, True)
+    fake.set(panel.edges, "one")
+    fake.set(panel.algorithm, COMPARED[name].label)
+    takes_it = COMPARED[name].one_way
+    until(
+        lambda: (
+            session.frame.theatre is not None
+            and session.frame.theatre.state.trace.arcs.negative is not None
+            and (session.frame.theatre.name == name) == takes_it
+            and panel.algorithm.value == COMPARED[session.frame.theatre.name].label
+        )
+    )
+
+
+def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    assert panel.kept == ""
+    panel.set(on=True, algorithm="dijkstra", step=25)
+    fake.set(panel.edges, "one")
+    until(lambda: session.frame.theatre is not None and session.frame.theatre.state.step == 25)
+    kept = session._state().theatre
+    panel.restore("")
+    assert not panel.on.value
+    for nonsense in ("{", "[]", '{"algorithm": "none"}', '{"edges": "three"}', '{"step": -1}'):
+        panel.restore(nonsense)
+        assert not panel.on.value
+    panel.restore(kept)
+    until(lambda: session._state().theatre == kept)
+    assert session.frame.theatre is not None
+    assert session.frame.theatre.name == "dijkstra"
+    assert session.frame.theatre.state.step == 25
+
+
+@pytest.mark.slow
+def test_the_comparison_follows_a_small_plan(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.comparison
+    fake.set(panel.button, True)
+    until(lambda: panel._text.visible)
+    before = panel._text.content
+    fake.set(session.panels.stages.mesh.pitch, 0.9)
+    until(lambda: session.resting and panel._text.content != before)
+    assert panel._plan is not None
+    assert panel._plan.graph is session.frame.plan.graph
+    assert "Theta" in panel._text.content
+
+    panel._ms = 1e9  # as if the searches took long
+    fake.set(session.panels.stages.mesh.pitch, 1.3)
+    until(lambda: "press again" in panel._text.content)
+    fake.set(panel.button, True)
+    until(lambda: "Theta" in panel._text.content)
+
+
+def test_the_comparison_says_when_there_is_no_graph(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    size = session.panels.editor.sizes.size
+    fake.set(session.panels.editor._position.handle, (0.0, 0.0, 0.0))
+    fake.set(size, (9.0, 9.0, 9.0))
+    until(lambda: session.resting and session.frame.plan.graph is None)
+    fake.set(session.panels.comparison.button, True)
+    until(lambda: "no graph" in session.panels.comparison._text.content)
