@@ -232,8 +232,8 @@ def _add_pairs(
         pairs.append(len(bodies.frames) * count + own)
 
 
-@compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 9, True))
-def separate_chain(
+@jitable
+def separate_knots(
     chain: ChainTable,
     bodies: Bodies,
     knots: FloatArray,
@@ -309,3 +309,16 @@ def separate_chain(
         pending.append((_Stretch(at, stretch.end, deeper), highest, len(candidates)))
         pending.append((_Stretch(stretch.start, at, deeper), highest, len(candidates)))
     return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
+
+
+@compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 9, True))
+def separate_chain(
+    chain: ChainTable,
+    bodies: Bodies,
+    knots: FloatArray,
+    around: Obstacles,
+    most_tries: int,
+    certify: bool,
+) -> Outcome:
+    """Separate a chain's capsules along a path of its joints: see :func:`separate_knots`."""
+    return separate_knots(chain, bodies, knots, around, most_tries, certify)
