@@ -13,18 +13,22 @@ from abi.robot.strict_xml import Element
 def with_masters(root: Element, joints: Sequence[Joint]) -> tuple[Joint, ...]:
     """The joints, each that follows another following one that moves by itself.
 
-    What follows a fixed joint is fixed at its offset: that joint's position is 0.
+    What follows a fixed joint, or one that there is not, is fixed at its offset: as if that joint
+    were at 0.
 
     Raises:
-        SceneError: one follows a joint that there is not, or some follow each other in a ring.
+        SceneError: some follow each other in a ring.
     """
     by_name = {joint.name: joint for joint in joints}
     found = []
     for joint in joints:
         if joint.kind != "fixed" and joint.mimic is not None:
             mimic = _master(root, joint, by_name)
-            if by_name[mimic.joint].kind == "fixed":
-                note = "Fixed, as it follows a fixed joint:"
+            if mimic.joint not in by_name or by_name[mimic.joint].kind == "fixed":
+                followed = (
+                    "a fixed joint" if mimic.joint in by_name else "a joint that is not there"
+                )
+                note = f"Fixed, as it follows {followed}:"
                 root.told.setdefault(note, []).append(f"joint {joint.name}")
                 pose = read_only(joint.origin @ joint.motion(mimic.offset))
                 joint = replace(joint, kind="fixed", origin=pose, mimic=None)
@@ -35,18 +39,16 @@ def with_masters(root: Element, joints: Sequence[Joint]) -> tuple[Joint, ...]:
 
 
 def _master(root: Element, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:
-    """How a joint follows the first of its chain of masters."""
+    """How a joint follows the first of its chain of masters, which need not be there."""
     assert joint.mimic is not None
     name, factor, offset = joint.mimic
     passed = [joint.name]
     while True:
-        if name not in by_name:
-            raise root.refuse(f"joint {joint.name}, mimic", name, "the name of a joint")
         if name in passed:
             ring = " follows ".join([*passed, name])
             raise root.refuse(f"joint {joint.name}, mimic", ring, "one that moves by itself")
         passed.append(name)
-        master = by_name[name].mimic
+        master = by_name[name].mimic if name in by_name else None
         if master is None or by_name[name].kind == "fixed":
             return Mimic(name, factor, offset)
         name, factor, offset = (

@@ -21,6 +21,8 @@ _MOST_DIGITS, _LONGEST_NAME = 400, 100
 _NOT_IN_NAMES = '<>"\\`'
 _ENDLESS = ("inf", "infinity")
 _COMMA = re.compile(r",(\s|$)")  # between numbers; one inside a number is not let pass
+_DEFAULTED = re.compile(r"\$\(optenv\s+\w+\s+([^$()]*)\)")
+"""Of xacro: a variable of the environment, and what counts where it is not set."""
 _MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 _LENGTHS = ("xyz", "size", "radius", "length")
@@ -88,21 +90,22 @@ class Element:
 
     def text(self, attribute: str, default: str = "") -> str:
         """An attribute without spaces around it."""
-        return str(self.xml.get(attribute, default)).strip()
+        text = self._given(attribute)
+        return default if text is None else text.strip()
 
     def number(self, attribute: str, default: float | None, low: float, high: float) -> float:
         """An attribute as a number from ``low`` to ``high``; SceneError if it is not one."""
-        text = self.xml.get(attribute)
+        text = self._given(attribute)
         if text is None and default is not None:
             return default
-        return self._number(attribute, str(text or ""), low, high)
+        return self._number(attribute, text or "", low, high)
 
     def vector(self, attribute: str, default: Vec3, low: float = -100, high: float = 100) -> Vec3:
         """An attribute as three numbers from ``low`` to ``high``; SceneError if it is not."""
-        text = self.xml.get(attribute)
+        text = self._given(attribute)
         if text is None:
             return default
-        words = _COMMA.sub(" ", str(text)).split()
+        words = _COMMA.sub(" ", text).split()
         if len(words) < 3:
             raise self.refuse(attribute, text, "three numbers")
         if len(words) > 3:
@@ -115,13 +118,13 @@ class Element:
 
         None if it is missing; SceneError if it is no number or NaN.
         """
-        text = self.xml.get(attribute)
-        if text is None or not str(text).strip():
+        text = self._given(attribute)
+        if text is None or not text.strip():
             return None
-        word = str(text).strip().lower()
+        word = text.strip().lower()
         value = math.inf if word.lstrip("+-") in _ENDLESS else None
         if value is None:
-            value = abs(self._number(attribute, str(text), -math.inf, math.inf))
+            value = abs(self._number(attribute, text, -math.inf, math.inf))
         return math.copysign(value if value <= most else math.inf, -1 if word[0] == "-" else 1)
 
     def origin(self) -> FloatArray:
@@ -135,6 +138,16 @@ class Element:
             pose[:3, :3] = turn.as_matrix()
         return read_only(pose)
 
+    def _given(self, attribute: str) -> str | None:
+        """An attribute as the file has it, with the defaults of variables that xacro left."""
+        text = self.xml.get(attribute)
+        if text is None:
+            return None
+        found, count = _DEFAULTED.subn(r"\1", str(text))
+        if count:
+            self.tell("The default of $(optenv …) counts, as no environment is asked:")
+        return found
+
     def _number(self, attribute: str, text: str, low: float, high: float) -> float:
         word = text.strip()
         if len(word) > _MOST_DIGITS:
@@ -145,6 +158,11 @@ class Element:
             within = "" if math.isinf(low) else f" from {low:g} to {high:g}{unit}"
             raise self.refuse(attribute, text, f"a number{within}")
         return float(word)
+
+
+def _is_macro(text: str) -> bool:
+    """Check whether an attribute is to be worked out by xacro, and not just by its default."""
+    return "${" in text or "$(" in _DEFAULTED.sub("", text)
 
 
 def _is_name(name: str) -> bool:
@@ -204,14 +222,17 @@ def parse(content: bytes, name: str) -> etree._Element:
     except etree.XMLSyntaxError as error:
         line = error.lineno or 1
         shown = "".join(text.splitlines()[line - 1 : line]).strip()[:60]
-        raise SceneError(field, shown, f"a whole XML text; it breaks in line {line}") from None
+        expected = f"a whole XML text; it breaks in line {line}"
+        if not text.lstrip().startswith("<"):
+            expected = "URDF, an XML text with <robot> around it"
+        raise SceneError(field, shown, expected) from None
     except ValueError as error:
         raise SceneError(field, str(error)[:90], "a whole XML text") from None
     for count, element in enumerate(root.iter()):
         values = [str(value) for value in element.attrib.values()]
         if count >= MAX_ELEMENTS:
             raise SceneError(field, f"{count} elements", f"at most {MAX_ELEMENTS:,}")
-        if "xacro" in str(element.tag) or any("${" in v or "$(" in v for v in values):
+        if "xacro" in str(element.tag) or any(map(_is_macro, values)):
             raise SceneError(field, "xacro", "URDF; write it with: xacro FILE.xacro > FILE.urdf")
     if root.tag != "robot":
         raise SceneError(field, f"<{root.tag}>"[:60], "<robot>, as a URDF begins")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+from abi.errors import Missing
 from abi.robot.mimic import with_masters
 from abi.robot.robot import Link, Robot
 from abi.robot.strict_xml import Element, parse
@@ -39,7 +40,9 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         if link.name in links:
             raise element.refuse("name", link.name, "a name that no link before it has")
         links[link.name] = link
-    if not links or len(links) > MAX_LINKS:
+    if not links:
+        raise root.refuse("link", Missing(), "one or more, as a file without links holds no robot")
+    if len(links) > MAX_LINKS:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
     joints = [read_joint(element.called()) for element in root.all("joint")]
     ordered, base = in_order(root, links, joints)

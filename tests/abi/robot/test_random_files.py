@@ -50,8 +50,8 @@ def test_files_of_packages_are_counted_by_what_comes_of_them(tmp_path: Path) -> 
     (folder / "wrong.urdf").write_text(arm(('upper="2"', 'upper="two"')))
     outcomes = {Path(one.file).stem: one for one in compare(folder)}
     assert {name: outcomes[name].outcome for name in OWN} == dict.fromkeys(OWN, "read")
-    assert outcomes["sliding"].why == "yourdfpy"
-    assert outcomes["linkage"].why == "the file's numbers"
+    assert outcomes["sliding"].by[0] == "yourdfpy"
+    assert outcomes["linkage"].by == ("its numbers",)
     assert "expected a number" in outcomes["wrong"].why
     (row,) = rows_of(outcomes.values())
-    assert row == {"files": "robots", "all": 4, "read": 3, "refused": 1, "different": 0}
+    assert {"all": 4, "read": 3, "refused": 1, "different": 0}.items() <= row.items()

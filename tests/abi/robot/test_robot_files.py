@@ -58,7 +58,6 @@ HOSTILE: dict[str, str | bytes] = {
     "unknown shape": arm((MESH, '<capsule radius="1"/>')),
     "script as a name": arm(('link name="b"', 'link name="&lt;script&gt;"')),
     "path as a name": arm(('link name="b"', 'link name="../b"')),
-    "mimic of nothing": arm(('effort="9"/>', 'effort="9"/><mimic joint="none"/>')),
     "mimic of itself": arm(('effort="9"/>', 'effort="9"/><mimic joint="p"/>')),
     "nothing that moves": urdf(link("a"), link("b"), joint("p", "a", "b", "fixed")),
     "no joint": urdf(link("a")),

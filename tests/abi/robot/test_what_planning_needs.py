@@ -13,7 +13,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot
 from abi.robot.robot_files import load_robot
-from tests.abi.robot.robots import LIMIT, arm, joint, link, urdf
+from tests.abi.robot.robots import LIMIT, arm, follows, joint, link, urdf
 
 ALL_OF_P = '<limit lower="-2" upper="2" velocity="1" effort="9"/>'
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="{}" iyy="1" izz="1"/></inertial></link>'
@@ -193,3 +193,33 @@ def test_a_capsule_is_a_cylinder_and_two_balls() -> None:
     )
     with pytest.raises(SceneError, match="a, length"):
         read_of(arm((box, '<capsule radius="0.1"/>')))
+
+
+def test_a_variable_that_xacro_left_counts_by_its_default() -> None:
+    plain = arm(('xyz="0 0 0.4" rpy="0.3 0.2 0.1"', 'xyz="1 0 -2.5" rpy="0 0 0"'))
+    left = plain.replace('"1 0 -2.5"', '"$(optenv CAMERA_XYZ 1 0 -2.5)"', 1)
+    robot = read_of(left)
+    np.testing.assert_array_equal(robot.joints[0].origin, read_of(plain).joints[0].origin)
+    told = "The default of $(optenv …) counts, as no environment is asked: joint p."
+    assert robot.notes == (told,)
+    for other in ("$(optenv CAMERA_XYZ)", "$(env X)", "${x}", "$(optenv A $(optenv B 1 0 0))"):
+        with pytest.raises(SceneError, match="xacro"):
+            read_of(plain.replace("1 0 -2.5", other, 1))
+
+
+def test_what_follows_a_joint_that_is_not_there_is_fixed_at_its_offset() -> None:
+    robot = read_of(
+        urdf(
+            *map(link, "abcd"),
+            joint("p", "a", "b", extra=LIMIT + follows("nothing", 2, 0.3)),
+            joint("q", "b", "c", extra=LIMIT + follows("p", 0.5, 0.1)),
+            joint("s", "c", "d", "prismatic"),
+        )
+    )
+    p, q, _ = robot.joints
+    assert Chain.of(robot, "d").names == ("s",)
+    plain = read_of(urdf(*map(link, "ab"), joint("p", "a", "b"))).joints[0]
+    for found, at in ((p, 0.3), (q, 0.5 * 0.3 + 0.1)):
+        np.testing.assert_allclose(found.origin, plain.origin @ plain.motion(at), atol=1e-15)
+    told = "Fixed, as it follows a joint that is not there: joint p, joint q."
+    assert robot.notes == (told,)
