@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from abi import assets
 from abi.errors import SceneError
-from abi.robot.robot_files import packed, unpacked
-from benchmarks.public_files import compare, rows_of
+from abi.robot.robot_files import SHIPPED, packed, unpacked
+from benchmarks.public_files import compare, compare_robot, rows_of
 from benchmarks.robot_campaign import check, measure
 from tests.abi.robot.robots import OWN, arm
 from tests.random_archives import RobotFile, random_file
@@ -48,10 +49,17 @@ def test_files_of_packages_are_counted_by_what_comes_of_them(tmp_path: Path) -> 
     for name, text in OWN.items():
         (folder / f"{name}.urdf").write_text(text)
     (folder / "wrong.urdf").write_text(arm(('upper="2"', 'upper="two"')))
-    outcomes = {Path(one.file).stem: one for one in compare(folder)}
+    outcomes = {Path(one.file).stem: one for one in compare(folder, states=30)}
     assert {name: outcomes[name].outcome for name in OWN} == dict.fromkeys(OWN, "read")
     assert outcomes["sliding"].by[0] == "yourdfpy"
     assert outcomes["linkage"].by == ("its numbers",)
     assert "expected a number" in outcomes["wrong"].why
     (row,) = rows_of(outcomes.values())
     assert {"all": 4, "read": 3, "refused": 1, "different": 0}.items() <= row.items()
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_all_links_of_shipped_arms_are_where_another_reader_has_them(name: str) -> None:
+    folder = assets.path("urdf")
+    outcome = compare_robot(folder / name / f"{name}.urdf", folder, states=20)
+    assert outcome.by[0] == "yourdfpy", outcome.why
