@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm import capsule_kernels
+from abi.arm.allowed_contacts import AllowedContact
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm import Arm, place
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
@@ -71,6 +72,7 @@ class ArmClearance(ShortRepr):
         obstacle: number of that obstacle, -1 without obstacles.
         contacts: what touches what, the deepest first.
         certificate: proof of ``distance``, and that nothing else is touched; None if there is none.
+        allowed: contacts of a URDF arm that count for nothing.
     """
 
     distances: FloatArray
@@ -81,6 +83,7 @@ class ArmClearance(ShortRepr):
     obstacle: int
     contacts: tuple[Contact, ...]
     certificate: ArmCertificate | None
+    allowed: tuple[AllowedContact, ...] = ()
 
     @property
     def certified(self) -> bool:

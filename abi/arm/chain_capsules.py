@@ -1,10 +1,8 @@
-"""Capsules around the links that a chain carries, and the pairs of them that must keep apart."""
+"""Capsules around the links that a chain carries, and bounds of their motion."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
-from functools import lru_cache
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -13,14 +11,11 @@ import numpy as np
 from abi import arguments
 from abi.arm.chain import Chain
 from abi.arm.chain_kernels import POSE
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, read_only
 from abi.robot.bounding_capsules import bounding_capsules
-from abi.robot.robot import Robot
 
 _THIN = 1e-3
 """Radius of a line that stands for a link without a shape, [m]."""
-_SAMPLES = 1500
-_NEARLY_ALWAYS = 0.95
 
 
 class ChainCapsule(NamedTuple):
@@ -116,40 +111,6 @@ def pair_lever(chain: Chain, first: ChainCapsule, second: ChainCapsule) -> Float
     """
     common = meeting(chain, first.frame, second.frame)
     return lever(chain, first, common) + lever(chain, second, common)
-
-
-@lru_cache(maxsize=16)
-def pairs_apart(robot: Robot, tip: str, held: tuple[tuple[str, float], ...] = ()) -> IntArray:
-    """Pairs (k, 2) of capsules of links with a joint between them that mostly do not touch.
-
-    Some touch in nearly all poses because capsules are wider than what they hold. Links that an
-    SRDF lets touch are no pair.
-
-    Args:
-        robot: the robot.
-        tip: name of the link that is the tool.
-        held: joints beside the chain, each with its position, [rad] or [m].
-    """
-    chain = Chain.of(robot, tip, held=dict(held))
-    capsules = chain_capsules(chain)
-    low, high = chain.usual_range().T
-    positions = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
-    ends = place(capsules, chain.poses(positions))
-    kept = []
-    for (i, a), (j, b) in itertools.combinations(enumerate(capsules), 2):
-        if (
-            _joints_between(chain, a.frame, b.frame) > 1
-            and frozenset((a.link, b.link)) not in robot.may_touch
-        ):
-            gap = segment_distances(ends[:, i], ends[:, j]) - a.radius - b.radius
-            if (gap < 0).mean() < _NEARLY_ALWAYS:
-                kept.append((i, j))
-    return read_only(np.array(kept, dtype=np.int32).reshape(-1, 2))
-
-
-def _joints_between(chain: Chain, first: int, second: int) -> int:
-    """Number of moving joints on the way from one frame to another."""
-    return len({*chain.behind(first)} ^ {*chain.behind(second)})
 
 
 def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -7,9 +7,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from abi.arm.allowed_contacts import AllowedContact, Reason
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm import Arm
 from abi.arm.link_capsules import COLUMN
+from abi.arm.mount import mounts
 from abi.arm.solid_rows import FLOOR, Own, RowTable, SolidRows
 from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.urdf_arm import UrdfArm
@@ -35,12 +37,14 @@ class Surroundings:
         asked: whether a capsule must keep clear of it, False for boxes inside others, (c, k + 1).
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
+        allowed: what of it which link may touch.
     """
 
     solids: SolidRows
     asked: BoolArray
     floor: float
     size: float
+    allowed: tuple[AllowedContact, ...] = ()
 
     @property
     def numbers(self) -> IntArray:
@@ -96,11 +100,32 @@ def chain_surroundings(
 ) -> Surroundings:
     """Surroundings of a URDF arm, without the arm itself, as those of the paper's arm.
 
-    Links that stand still, and the first one that moves, may touch the floor.
+    Links that stand still, and the first one that moves, may touch the floor. Those that stand
+    still may touch what the arm stands on, too, and whatever the scene says may touch.
     """
     moves = np.array([one.frame >= 1 for one in arm.capsules])[:, None]
     own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
-    return _surroundings(arm, 2 * arm.reach, own, obstacles, lowest, table)
+    found = _surroundings(arm, 2 * arm.reach, own, obstacles, lowest, table)
+    allowed = _allowed(arm, obstacles)
+    asked, capsules = found.asked.copy(), np.array([one.link for one in arm.capsules])
+    for link, other, _ in allowed:
+        if isinstance(other, int):
+            asked[capsules == link, found.first_row(other)] = False
+    return replace(found, asked=read_only(asked), allowed=allowed)
+
+
+def _allowed(arm: UrdfArm, obstacles: ObstacleSet) -> tuple[AllowedContact, ...]:
+    """What of a URDF arm's surroundings which link may touch."""
+    frames = {one.link: one.frame for one in arm.capsules}
+    found = [AllowedContact(link, "floor", "mount") for link, frame in frames.items() if frame < 1]
+    reasons: dict[tuple[str, int], Reason] = {}
+    for number in mounts(arm, obstacles):
+        reasons |= {(link, number): "mount" for link, frame in frames.items() if frame < 0}
+    for link, other in arm.asked:
+        if isinstance(other, int):
+            reasons.setdefault((link, other), "asked")
+    found += [AllowedContact(link, number, why) for (link, number), why in reasons.items()]
+    return tuple(found)
 
 
 def _surroundings(

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from abi import arguments
+from abi.arm.allowed_contacts import AllowedContact, LinkPairs, Other, link_pairs
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
 from abi.arm.chain_capsules import (
@@ -18,7 +19,6 @@ from abi.arm.chain_capsules import (
     chain_capsules,
     lever,
     pair_lever,
-    pairs_apart,
     place,
 )
 from abi.arm.separate_chain_kernels import Bodies
@@ -51,6 +51,7 @@ class UrdfArm(ShortRepr):
         limits: lowest and highest position of each joint, shape (n, 2), [rad] or [unit].
         capsules: around the links, those that stand still first.
         held: positions of joints beside the chain that do not rest nearest to 0, [rad] or [m].
+        asked: links, each with another or the number of an obstacle, that the scene lets touch.
     """
 
     chain: Chain
@@ -61,6 +62,7 @@ class UrdfArm(ShortRepr):
     limits: FloatArray
     capsules: tuple[ChainCapsule, ...]
     held: Mapping[str, float]
+    asked: tuple[tuple[str, Other], ...] = ()
 
     @property
     def root(self) -> str:
@@ -110,7 +112,17 @@ class UrdfArm(ShortRepr):
     @cached_property
     def pairs(self) -> IntArray:
         """Pairs of capsules (k, 2) that must keep apart."""
-        return pairs_apart(self.chain.robot, self.tip, tuple(self.held.items()))
+        return self._link_pairs.apart
+
+    @property
+    def allowed(self) -> tuple[AllowedContact, ...]:
+        """Pairs of links that may touch."""
+        return self._link_pairs.allowed
+
+    @cached_property
+    def _link_pairs(self) -> LinkPairs:
+        asked = frozenset(frozenset(pair) for pair in self.asked)
+        return link_pairs(self.chain.robot, self.tip, tuple(self.held.items()), asked)
 
     @cached_property
     def bodies(self) -> Bodies:
@@ -236,6 +248,7 @@ def urdf_arm(
     unit: Literal["m", "cm", "mm"] = "m",
     wxyz: Quaternion = UNTURNED,
     held: Mapping[str, float] = NOT_HELD,
+    asked: tuple[tuple[str, Other], ...] = (),
 ) -> UrdfArm:
     """Build the arm of a robot that stands at ``base``, [unit].
 
@@ -247,6 +260,7 @@ def urdf_arm(
         unit: of the scene's lengths.
         wxyz: how its root link is turned, as a quaternion.
         held: positions of joints beside the chain, by name, [rad] or [unit].
+        asked: links, each with another or the number of an obstacle, that may touch.
 
     Raises:
         SceneError: there is no such tip, no joint moves it, or a joint cannot be held there.
@@ -265,4 +279,5 @@ def urdf_arm(
         limits=read_only(chain.limits * scales[:, None]),
         capsules=chain_capsules(chain),
         held=in_metres,
+        asked=asked,
     )

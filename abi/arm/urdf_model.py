@@ -45,7 +45,9 @@ class UrdfModel:
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         stands = settings.base, settings.axis, unit, settings.base_wxyz
-        self.arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper)
+        self.arm = urdf_arm(
+            settings.robot, settings.tool, *stands, settings.gripper, settings.allowed
+        )
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._stances: dict[PosePair, Stances] = {}
         self._rows = RowTable()
@@ -63,7 +65,7 @@ class UrdfModel:
         surroundings: Surroundings,
     ) -> tuple[JointCourse, ...]:
         """The course from the start pose that keeps the arm clearest."""
-        return (joint_course(curve, arc, self.arm, obstacles, surroundings.floor),)
+        return (joint_course(curve, arc, self.arm, obstacles, surroundings),)
 
     def sights(self, task: SightTask) -> tuple[ChainSight, ...]:
         """One sight for each of a few start poses, clear ones if there are any."""
@@ -115,7 +117,10 @@ class UrdfModel:
         if chain_refutation(self.arm, still, task.surroundings, margin) is not None:
             return False
         ends = self.arm.place(pose[None])
-        return bool((obstacle_distances(self.arm, task.obstacles, ends)[0] > 0).all())
+        allowed = task.surroundings.allowed
+        return bool(
+            (obstacle_distances(self.arm, task.obstacles, ends, allowed=allowed)[0] > 0).all()
+        )
 
     def _sight(self, pair: PosePair, task: SightTask) -> ChainSight:
         branch = f"From pose {pair.first + 1} at the start"

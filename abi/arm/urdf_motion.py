@@ -5,7 +5,7 @@ The joints start from a chosen or a given pose, and move straight from sample to
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -116,7 +116,8 @@ class JointCourse:
         """Clearance of the whole arm in that motion, measured and proven."""
         arm, positions = self.arm, motion.positions
         ends = arm.place(positions)
-        measured = Measured(*obstacle_distances(arm, obstacles, ends))
+        allowed = surroundings.allowed
+        measured = Measured(*obstacle_distances(arm, obstacles, ends, allowed=allowed))
         own = _against(OWN - arm.pairs[:, 0], own_distances(arm, ends))
         floor = _against(FLOOR, floor_distances(arm, surroundings.floor, ends))
         capsules = range(len(arm.capsules))
@@ -127,7 +128,8 @@ class JointCourse:
         )
         certify = partial(certify_chain, arm, positions, surroundings)
         rows = surroundings.solids.in_use
-        return proven_clearance(motion, arm, measured, contacts, required, rows, certify)
+        found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
+        return replace(found, allowed=(*arm.allowed, *allowed))
 
 
 def _against(number: IntArray | int, distance: FloatArray) -> Measured:
@@ -136,7 +138,7 @@ def _against(number: IntArray | int, distance: FloatArray) -> Measured:
 
 
 def joint_course(
-    curve: Curve, arc: ArcLength, arm: UrdfArm, obstacles: ObstacleSet, floor: float
+    curve: Curve, arc: ArcLength, arm: UrdfArm, obstacles: ObstacleSet, surroundings: Surroundings
 ) -> JointCourse:
     """Move an arm's tool along a curve, from the start pose that keeps the arm clearest.
 
@@ -148,7 +150,7 @@ def joint_course(
         arc: its arc length, above 0.
         arm: the arm.
         obstacles: obstacles that the links must keep clear of.
-        floor: height that they must stay above, [unit].
+        surroundings: the same, with the floor.
     """
     few = curve(arc.parameter(np.linspace(0.0, arc.length, _FEW)))
     best, least = arm.first_poses(few[0]), (np.inf, np.inf, np.inf)
@@ -158,9 +160,9 @@ def joint_course(
         positions, missed = arm.follow(pose, few)
         ends = arm.place(positions)
         gaps = (
-            obstacle_distances(arm, obstacles, ends, _ENOUGH * reach)[0],
+            obstacle_distances(arm, obstacles, ends, _ENOUGH * reach, surroundings.allowed)[0],
             own_distances(arm, ends),
-            floor_distances(arm, floor, ends),
+            floor_distances(arm, surroundings.floor, ends),
         )
         gap = min(float(gap.min(initial=np.inf)) for gap in gaps)
         travel = float(np.abs(np.diff(positions / arm.scales, axis=0)).sum())

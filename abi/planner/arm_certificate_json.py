@@ -6,13 +6,13 @@ import math
 from typing import Any
 
 from abi.arm.any_arm import AnyArm
-from abi.arm.arm_certificate import ArmCertificate
-from abi.arm.arm_clearance import named
+from abi.arm.arm_clearance import ArmClearance, named
 from abi.arm.surroundings import OWN
 
 
-def arm_certificate(arm: AnyArm, proof: ArmCertificate | None) -> dict[str, Any] | None:
-    """Capsules and directions, and the joints' path if that is what is proven."""
+def arm_certificate(arm: AnyArm, clearance: ArmClearance) -> dict[str, Any] | None:
+    """Capsules and directions, allowed contacts, and the joints' path if that is what is proven."""
+    proof = clearance.certificate
     if proof is None:
         return None
     columns = (
@@ -30,4 +30,5 @@ def arm_certificate(arm: AnyArm, proof: ArmCertificate | None) -> dict[str, Any]
     }
     if proof.positions is not None:
         data["positions"] = proof.positions.tolist()
+        data["allowed"] = [contact._asdict() for contact in clearance.allowed]
     return data | arm.proof_data()

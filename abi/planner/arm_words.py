@@ -10,6 +10,15 @@ from abi.planner.plan import Plan
 
 _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}
 
+_REASONS = {
+    "adjacent": "At most one joint moves one beside the other",
+    "always": "Their bodies overlap in nearly all random poses",
+    "srdf": "The SRDF lets them touch",
+    "mount": "It stands on that",
+    "asked": "The scene lets them touch",
+}
+"""Beginning of a sentence on pairs that may touch, for each reason."""
+
 
 def arm_result(plan: Plan) -> str:
     """Result of stage 6, short enough for its heading; empty where it was not reached."""
@@ -40,6 +49,15 @@ def contact_sentence(contact: Contact, unit: str) -> str:
     name = f"obstacle {other + 1}" if isinstance(other, int) else f"the {link_label(other)}"
     depth = f"{format_length(contact.depth)} {unit}"
     return f"The {link_label(contact.link)} goes {depth} into {name} at {contact.time:.2f} s"
+
+
+def allowed_sentences(plan: Plan) -> tuple[str, ...]:
+    """What of the arm may touch what, one sentence for each reason; none for the paper's arm."""
+    found: dict[str, list[str]] = {}
+    for link, other, reason in () if plan.arm_clearance is None else plan.arm_clearance.allowed:
+        name = f"obstacle {other + 1}" if isinstance(other, int) else link_label(other)
+        found.setdefault(reason, []).append(f"{link_label(link)} and {name}")
+    return tuple(f"{_REASONS[reason]}: {', '.join(pairs)}." for reason, pairs in found.items())
 
 
 def clearance_sentence(plan: Plan) -> str:

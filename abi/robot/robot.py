@@ -8,7 +8,7 @@ The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masse
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
@@ -129,6 +129,20 @@ class Joint(ReadOnlyCopies):
         return pose
 
 
+class NamedState(NamedTuple):
+    """Positions of joints that an SRDF gives a name, such as ``home`` or ``open``.
+
+    Attributes:
+        name: of the state.
+        group: name of the group of joints that it belongs to.
+        positions: by the names of joints, within their limits, [rad] or [m].
+    """
+
+    name: str
+    group: str
+    positions: Mapping[str, float]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Robot(ShortRepr):
     """A robot: links joined into a tree; compares by the files it was read from and its root.
@@ -141,6 +155,8 @@ class Robot(ShortRepr):
         notes: sentences on what was left out.
         archive: the whole URDF and its meshes, as a zip.
         may_touch: pairs of links that its SRDF, if there is one, excludes from collision checks.
+        groups: names of joints that move together, by the names of groups in its SRDF.
+        states: positions of joints that its SRDF gives a name.
     """
 
     name: str
@@ -150,6 +166,8 @@ class Robot(ShortRepr):
     notes: tuple[str, ...] = ()
     archive: bytes = b""
     may_touch: frozenset[frozenset[str]] = frozenset()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    states: tuple[NamedState, ...] = ()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Robot) and (self.archive, self.root) == (other.archive, other.root)
@@ -159,7 +177,9 @@ class Robot(ShortRepr):
 
     def __getstate__(self) -> dict[str, Any]:
         """What ``pickle`` and ``copy`` keep; a view of a dict is not among what they can."""
-        return {**vars(self), "links": dict(self.links)}
+        states = tuple(one._replace(positions=dict(one.positions)) for one in self.states)
+        views = {"links": dict(self.links), "groups": dict(self.groups), "states": states}
+        return {**vars(self), **views}
 
 
 def require_motion(robot: Robot) -> None:

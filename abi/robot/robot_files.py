@@ -18,9 +18,10 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.mesh_places import places
 from abi.robot.robot import Robot, require_motion
+from abi.robot.srdf import read_srdf
 from abi.robot.urdf_joints import some_of
 from abi.robot.urdf_meshes import mesh_names
-from abi.robot.urdf_reader import read_srdf, read_urdf
+from abi.robot.urdf_reader import read_urdf
 
 SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
 """Usual tip of each arm that comes with the package, by its name."""
@@ -29,24 +30,33 @@ _MAX_ARCHIVE, _MAX_UNPACKED, _MAX_FILES = 30_000_000, 100_000_000, 2_000
 _ROOM = 0.9
 """Part of an archive's size that meshes for looks alone may fill it to."""
 _INSIDE = ".zip/"
+_SRDF = ".srdf"
 _ZIP = b"PK\x03\x04"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def load_robot(name: str, source: MeshSource, plain: bool = False) -> Robot:
+def load_robot(
+    name: str, source: MeshSource, plain: bool = False, srdf: str | None = None
+) -> Robot:
     """Load a shipped arm by name, or the arm of a ``.urdf`` or ``.zip`` file.
 
     Args:
         name: in :data:`SHIPPED`, or of a file.
         source: of the files.
         plain: whether to make its archive one that can be read without trimesh.
+        srdf: name of the SRDF that counts, of a file or of one in the arm's archive; None for the
+            one beside the URDF.
 
     Raises:
         SceneError: there is no such arm, or its files are refused.
     """
     if name in SHIPPED:
+        if srdf is not None:
+            raise SceneError("arm.srdf", srdf, "none, as the shipped arms have no SRDF")
         return _shipped(name)
     content = archive_of(name, source)
+    if srdf is not None:
+        content = _with_one_srdf(content, source, srdf)
     return robot_from_archive(_plain(content) if plain else content)
 
 
@@ -150,6 +160,22 @@ def _with_one(content: bytes, name: str) -> bytes:
     return packed({file: files[file] for file in files if file not in urdfs or file in found})
 
 
+def _with_one_srdf(content: bytes, source: MeshSource, name: str) -> bytes:
+    """An archive with one SRDF alone: a file of the source, or that of its name in the archive."""
+    files = unpacked(content)
+    inside = [file for file in files if f"/{file}".endswith(f"/{PurePosixPath(name).name}")]
+    others = {file: files[file] for file in files if not file.lower().endswith(_SRDF)}
+    if not name.lower().endswith(_SRDF):
+        raise SceneError("arm.srdf", name, f"a file that ends in {_SRDF}")
+    try:
+        found = source.content(name)
+    except SceneError as error:
+        if len(inside) != 1:
+            raise SceneError("arm.srdf", error.value, error.expected) from None
+        found = files[inside[0]]
+    return packed({**others, PurePosixPath(name).name: found})
+
+
 def _plain(content: bytes) -> bytes:
     """An archive without meshes that trimesh reads: an STL each, or nothing where it cannot."""
     if all(is_plain(name) for name in unpacked(content)):
@@ -171,10 +197,17 @@ def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
         found = own
     if not found:
         return robot
-    pairs = read_srdf(files[found[0]], PurePosixPath(found[0]).name)
-    known = frozenset(pair for pair in pairs if pair <= robot.links.keys())
-    note = f"{len(known)} pairs of links are not checked against each other: its SRDF says so."
-    return replace(robot, may_touch=known, notes=(*robot.notes, note))
+    srdf = read_srdf(files[found[0]], PurePosixPath(found[0]).name, robot)
+    notes = [*robot.notes]
+    if srdf.may_touch:
+        count = len(srdf.may_touch)
+        notes.append(
+            f"{count} pairs of links are not checked against each other: its SRDF says so."
+        )
+    if srdf.states:
+        names = some_of([one.name for one in srdf.states], 6)
+        notes.append(f"Named states of its SRDF: {names}.")
+    return replace(robot, **srdf._asdict(), notes=(*notes,))
 
 
 @lru_cache(maxsize=8)

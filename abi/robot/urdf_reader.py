@@ -1,4 +1,4 @@
-"""Strict reader of URDF and SRDF files, from bytes alone.
+"""Strict reader of URDF files, from bytes alone.
 
 Nothing that a file names is opened: meshes come from the same folder or upload. A file that is
 damaged, ambiguous or too large is refused with one sentence.
@@ -57,20 +57,3 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, MappingProxyType(links), ordered, tuple(notes))
-
-
-def read_srdf(content: bytes, name: str) -> frozenset[frozenset[str]]:
-    """Pairs of links that an SRDF excludes from collision checks.
-
-    The format: http://wiki.ros.org/srdf. Everything else in it is ignored, and so are links that
-    the URDF does not have.
-
-    Raises:
-        SceneError: it is no SRDF, or it is truncated.
-    """
-    root = Element(parse(content, name), name, "robot")
-    pairs = (
-        frozenset((pair.text("link1"), pair.text("link2")))
-        for pair in root.all("disable_collisions")
-    )
-    return frozenset(pair for pair in pairs if len(pair) == 2 and all(pair))

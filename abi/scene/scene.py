@@ -116,6 +116,7 @@ class Scene(Settings):
                     name, point, f"{axis} between {with_minus(f'{low:g} and {high:g}')} {self.unit}"
                 )
         self.arm.check_gripper(METRES[self.unit])
+        self.arm.check_allowed(len(self.obstacles))
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)

@@ -27,7 +27,7 @@ SUFFIX = ".zip"
 MAX_BYTES = 50_000_000
 _MOST_UNPACKED = 200_000_000
 _MOST_FILES = 2_000
-_ARMS = (".urdf", ".zip")
+_ARMS = (".urdf", ".zip", ".srdf")
 _SCENES = ("scene.yaml", "scene.yml", "scene.json")
 _STORED = ".obj"
 _FIELD = "scene"
@@ -161,7 +161,8 @@ def _named(data: Any) -> set[str]:
         return set()
     entries = data["obstacles"] if isinstance(data.get("obstacles"), list) else []
     names = [one.get("file") for one in entries if isinstance(one, dict)]
-    names += [data["arm"].get("urdf")] if isinstance(data.get("arm"), dict) else []
+    if isinstance(arm := data.get("arm"), dict):
+        names += [arm.get("urdf"), arm.get("srdf")]
     return {name for name in names if isinstance(name, str)}
 
 

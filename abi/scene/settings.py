@@ -27,6 +27,7 @@ from abi.robot.held_joints import (
 )
 from abi.robot.robot import Robot, bases_to, joints_to, part_from
 from abi.robot.robot_files import SHIPPED, load_robot
+from abi.robot.urdf_joints import some_of
 from abi.robot.usual_tip import usual_tip
 from abi.scene.lattices import LATTICES, Lattice
 
@@ -44,6 +45,22 @@ Flag = Annotated[bool, Strict(), BeforeValidator(_plain)]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
+
+
+def _contact(value: object) -> object:
+    """A link, and another one or the number of an obstacle.
+
+    Raises:
+        SceneError: it is anything else.
+    """
+    pair = [_plain(one) for one in value] if isinstance(value, list | tuple) else []
+    if len(pair) == 2 and isinstance(pair[0], str) and type(pair[1]) in (str, int):
+        return (*pair,)
+    expected = "two names of links, or a link and the number of an obstacle, the first being 0"
+    raise SceneError("arm.allowed", value, expected)
+
+
+AllowedPair = Annotated[tuple[str, str | int], BeforeValidator(_contact)]
 
 FINEST_PITCH = 1e-6
 """Smallest pitch, [unit]; also the shortest side that a workspace may have."""
@@ -171,25 +188,29 @@ class ArmSettings(Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
     ``model`` is ``abi``, the paper's arm, or ``urdf``. In the latter case ``urdf`` names a shipped
-    arm, or a ``.urdf`` or ``.zip`` file, ``tip`` is the link whose origin is the tool,
-    ``base_link`` the one that stands at ``base``, by default the root; what does not hang from it
-    is left out. ``gripper`` holds joints that are not planned at positions by their names, [rad],
-    slides in [unit]; without it they rest nearest to 0. ``axis`` is the direction in which the
-    tip's z axis must point, None for any, and ``base_wxyz`` the orientation of the base link, as a
-    quaternion. All fields not named here but ``base`` belong to the paper's arm. With ``avoid`` the
-    plan keeps the whole arm clear, its links ``clearance`` [unit] from every obstacle; ``elbow``
-    auto takes the branch with the shorter path. ``forces``, ``masses`` and ``radii`` are the
-    paper's Q4..Q6, m4..m6 and i4..i6: the generalised forces [kg·unit²/s² for q4 and q6,
-    kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
+    arm, or a ``.urdf`` or ``.zip`` file, ``srdf`` a file with the robot's disabled pairs of links
+    and named states, by default the one beside the URDF, ``tip`` is the link whose origin is the
+    tool, ``base_link`` the one that stands at ``base``, by default the root; what does not hang
+    from it is left out. ``gripper`` holds joints that are not planned at positions by their names,
+    [rad], slides in [unit]; without it they rest nearest to 0. ``allowed`` are pairs of links, or
+    of a link and the number of an obstacle from 0, that may touch. ``axis`` is the direction in
+    which the tip's z axis must point, None for any, and ``base_wxyz`` the orientation of the base
+    link, as a quaternion. All fields not named here but ``base`` belong to the paper's arm. With
+    ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from every
+    obstacle; ``elbow`` auto takes the branch with the shorter path. ``forces``, ``masses`` and
+    ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised forces [kg·unit²/s² for q4
+    and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
     """
 
     model: Literal["abi", "urdf"] = "abi"
     urdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] = "ur5e"
+    srdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] | None = None
     tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
     base_link: Annotated[str, Strict(), Field(max_length=100)] | None = None
     gripper: Annotated[dict[Annotated[str, Strict()], Number], Field(max_length=150)] = Field(
         default_factory=dict
     )
+    allowed: Annotated[tuple[AllowedPair, ...], Field(max_length=10_000)] = ()
     axis: Vec3 | None = None
     base: Vec3 = (3.0, -3.0, 0.0)
     base_wxyz: Quaternion = UNTURNED
@@ -218,7 +239,7 @@ class ArmSettings(Settings):
             raise SceneError("arm.base_wxyz", self.base_wxyz, expected)
         if self.model == "urdf":
             meshes = (info.context or {}).get("meshes", MeshSource())
-            self._robot = load_robot(self.urdf, meshes)
+            self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)
             if self.base_link is not None:
                 self._robot = self._from_base(self._robot, self.base_link)
             joints_to(self._robot, self.tool)
@@ -237,6 +258,23 @@ class ArmSettings(Settings):
         if self.model == "urdf":
             held = held_in_metres(self.robot, self.gripper, metres)
             positions_held(self.robot, planned_joints(self.robot, self.tool), held)
+
+    def check_allowed(self, obstacles: int) -> None:
+        """Raise a SceneError where ``allowed`` names no link of the arm, or no obstacle.
+
+        Args:
+            obstacles: how many the scene has.
+        """
+        if self.model != "urdf":
+            return
+        links = self.robot.links
+        for pair in self.allowed:
+            for one in pair:
+                if isinstance(one, str) and one not in links:
+                    raise SceneError("arm.allowed", one, f"a link: {some_of(tuple(links), 6)}")
+                if not isinstance(one, str) and not 0 <= one < obstacles:
+                    expected = f"the number of an obstacle, below {obstacles}"
+                    raise SceneError("arm.allowed", one, expected)
 
     def notes(self, metres: float) -> tuple[str, ...]:
         """Sentences on a URDF: which link and joints are planned, and what is left out of it.

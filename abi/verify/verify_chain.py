@@ -8,7 +8,9 @@ of them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections import Counter
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -19,6 +21,7 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.obstacles.pose import METRES
 from abi.scene.scene import Scene
+from abi.verify.allowed_contacts import Other, allowed_contacts
 from abi.verify.certificate import (
     ARM,
     CapsuleKey,
@@ -120,27 +123,63 @@ def check_chain(
     _check_ends(motion, scene)
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
+    bodies = _bodies(capsules)
+    check_corners(scene.arm.robot, chain, bodies)
+    allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies)
+    _check_all_named(capsules, pairs, allowed)
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     span = Fraction(0), Fraction(len(motion.rows) - 1)
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     for number, capsule in enumerate(capsules):
         least = partial(_least, motion, capsule)
         for k, obstacle in enumerate(obstacles):
-            label = f"{capsule.link} and obstacle {k + 1}"
-            check_apart(label, planes.get((number, k), []), least, span, obstacle, margin)
-        if capsule.frame >= 1:
+            if (capsule.link, k) not in allowed:
+                label = f"{capsule.link} and obstacle {k + 1}"
+                check_apart(label, planes.get((number, k), []), least, span, obstacle, margin)
+        if (capsule.link, "floor") not in allowed:
             label = f"{capsule.link} and floor"
             check_apart(label, planes.get((number, "floor"), []), least, span, floor)
     for i, j in pairs:
         label = f"{capsules[j].link} and {capsules[i].link}"
         apart = partial(_apart, motion, capsules[i], capsules[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
-    _check_outside(motion, capsules, obstacles)
+    _check_outside(motion, capsules, obstacles, allowed)
     count = sum(map(len, planes.values()))
     kept = words_of(margin, scene.unit)
+    left_out = _left_out(certificate)
     return (
-        f"{kept}, and clear of the floor and each other ({len(pairs)} pairs), by {count} directions"
+        f"{kept}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
+        f"directions{left_out}"
     )
+
+
+def _left_out(certificate: dict[str, Any]) -> str:
+    """How many contacts are allowed for which reason, as the end of a sentence."""
+    reasons = Counter(str(one["reason"]) for one in certificate.get("allowed", []))
+    named = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
+    return f"; allowed to touch: {named}" if named else ""
+
+
+def _bodies(capsules: Sequence[_Capsule]) -> dict[str, list[tuple[FloatArray, float]]]:
+    """Ends and radii of each link's capsules, in floating point."""
+    found: dict[str, list[tuple[FloatArray, float]]] = {}
+    for capsule in capsules:
+        ends = np.array(capsule.ends, dtype=np.float64)
+        found.setdefault(capsule.link, []).append((ends, float(capsule.radius)))
+    return found
+
+
+def _check_all_named(
+    capsules: Sequence[_Capsule],
+    pairs: Sequence[tuple[int, int]],
+    allowed: Container[tuple[str, Other]],
+) -> None:
+    """Raise where two links are neither kept apart nor allowed to touch."""
+    apart = {frozenset(pair) for pair in pairs}
+    for (i, first), (j, second) in itertools.combinations(enumerate(capsules), 2):
+        named = first.link == second.link or (first.link, second.link) in allowed
+        if not named and frozenset((i, j)) not in apart:
+            raise Fault(f"nothing keeps {first.link} and {second.link} apart")
 
 
 def _rows(
@@ -181,13 +220,18 @@ def _check_ends(motion: _Motion, scene: Scene) -> None:
 
 
 def _check_outside(
-    motion: _Motion, capsules: Sequence[_Capsule], obstacles: list[ExactSolid | ExactMesh]
+    motion: _Motion,
+    capsules: Sequence[_Capsule],
+    obstacles: list[ExactSolid | ExactMesh],
+    allowed: Container[tuple[str, Other]],
 ) -> None:
     """Raise where a capsule, clear of all triangles, is inside a closed mesh."""
     frames = motion.chain.place(motion.rows[0])
     for capsule in capsules:
         point, _ = capsule.placed(frames)[0]
-        for obstacle in obstacles:
+        for k, obstacle in enumerate(obstacles):
+            if (capsule.link, k) in allowed:
+                continue
             if isinstance(obstacle, ExactMesh) and obstacle.inside(point):
                 raise Fault(f"{capsule.link} is inside a mesh")
 
@@ -237,11 +281,6 @@ def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> l
     for name, link in scene.arm.robot.links.items():
         if link.shapes and name not in held:
             raise Fault(f"{name} has no capsule")
-    by_link: dict[str, list[tuple[FloatArray, float]]] = {}
-    for capsule in capsules:
-        ends = np.array(capsule.ends, dtype=np.float64)
-        by_link.setdefault(capsule.link, []).append((ends, float(capsule.radius)))
-    check_corners(scene.arm.robot, chain, by_link)
     return capsules
 
 

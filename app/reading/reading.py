@@ -149,6 +149,7 @@ def _scene(name: str, content: bytes) -> Answer:
         raise SceneError("scene", name, "plain numbers, lists and mappings") from None
     answer = Answer(data=text.encode())
     meshes, arms = named_files(data)
+    srdf = _srdf_of(data)
     for file in meshes & files.keys():
         found = files[file]
         if isinstance(found, Surface):
@@ -157,8 +158,15 @@ def _scene(name: str, content: bytes) -> Answer:
             answer.surfaces |= _mesh(file, found).surfaces
     for arm in arms:
         if arm in files or file_of(arm) in files:
-            answer.archives[arm] = _whole(arm, files).archive
+            answer.archives[arm] = _whole(arm, files, srdf).archive
     return answer
+
+
+def _srdf_of(data: object) -> str | None:
+    """Name of the SRDF in a scene that is not checked yet."""
+    arm = data.get("arm") if isinstance(data, dict) else None
+    name = arm.get("srdf") if isinstance(arm, dict) else None
+    return name if isinstance(name, str) else None
 
 
 def named_files(data: object) -> tuple[set[str], set[str]]:
@@ -174,12 +182,12 @@ def named_files(data: object) -> tuple[set[str], set[str]]:
     )
 
 
-def _whole(name: str, files: Mapping[str, bytes | Surface]) -> Robot:
+def _whole(name: str, files: Mapping[str, bytes | Surface], srdf: str | None = None) -> Robot:
     """An arm whose links have been put into capsules, as planning will do.
 
     Its archive has only meshes in formats of our own readers: the server reads it again.
     """
-    robot = load_robot(name, MeshSource(files), plain=True)
+    robot = load_robot(name, MeshSource(files), plain=True, srdf=srdf)
     for link in robot.links.values():
         bounding_capsules(link)
     return robot

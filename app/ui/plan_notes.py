@@ -7,7 +7,7 @@ import math
 
 from abi.curves.timed_profile import TimedProfile
 from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
-from abi.planner.arm_words import clearance_sentence, contact_sentence
+from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
 from abi.planner.plan import AnyFit, Plan
 from app.shared.once_a_plan import once_a_plan
 from app.ui import style
@@ -139,4 +139,7 @@ def _arm(plan: Plan) -> str:
     ]
     if past := limits_warning(plan):
         lines.append(f"✗ {past}")
-    return style.paragraph("<br>".join(lines)) if lines else ""
+    allowed = "<br>".join(html.escape(sentence) for sentence in allowed_sentences(plan))
+    folded = f"<details><summary>What may touch</summary>{allowed}</details>" if allowed else ""
+    text = "<br>".join(lines) + folded
+    return style.paragraph(text) if text else ""

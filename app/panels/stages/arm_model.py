@@ -42,6 +42,8 @@ _MOUNTS: dict[str, Quaternion] = {
     "on a wall, along −y": (_HALF, _HALF, 0.0, 0.0),
 }
 _OTHER = "as in the scene"
+_OF_ONE_ARM: Mapping[str, Any] = {"gripper": {}, "srdf": None, "allowed": ()}
+"""Fields that hold for one arm with one tip only, as they are for another."""
 
 
 class ArmModelPanel:
@@ -83,8 +85,8 @@ class ArmModelPanel:
             hint="How the base is turned: up is its z axis.",
             visible=False,
         )
-        self._held: Mapping[str, float] = {}
-        self._held_of: tuple[str, str, str] | None = None
+        self._kept = _OF_ONE_ARM
+        self._kept_of: tuple[str, str, str] | None = None
         self._scene_axis: tuple[float, float, float] | None = None
         self._scene_mount: Quaternion = UNTURNED
         self._tips_of: str | None = None
@@ -114,7 +116,7 @@ class ArmModelPanel:
         if name is None:
             self._take_size_back()
             self._show(False)
-            return {"model": "abi", "base_wxyz": UNTURNED, "gripper": {}}
+            return {"model": "abi", "base_wxyz": UNTURNED, **_OF_ONE_ARM}
         if name != self._tips_of:
             self._list_tips(name, None)
             self._compare_size(name)
@@ -133,7 +135,7 @@ class ArmModelPanel:
             "axis": axis,
             "base_wxyz": mount,
             # joints of another arm, or those that another tip moves, cannot be held there
-            "gripper": self._held if (name, tip, base) == self._held_of else {},
+            **(self._kept if (name, tip, base) == self._kept_of else _OF_ONE_ARM),
         }
 
     def write(self, scene: Scene) -> None:
@@ -157,8 +159,8 @@ class ArmModelPanel:
         self._list_tips(arm.urdf, arm.tip, arm.base_link)
         self._list_bases(arm.urdf, arm.base_link)
         self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz
-        self._held = arm.gripper
-        self._held_of = arm.urdf, self.tip.value, self.base_link.value
+        self._kept = {name: getattr(arm, name) for name in _OF_ONE_ARM}
+        self._kept_of = arm.urdf, self.tip.value, self.base_link.value
         _choose(self.axis, _AXES, arm.axis)
         _choose(self.mount, _MOUNTS, arm.base_wxyz)
 

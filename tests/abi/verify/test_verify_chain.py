@@ -172,3 +172,45 @@ def test_links_without_a_capsule_are_refused(honest: Data) -> None:
     ]
     certificate["pairs"] = [pair for pair in certificate["pairs"] if last not in pair]
     assert "has no capsule" in of_arm(data).reason
+
+
+@pytest.mark.parametrize(
+    ("entry", "reason"),
+    [
+        (("base_link_inertia", 0, "mount"), "obstacle 1"),
+        (("wrist_3_link", "floor", "mount"), "the floor"),
+        (("wrist_3_link", 1, "asked"), "obstacle 2"),
+        (("shoulder_link", "wrist_3_link", "adjacent"), "no pair"),
+        (("shoulder_link", "wrist_3_link", "srdf"), "no pair"),
+        (("shoulder_link", "wrist_3_link", "asked"), "no pair"),
+        (("shoulder_link", "wrist_3_link", "always"), "apart in random poses"),
+        (("shoulder_link", "nowhere", "adjacent"), "nothing that is there"),
+        (("shoulder_link", 99, "mount"), "nothing that is there"),
+    ],
+)
+def test_a_contact_that_may_not_be_left_out_is_refused(
+    honest: Data, entry: tuple[str, str | int, str], reason: str
+) -> None:
+    data = copy.deepcopy(honest)
+    allowed = data["arm"]["certificate"]["allowed"]
+    allowed.append(dict(zip(("link", "other", "reason"), entry, strict=True)))
+    found = of_arm(data)
+    assert not found.proven
+    assert reason in found.reason
+
+
+def test_a_pair_that_nothing_keeps_apart_is_missed(honest: Data) -> None:
+    for name in ("pairs", "allowed"):
+        data = copy.deepcopy(honest)
+        data["arm"]["certificate"][name].pop(0)
+        assert not of_arm(data).proven
+
+
+def test_links_that_the_scene_lets_touch_are_left_out() -> None:
+    scene = load_scene("kitchen-ur5e").replace(
+        arm={"allowed": [["shoulder_link", "wrist_3_link"], ["forearm_link", 1]]}
+    )
+    data: Data = json.loads(json.dumps(Planner()(scene).to_dict()))
+    found = of_arm(data)
+    assert found.proven, found.reason
+    assert "2 asked" in found.reason

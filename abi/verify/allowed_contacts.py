@@ -1,0 +1,159 @@
+"""Contacts that a certificate of a URDF arm leaves out, each checked to be one that may be.
+
+What may be left out: two links between which at most one joint moves; pairs that the SRDF or the
+scene names; links that overlap in random poses; the floor for what stands on it; an obstacle
+beneath the base for links that stand still. Nothing else may be missing.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.scene.scene import Scene
+from abi.verify.certificate import ARM
+from abi.verify.exact import ExactSolid
+from abi.verify.exact_chain import ExactChain
+from abi.verify.exact_mesh import ExactMesh
+from abi.verify.fault import Fault
+from abi.verify.plan_fields import list_of, mapping
+from abi.verify.plumb_line import is_beneath
+
+Other = str | int
+Bodies = Mapping[str, Sequence[tuple[FloatArray, float]]]
+"""Capsules of each link, in the frame that moves it: ends (2, 3) and radius, [unit]."""
+
+_POSES = 64
+"""Random poses in which links that are said to overlap always are looked at."""
+_NEARLY_ALWAYS = 0.85
+"""Share of these in which they must: of many poses it is to be 0.95."""
+
+
+def allowed_contacts(
+    certificate: dict[str, Any],
+    scene: Scene,
+    obstacles: Sequence[ExactSolid | ExactMesh],
+    chain: ExactChain,
+    bodies: Bodies,
+) -> frozenset[tuple[str, Other]]:
+    """Links, each with what it may touch, both ways round for two links.
+
+    Raises:
+        Fault: a contact may not be left out.
+        SceneError: a field has the wrong form.
+    """
+    found: set[tuple[str, Other]] = set()
+    always: list[tuple[str, str]] = []
+    for entry in list_of(f"{ARM}.allowed", certificate.get("allowed", [])):
+        data = mapping(f"{ARM}.allowed", entry)
+        link, other, reason = data.get("link"), data.get("other"), data.get("reason")
+        if not isinstance(link, str) or link not in chain.frames:
+            raise Fault("a contact is allowed of no link")
+        if isinstance(other, str) and other in chain.frames:
+            if reason == "always":
+                always.append((link, other))
+            elif not _may_touch(link, other, reason, scene, chain):
+                raise Fault(f"{link} and {other} are no pair that may touch")
+            found |= {(link, other), (other, link)}
+        elif other == "floor" or (type(other) is int and 0 <= other < len(obstacles)):
+            if not _may_stand(link, other, reason, scene, obstacles, chain):
+                raise Fault(f"{link} may not touch {_name(other)}")
+            found.add((link, other))
+        else:
+            raise Fault(f"{link} is allowed to touch nothing that is there")
+    _check_overlap(always, chain, bodies)
+    return frozenset(found)
+
+
+def _name(other: Other) -> str:
+    return f"obstacle {other + 1}" if isinstance(other, int) else f"the {other}"
+
+
+def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: ExactChain) -> bool:
+    """Check a pair of links by the reason given."""
+    if reason == "adjacent":
+        first, second = (set(chain.above(chain.frames[one])) for one in (link, other))
+        return len(first ^ second) <= 1
+    pair = {link, other}
+    if reason == "srdf":
+        return frozenset(pair) in scene.arm.robot.may_touch
+    return reason == "asked" and any(pair == set(one) for one in scene.arm.allowed)
+
+
+def _may_stand(
+    link: str,
+    other: Other,
+    reason: object,
+    scene: Scene,
+    obstacles: Sequence[ExactSolid | ExactMesh],
+    chain: ExactChain,
+) -> bool:
+    """Check a link that touches the floor or an obstacle by the reason given."""
+    frame = chain.frames[link]
+    if isinstance(other, str):
+        return reason == "mount" and frame < 1
+    if reason == "asked":
+        return (link, other) in scene.arm.allowed
+    arm, metre = scene.arm, float(chain.units)
+    return (
+        reason == "mount"
+        and frame < 0
+        and is_beneath(obstacles[other], np.array(arm.base), arm.base_wxyz, metre)
+    )
+
+
+def _check_overlap(pairs: Sequence[tuple[str, str]], chain: ExactChain, bodies: Bodies) -> None:
+    """Raise where links that are said to overlap always do not in random poses."""
+    if not pairs:
+        return
+    overlaps = dict.fromkeys(pairs, 0)
+    low, high = _usual_range(chain)
+    for row in np.random.default_rng(0).uniform(low, high, (_POSES, len(low))):
+        frames = chain.place([Fraction(number) for number in row.tolist()])
+        placed: dict[str, list[tuple[FloatArray, float]]] = {}
+        for link in set(itertools.chain(*pairs)):
+            turn, origin = np.eye(3), np.zeros(3)
+            if chain.frames[link] >= 0:
+                frame = frames[chain.frames[link]]
+                turn, origin = (part.astype(float) / 2.0**200 for part in frame[:2])
+            placed[link] = [(ends @ turn.T + origin, radius) for ends, radius in bodies[link]]
+        for pair in pairs:
+            both = itertools.product(placed[pair[0]], placed[pair[1]])
+            overlaps[pair] += any(_touch(*one, *other) for one, other in both)
+    for (link, other), count in overlaps.items():
+        if count < _NEARLY_ALWAYS * _POSES:
+            raise Fault(f"{link} and {other} are apart in random poses")
+
+
+def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
+    """Lowest and highest positions of random poses: of a turning joint at most one turn about 0."""
+    low, high = (np.array([float(one[side]) for one in chain.limits]) for side in (0, 1))
+    turns = ~np.array(chain.slides) & (low <= 0) & (high >= 0)
+    turn = np.where(turns, np.pi, np.inf)
+    return np.maximum(low, -turn).tolist(), np.minimum(high, turn).tolist()
+
+
+def _touch(first: FloatArray, radius: float, second: FloatArray, other: float) -> bool:
+    """Check whether two capsules are nearer than their radii, by projecting in turn.
+
+    The distance of a point of one segment to the other is convex, so that alternating projections
+    converge to the least.
+    """
+    point = first.mean(axis=0)
+    for _ in range(200):
+        on_second = _nearest(second, point)
+        point = _nearest(first, on_second)
+    return float(np.linalg.norm(point - on_second)) <= radius + other
+
+
+def _nearest(ends: FloatArray, point: FloatArray) -> FloatArray:
+    """The point (3,) of a segment that is nearest to a point."""
+    way = ends[1] - ends[0]
+    square = float(way @ way)
+    share = min(max(float((point - ends[0]) @ way) / square, 0.0), 1.0) if square > 0 else 0.0
+    return np.asarray(ends[0] + share * way)

@@ -1,0 +1,103 @@
+"""What is read of SRDF files: pairs, groups and named states, each as far as the robot has it."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from pathlib import Path
+
+import pytest
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.robot import Robot
+from abi.robot.robot_files import load_robot, robot_from_archive
+from abi.scene.scene import Scene, load_scene
+from tests.abi.robot.robots import arm, packed
+
+
+def with_srdf(*parts: str) -> Robot:
+    text = f'<robot name="r">{"".join(parts)}</robot>'
+    return robot_from_archive(packed({"a.urdf": arm(), "a.srdf": text}))
+
+
+def test_groups_are_chains_links_joints_and_other_groups() -> None:
+    robot = with_srdf(
+        '<group name="arm"><chain base_link="a" tip_link="c"/></group>',
+        '<group name="last"><link name="d"/><joint name="none"/></group>',
+        '<group name="both"><group name="arm"/><group name="last"/></group>',
+        '<group name="one"><joint name="q"/></group>',
+    )
+    assert dict(robot.groups) == {
+        "arm": ("p", "q"),
+        "last": ("s",),
+        "both": ("p", "q", "s"),
+        "one": ("q",),
+    }
+
+
+def test_states_hold_positions_within_the_limits() -> None:
+    robot = with_srdf(
+        '<group_state name="home" group="arm"><joint name="p" value="0.5"/>'
+        '<joint name="q" value=" 7 "/><joint name="elsewhere" value="1"/></group_state>',
+        '<group_state name="empty" group="arm"/>',
+        '<group_state name="wide" group="arm"><joint name="p" value="1 2"/></group_state>',
+    )
+    (home,) = robot.states
+    assert (home.name, home.group, dict(home.positions)) == ("home", "arm", {"p": 0.5, "q": 2.0})
+    assert any("home" in note for note in robot.notes)
+    for copied in (copy.deepcopy(robot), pickle.loads(pickle.dumps(robot))):
+        assert copied.states == robot.states
+        assert copied.groups == dict(robot.groups)
+
+
+def test_a_state_that_is_no_number_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"value.*fast"):
+        with_srdf('<group_state name="a" group="b"><joint name="p" value="fast"/></group_state>')
+
+
+def test_all_pairs_of_a_link_may_be_disabled_but_for_some() -> None:
+    robot = with_srdf(
+        '<disable_default_collisions link="d"/><enable_collisions link1="d" link2="a"/>'
+    )
+    assert robot.may_touch == {frozenset("db"), frozenset("dc")}
+
+
+def test_a_scene_names_the_srdf_that_counts(tmp_path: Path) -> None:
+    for name, pair in (("one", "ac"), ("two", "bd")):
+        text = f'<disable_collisions link1="{pair[0]}" link2="{pair[1]}"/>'
+        (tmp_path / f"{name}.srdf").write_text(f'<robot name="r">{text}</robot>')
+    (tmp_path / "r.urdf").write_text(arm())
+    inside = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    (tmp_path / "r.zip").write_bytes(packed(inside))
+    for file in ("r.urdf", "r.zip"):
+        source = MeshSource(folder=tmp_path)
+        assert not load_robot(file, source).may_touch
+        assert load_robot(file, source, srdf="two.srdf").may_touch == {frozenset("bd")}
+        (tmp_path / "s.json").write_text(
+            f'{{"version": 1, "arm": {{"model": "urdf", "urdf": "{file}", "srdf": "one.srdf"}}}}'
+        )
+        scene = load_scene(tmp_path / "s.json")
+        assert scene.arm.robot.may_touch == {frozenset("ac")}
+        (tmp_path / "packed.zip").write_bytes(scene.pack())
+        again = load_scene(tmp_path / "packed.zip")
+        assert again == scene
+        assert again.arm.robot.may_touch == {frozenset("ac")}
+        assert scene.replace(arm={"base": (0, 0, 0)}).arm.robot.may_touch == {frozenset("ac")}
+
+
+@pytest.mark.parametrize(
+    ("urdf", "srdf", "expected"),
+    [
+        ("r.urdf", "none.srdf", "none"),
+        ("r.urdf", "r.urdf", "ends in .srdf"),
+        ("ur5e", "none.srdf", "shipped"),
+    ],
+)
+def test_an_srdf_that_is_not_there_is_refused(
+    tmp_path: Path, urdf: str, srdf: str, expected: str
+) -> None:
+    (tmp_path / "r.urdf").write_text(arm())
+    data = {"version": 1, "arm": {"model": "urdf", "urdf": urdf, "srdf": srdf}}
+    with pytest.raises(SceneError, match=rf"arm\.srdf.*{expected}"):
+        Scene.from_dict(data, tmp_path)
