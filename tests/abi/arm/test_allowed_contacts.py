@@ -16,7 +16,7 @@ from abi.arm.surroundings import chain_surroundings
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
@@ -75,7 +75,7 @@ def test_a_pair_that_the_scene_names_may_touch() -> None:
 @given(seeds)
 def test_an_arm_stands_on_what_the_verifier_finds_beneath_it(seed: int) -> None:
     random = np.random.default_rng(seed)
-    obstacles = []
+    obstacles: list[Obstacle] = []
     for _ in range(6):
         place = tuple(random.normal(0, (0.15, 0.15, 0.2)).tolist())
         if random.random() < 0.4:

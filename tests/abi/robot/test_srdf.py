@@ -68,7 +68,7 @@ def test_a_scene_names_the_srdf_that_counts(tmp_path: Path) -> None:
         text = f'<disable_collisions link1="{pair[0]}" link2="{pair[1]}"/>'
         (tmp_path / f"{name}.srdf").write_text(f'<robot name="r">{text}</robot>')
     (tmp_path / "r.urdf").write_text(arm())
-    inside = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    inside: dict[str, str | bytes] = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     (tmp_path / "r.zip").write_bytes(packed(inside))
     for file in ("r.urdf", "r.zip"):
         source = MeshSource(folder=tmp_path)
