@@ -12,7 +12,8 @@
 They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.clearance` (clearance of curves
 and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.verify` checks certificates in
 exact arithmetic, :mod:`abi.export` writes plans for other programs, :mod:`abi.sweep` makes tables
-of many plans, and :mod:`abi.paper` compares our results with those printed in the paper.
+of many plans, :mod:`abi.paper` compares our results with those printed in the paper, and
+:mod:`abi.teach` checks what students have written.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from abi import teach
     from abi.compiling import compile
     from abi.errors import AbiError, SceneError, StageError
     from abi.export.show import show
@@ -42,6 +44,7 @@ __all__ = [
     "plan",
     "scene_names",
     "show",
+    "teach",
 ]
 
 _MODULES = {
@@ -65,6 +68,8 @@ def __getattr__(name: str) -> object:
 
     A program that needs only an error class, say, does not wait for the whole package.
     """
+    if name == "teach":
+        return import_module("abi.teach")
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value: object = getattr(import_module(_MODULES[name]), name)

@@ -1,0 +1,42 @@
+"""Exercises: students write one function of the method, and have it checked on hidden scenes.
+
+:func:`exercises` lists them, :func:`check` checks a function::
+
+    import math, abi.teach
+
+    def heuristic(node, goal):
+        return math.dist(node, goal)
+
+    abi.teach.check("heuristic", heuristic)
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from abi.teach.catalogue import exercises
+    from abi.teach.exercise import Exercise
+    from abi.teach.student_process import Limits
+    from abi.teach.verdict import Counterexample, Verdict, check
+
+__all__ = ["Counterexample", "Exercise", "Limits", "Verdict", "check", "exercises"]
+
+_MODULES = {
+    "Counterexample": "abi.teach.verdict",
+    "Exercise": "abi.teach.exercise",
+    "Limits": "abi.teach.student_process",
+    "Verdict": "abi.teach.verdict",
+    "check": "abi.teach.verdict",
+    "exercises": "abi.teach.catalogue",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used: a student's process needs none of them."""
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(import_module(_MODULES[name]), name)
+    globals()[name] = value
+    return value

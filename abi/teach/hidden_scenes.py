@@ -1,0 +1,121 @@
+"""Hidden scenes of exercises: the paper's, and boxes at random, with their graphs."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from abi.errors import StageError
+from abi.obstacles.box import Box
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.scene.scene import Scene
+from abi.search.build_graph import build_graph
+from abi.search.graph import Graph
+from abi.search.search import search
+from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.tet_mesh import tetrahedralise
+
+SCENES = 20
+"""Hidden scenes of an exercise."""
+_SIDE, _PITCH, _CLEARANCE = 6.0, 1.3, 0.2
+_MOST_BOXES = 4
+
+
+@dataclass(frozen=True, eq=False)
+class HiddenScene:
+    """A scene whose start and goal are joined, and its graph.
+
+    Attributes:
+        scene: the scene.
+        graph: its graph.
+        expanded: nodes of the graph that Dijkstra's algorithm expands, by length.
+    """
+
+    scene: Scene
+    graph: Graph
+    expanded: int
+
+    @property
+    def boxes(self) -> tuple[tuple[list[float], list[float]], ...]:
+        """Lower and upper corners of the obstacles."""
+        found = []
+        for box in self.scene.obstacles:
+            assert isinstance(box, Box)
+            centre, half = np.array(box.position), np.array(box.size) / 2
+            found.append(((centre - half).tolist(), (centre + half).tolist()))
+        return tuple(found)
+
+    def rows(self) -> dict[str, Any]:
+        """The graph as plain data."""
+        graph = self.graph
+        return {
+            "indptr": graph.indptr.tolist(),
+            "indices": graph.indices.tolist(),
+            "lengths": graph.lengths.tolist(),
+            "points": graph.points.tolist(),
+            "start": graph.start,
+            "goal": graph.goal,
+        }
+
+
+@functools.lru_cache(maxsize=8)
+def hidden_scenes(seed: int) -> tuple[HiddenScene, ...]:
+    """The scenes of a seed: a box in the middle first, then one to four boxes at random."""
+    random = np.random.default_rng(seed)
+    found = [hidden_scene(_scene([_box((2.0,) * 3, (3.0,) * 3)]))]
+    for boxes in _random_boxes(random):
+        one = hidden_scene(_scene(boxes))
+        if one is not None:
+            found.append(one)
+        if len(found) == SCENES:
+            break
+    return tuple(one for one in found if one is not None)
+
+
+def hidden_scene(scene: Scene) -> HiddenScene | None:
+    """The scene with its graph; None where start and goal are not joined."""
+    margin = scene.spline.clearance + scene.workspace.slack
+    obstacles = ObstacleSet(scene.obstacles)
+    free = exclude(tetrahedralise(scene.workspace, scene.mesh), obstacles, margin)
+    ends = scene.start, scene.goal
+    try:
+        graph = build_graph(free, obstacles, margin, *ends, scene.spline.clearance)
+        found = search("dijkstra", graph, "length")
+    except StageError:
+        return None
+    return HiddenScene(scene, graph, found.expanded)
+
+
+def _random_boxes(random: np.random.Generator) -> Iterator[list[dict[str, Any]]]:
+    """Boxes at random, without end; they may overlap, but keep clear of start and goal."""
+    while True:
+        boxes = []
+        for _ in range(int(random.integers(1, _MOST_BOXES + 1))):
+            size = random.uniform(1.0, 2.6, 3).round(2)
+            low = random.uniform(0.4, _SIDE - 0.4 - size).round(2)
+            boxes.append(_box(size, low + size / 2))
+        yield boxes
+
+
+def _box(size: Any, position: Any) -> dict[str, Any]:
+    return {"shape": "box", "size": list(map(float, size)), "position": list(map(float, position))}
+
+
+def _scene(boxes: list[dict[str, Any]]) -> Scene:
+    return Scene.from_dict(
+        {
+            "version": 1,
+            "workspace": {"min": [0, 0, 0], "max": [_SIDE] * 3},
+            "start": [0, 0, 0],
+            "goal": [_SIDE] * 3,
+            "obstacles": boxes,
+            "mesh": {"pitch": _PITCH},
+            "search": {"taut": False},
+            "spline": {"clearance": _CLEARANCE},
+            "arm": {"avoid": False},
+        }
+    )

@@ -1,0 +1,44 @@
+"""Numbers and points in the sentences of exercises, and whether an answer is one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from abi.length_text import with_minus
+
+
+def text(value: float) -> str:
+    """A number with four digits, as people read it."""
+    return with_minus(f"{value + 0.0:.4g}")
+
+
+def point(place: Sequence[float]) -> str:
+    """A point in brackets."""
+    return f"({', '.join(map(text, place))})"
+
+
+def shown(value: Any) -> str:
+    """An answer as text, short enough for a sentence."""
+    if isinstance(value, float):
+        return text(value)
+    if isinstance(value, list) and value and all(is_number(part) for part in value):
+        return point(value)
+    written = repr(value)
+    return written if len(written) <= 80 else f"{written[:77]}…"
+
+
+def is_number(value: Any) -> bool:
+    """Check whether an answer is a finite number."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def are_numbers(value: Any, count: int) -> bool:
+    """Check whether an answer is a list of so many finite numbers."""
+    return isinstance(value, list) and len(value) == count and all(map(is_number, value))
+
+
+def are_points(value: Any) -> bool:
+    """Check whether an answer is a list of points (n, 3)."""
+    return isinstance(value, list) and all(are_numbers(part, 3) for part in value)

@@ -1,0 +1,170 @@
+"""The process that runs a student's function: it may not write, start programs or use a network.
+
+:mod:`abi.teach.student_process` starts it. It imports nothing of the package but the programs that
+call the function, so that it is ready at once. The limits keep mistakes from doing harm and cheap
+mischief from succeeding; they are no wall against somebody who wants to break out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pickle
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from types import CodeType
+from typing import Any, TextIO
+
+from abi.teach.callers import CALLERS
+
+_REFUSED = frozenset(
+    {"ctypes.dlopen", "os.chmod", "os.chown", "os.exec", "os.fork", "os.forkpty", "os.kill"}
+    | {"os.killpg", "os.link", "os.mkdir", "os.posix_spawn", "os.remove", "os.rename", "os.rmdir"}
+    | {"os.spawn", "os.startfile", "os.symlink", "os.system", "os.truncate", "os.utime"}
+    | {"shutil.rmtree", "signal.pthread_kill", "subprocess.Popen", "winreg.CreateKey"}
+)
+"""Audit events of what no exercise needs."""
+_NETWORK = "socket."
+_WRITTEN = "files to write to"
+_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+_NEW_USER_AND_NETWORK = 0x10000000 | 0x40000000  # CLONE_NEWUSER, CLONE_NEWNET
+
+
+def main() -> None:
+    """Run the job that comes on standard input, one line of answer for each call.
+
+    The command line has the limits: memory in bytes, bytes of the answers, and processor time in
+    seconds.
+    """
+    memory, answer, seconds = map(int, sys.argv[1:])
+    job = json.loads(sys.stdin.buffer.read())
+    # what the student prints must not stand among the answers
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    silence = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(silence, standard)
+    import ctypes  # so that libraries which import it can, too
+
+    import numpy  # noqa: F401  # before its many files count
+
+    _leave_the_network(ctypes)
+    _restrict(memory, answer, seconds)
+    sys.addaudithook(_refuse)
+    for answer_line in answers_of(job):
+        _write(answers, answer_line)
+
+
+def answers_of(job: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """The answers of a job, one for each of its trials, until one of them fails."""
+    try:
+        function = _function(job)
+    except BaseException as error:
+        yield {"trial": -1, "error": _told(error, job.get("file", ""))}
+        return
+    code = getattr(function, "__code__", None)
+    file = code.co_filename if isinstance(code, CodeType) else job.get("file", "")
+    yield {"trial": -1, "ready": True}
+    call = CALLERS[job["caller"]]
+    for number, trial in enumerate(job["trials"]):
+        values: list[Any] = []
+        try:
+            for arguments in trial:
+                values.append(_plain(call(function, arguments)))
+        except BaseException as error:
+            yield {"trial": number, "call": len(values), "error": _told(error, file)}
+            return
+        yield {"trial": number, "values": values}
+
+
+def _function(job: dict[str, Any]) -> Callable[..., Any]:
+    """The student's function, of a pickle or of a file's text."""
+    if "pickle" in job:
+        function = pickle.loads(bytes.fromhex(job["pickle"]))
+    else:
+        names: dict[str, Any] = {"__name__": "exercise", "__file__": job["file"]}
+        exec(compile(job["source"], job["file"], "exec"), names)
+        if job["name"] not in names:
+            raise NameError(f"the file has no function {job['name']}")
+        function = names[job["name"]]
+    if not callable(function):
+        raise TypeError(f"{job['name']} is no function")
+    return function  # type: ignore[no-any-return]
+
+
+def _plain(value: Any) -> Any:
+    """The value as JSON can hold it: numpy's numbers and arrays as Python's."""
+    if isinstance(value, (bool, int, float, str)) or value is None:
+        return value
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    if isinstance(value, dict):
+        return {str(key): _plain(part) for key, part in value.items()}
+    raise TypeError(f"it returns a {type(value).__name__}, not numbers")
+
+
+def _told(error: BaseException, file: str) -> str:
+    """The error in one line, with the line of the student's code where it happened."""
+    place = ""
+    with contextlib.suppress(Exception):
+        own = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_in(frame, file)]
+        number = own[-1].lineno if own else getattr(error, "lineno", None)
+        place = f" (line {number})" if number is not None else ""
+    if isinstance(error, MemoryError):
+        return f"it needs more memory than it may have{place}"
+    if isinstance(error, SystemExit):
+        return f"it ends the program{place}"
+    text = str(error).splitlines()[0][:200] if str(error) else ""
+    return f"{type(error).__name__}{': ' if text else ''}{text}{place}"
+
+
+def _is_in(frame: traceback.FrameSummary, file: str) -> bool:
+    return frame.filename == file
+
+
+def _write(answers: TextIO, line: dict[str, Any]) -> None:
+    answers.write(json.dumps(line) + "\n")
+    answers.flush()
+
+
+def _leave_the_network(ctypes: Any) -> None:
+    """Move to a network of its own that leads nowhere, where Linux allows that to everybody."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).unshare(_NEW_USER_AND_NETWORK)
+
+
+def _restrict(memory: int, answer: int, seconds: int) -> None:
+    """Give up all but ``memory`` more bytes, ``answer`` bytes of answers, ``seconds`` of time.
+
+    Where the system has no such limits, as Windows, whoever waits still limits the time.
+    """
+    with contextlib.suppress(ImportError):
+        import resource
+
+        with contextlib.suppress(OSError), open("/proc/self/oom_score_adj", "w") as score:
+            score.write("1000")
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (answer, answer))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+        with contextlib.suppress(OSError), open("/proc/self/statm") as statm:
+            most = memory + int(statm.read().split()[0]) * resource.getpagesize()
+            resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
+    """Refuse what no exercise needs, before it happens."""
+    if event == "open":
+        _, mode, flags = arguments
+        writes = isinstance(mode, str) and any(letter in mode for letter in "wax+")
+        if not writes and not (isinstance(flags, int) and flags & _WRITING):
+            return
+    elif event not in _REFUSED and not event.startswith(_NETWORK):
+        return
+    raise PermissionError(f"an exercise may not use {_WRITTEN if event == 'open' else event}")
+
+
+if __name__ == "__main__":
+    main()

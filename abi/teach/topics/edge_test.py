@@ -1,0 +1,125 @@
+"""Exercise: whether an edge of the mesh meets a box."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.teach.boxes import segment_meets
+from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.numbers import point, shown
+
+_NEAR = Fraction(1, 10**6)
+"""Edges that a box grown or shrunk by so much decides otherwise are not asked about, [unit]."""
+_EDGES = 60
+
+
+def _trials(seed: int) -> tuple[Trial, ...]:
+    return tuple(_trial(one, seed + k) for k, one in enumerate(hidden_scenes(seed)))
+
+
+def _trial(one: HiddenScene, seed: int) -> Trial:
+    """Edges of the mesh, along axes and across, and segments that cut a box's corner."""
+    random = np.random.default_rng(seed)
+    low, high = one.boxes[0]
+    mesh = one.graph.mesh
+    chosen = mesh.points[random.permutation(mesh.edges)[:_EDGES]]
+    calls, facts = [], []
+    for a, b in np.concatenate([chosen, _across_corners(random, np.array([low, high]))]).tolist():
+        meets = _meets(a, b, low, high, Fraction(0))
+        if all(_meets(a, b, low, high, grown) == meets for grown in (_NEAR, -_NEAR)):
+            calls.append((a, b, low, high))
+            facts.append(meets)
+    return Trial(one.scene, tuple(calls), {"meets": tuple(facts)})
+
+
+def _across_corners(random: np.random.Generator, box: FloatArray) -> FloatArray:
+    """Segments (n, 2, 3) near corners of a box, from one face to the next or just past both."""
+    corner = box[random.integers(0, 2, (_EDGES, 3)), np.arange(3)]
+    middle = corner + random.normal(0.0, 0.08, (_EDGES, 3))
+    half = random.normal(0.0, 0.8, (_EDGES, 3))
+    return np.stack([middle - half, middle + half], axis=1).round(3)
+
+
+def _meets(a: Any, b: Any, low: Any, high: Any, grown: Fraction) -> bool:
+    """Check exactly whether a segment meets a box that is grown on each side."""
+    exact_a, exact_b, lower, upper = ([Fraction(x) for x in part] for part in (a, b, low, high))
+    return segment_meets(exact_a, exact_b, ([x - grown for x in lower], [x + grown for x in upper]))
+
+
+def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+    for call, (value, meets) in enumerate(zip(values, trial.facts["meets"], strict=True)):
+        if value is not True and value is not False and value not in (0, 1):
+            return Fault(f"It returns {shown(value)} instead of True or False.", call)
+        if bool(value) == meets:
+            continue
+        return _fault(trial, call, meets)
+    return None
+
+
+def _fault(trial: Trial, call: int, meets: bool) -> Fault:
+    a, b, low, high = trial.calls[call]
+    box = f"the box from {point(low)} to {point(high)}"
+    truth, claim = ("meets", "is clear of") if meets else ("is clear of", "meets")
+    why = _why(a, b, low, high) if meets else "they pass each other."
+    return Fault(
+        f"The segment from {point(a)} to {point(b)} {truth} {box}, and yours says that it "
+        f"{claim} it: {why}",
+        call,
+        str(not meets),
+        str(meets),
+        change=_around(a, b, low, high),
+    )
+
+
+def _why(a: Any, b: Any, low: Any, high: Any) -> str:
+    """Where a segment is inside, as the end of a sentence."""
+    inside = [
+        all(x0 <= x <= x1 for x, x0, x1 in zip(place, low, high, strict=True)) for place in (a, b)
+    ]
+    if all(inside):
+        return "it lies inside from end to end."
+    if any(inside):
+        return "one of its ends is inside."
+    steps = np.linspace(0.0, 1.0, 10_001)[:, None]
+    places = (1 - steps) * np.array(a) + steps * np.array(b)
+    within = places[((places >= low) & (places <= high)).all(axis=1)]
+    if not len(within):
+        return "both ends are outside, and it cuts a corner off."
+    return f"both ends are outside, but its point {point(within[len(within) // 2])} is inside."
+
+
+def _around(a: Any, b: Any, low: Any, high: Any) -> dict[str, Any]:
+    """Fields of a scene with that box, from one end of the segment to the other."""
+    every = np.array([a, b, low, high])
+    margin = 0.5
+    workspace = {"min": (every.min(0) - margin).tolist(), "max": (every.max(0) + margin).tolist()}
+    box = {
+        "shape": "box",
+        "size": (np.array(high) - low).tolist(),
+        "position": ((np.array(high) + low) / 2).tolist(),
+    }
+    return {"workspace": workspace, "start": a, "goal": b, "obstacles": [box]}
+
+
+EDGE_TEST = Exercise(
+    name="edge_test",
+    title="Does an edge meet a box?",
+    task=(
+        "An edge goes straight from a to b, a box along the axes from its lower to its upper "
+        "corner; all four are points (x, y, z). Return True if any point of the edge lies in the "
+        "box or on it, else False."
+    ),
+    starter=(
+        "def edge_test(a, b, lower, upper):\n"
+        "    return all(lo <= x <= hi for x, lo, hi in zip(a, lower, upper))  # an end alone\n"
+    ),
+    lesson="02-graph",
+    caller="alone",
+    trials=_trials,
+    judge=_judge,
+)

@@ -1,0 +1,144 @@
+"""Exercise: a heuristic that is consistent, and useful."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from abi.search.graph import Graph
+from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.numbers import is_number, point, shown, text
+
+_ROUNDING = 1e-9
+
+
+def _trials(seed: int) -> tuple[Trial, ...]:
+    scenes = hidden_scenes(seed)
+    return tuple(_trial(one, telling=one is scenes[0]) for one in scenes)
+
+
+def _trial(one: HiddenScene, telling: bool) -> Trial:
+    """A call for each node that has an edge, the goal among them.
+
+    Args:
+        one: the scene.
+        telling: whether a useful heuristic is sure to spare nodes in it.
+    """
+    graph = one.graph
+    nodes = np.flatnonzero(np.diff(graph.indptr)).tolist()
+    goal = graph.points[graph.goal].tolist()
+    calls = tuple((place, goal) for place in graph.points[nodes].tolist())
+    return Trial(
+        one.scene, calls, {"graph": graph, "nodes": nodes, "dijkstra": one.expanded * telling}
+    )
+
+
+def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+    graph, nodes = trial.facts["graph"], trial.facts["nodes"]
+    for call, value in enumerate(values):
+        if not is_number(value):
+            place = point(graph.points[nodes[call]].tolist())
+            return Fault(f"Of the node at {place} it returns {shown(value)}, no number.", call)
+    estimates = dict(zip(nodes, map(float, values), strict=True))
+    return _goal_fault(graph, estimates) or _edge_fault(graph, estimates) or _use(trial, estimates)
+
+
+def _goal_fault(graph: Graph, estimates: dict[int, float]) -> Fault | None:
+    at_goal = estimates[graph.goal]
+    if abs(at_goal) <= _ROUNDING:
+        return None
+    call = list(estimates).index(graph.goal)
+    sentence = (
+        f"At the goal itself nothing is left to go, so h must be 0; yours is {text(at_goal)}."
+    )
+    return Fault(sentence, call, text(at_goal), "0")
+
+
+def _edge_fault(graph: Graph, estimates: dict[int, float]) -> Fault | None:
+    """The edge along which the estimate falls by most more than the edge is long."""
+    worst, most = None, _ROUNDING
+    for node, estimate in estimates.items():
+        for place in range(graph.indptr[node], graph.indptr[node + 1]):
+            other, length = int(graph.indices[place]), float(graph.lengths[place])
+            excess = estimate - length - estimates[other]
+            if excess > most * max(length, 1.0):
+                worst, most = (node, other, length), excess
+    if worst is None:
+        return None
+    node, other, length = worst
+    drop = estimates[node] - estimates[other]
+    a, b = (point(graph.points[one].tolist()) for one in (node, other))
+    return Fault(
+        f"From {a} to {b} the edge is {text(length)} long, but h falls by {text(drop)}, from "
+        f"{text(estimates[node])} to {text(estimates[other])}: it promises more than the edge can "
+        "give, and A* may miss the shortest path.",
+        list(estimates).index(node),
+        f"h falls by {text(drop)}",
+        f"by {text(length)} at most",
+        steps=expanded_with(graph, estimates),
+        right_steps=expanded_with(graph, _straight(graph, estimates)),
+    )
+
+
+def _use(trial: Trial, estimates: dict[int, float]) -> Fault | None:
+    """The fault of an estimate that spares no node where any useful one does."""
+    if not trial.facts["dijkstra"]:
+        return None
+    graph = trial.facts["graph"]
+    steps, best = (expanded_with(graph, one) for one in (estimates, _straight(graph, estimates)))
+    if len(steps) < trial.facts["dijkstra"]:
+        return None
+    return Fault(
+        f"It is consistent, but spares nothing: A* expands {len(steps)} nodes with it, as many as "
+        f"Dijkstra's algorithm; with the straight distance it expands {len(best)}.",
+        got=f"{len(steps)} nodes expanded",
+        expected=f"fewer than {trial.facts['dijkstra']}",
+        steps=steps,
+        right_steps=best,
+    )
+
+
+def _straight(graph: Graph, nodes: dict[int, float]) -> dict[int, float]:
+    goal = graph.points[graph.goal]
+    return {node: float(np.linalg.norm(graph.points[node] - goal)) for node in nodes}
+
+
+def expanded_with(graph: Graph, estimates: dict[int, float]) -> tuple[int, ...]:
+    """Nodes that A* expands with estimates of the remaining length, none twice."""
+    cost = {graph.start: 0.0}
+    waiting = {graph.start: estimates[graph.start]}
+    closed: set[int] = set()
+    order: list[int] = []
+    while waiting:
+        node = min(waiting, key=lambda other: (waiting[other], other))
+        del waiting[node]
+        closed.add(node)
+        order.append(node)
+        if node == graph.goal:
+            break
+        for place in range(graph.indptr[node], graph.indptr[node + 1]):
+            other = int(graph.indices[place])
+            g = cost[node] + float(graph.lengths[place])
+            if other not in closed and g < cost.get(other, math.inf):
+                cost[other], waiting[other] = g, g + estimates[other]
+    return tuple(order)
+
+
+HEURISTIC = Exercise(
+    name="heuristic",
+    title="A consistent heuristic",
+    task=(
+        "Return an estimate of the length that is left from a node to the goal; both are points "
+        "(x, y, z). It must be 0 at the goal and never fall along an edge by more than the edge "
+        "is long, so that A* finds a shortest path and expands no node twice; and it must spare "
+        "A* nodes that Dijkstra's algorithm expands."
+    ),
+    starter="def heuristic(node, goal):\n    return 0.0  # consistent, but of no use\n",
+    lesson="03-search",
+    caller="alone",
+    trials=_trials,
+    judge=_judge,
+)

@@ -1,0 +1,117 @@
+"""Exercise: the priority by which A* chooses the next node."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from abi.search.graph import Graph
+from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.hidden_scenes import hidden_scenes
+from abi.teach.numbers import point, text
+
+_TIE = 1e-9
+"""Priorities that differ by no more than this part count as the same."""
+
+
+def _trials(seed: int) -> tuple[Trial, ...]:
+    return tuple(
+        Trial(one.scene, ((one.rows(),),), {"graph": one.graph}) for one in hidden_scenes(seed)
+    )
+
+
+def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+    """Follow the student's order: each node must have the least g + h of those that wait."""
+    graph, order = trial.facts["graph"], values[0]
+    fault = first_fault(graph, order)
+    if fault is None:
+        return None
+    number, sentence = fault
+    return Fault(
+        sentence,
+        got=f"{len(order)} nodes expanded",
+        expected=f"{len(expanded_by_a_star(graph))} nodes expanded",
+        steps=tuple(order[: number + 1]),
+        right_steps=expanded_by_a_star(graph, tuple(order[:number])),
+    )
+
+
+def first_fault(graph: Graph, order: list[int]) -> tuple[int, str] | None:
+    """The first step that A* would not take, and why; None where it takes them all."""
+    heuristic = straight_lines(graph)
+    cost = {graph.start: 0.0}
+    closed: set[int] = set()
+    for number, node in enumerate(order):
+        waiting = {other: g + heuristic[other] for other, g in cost.items() if other not in closed}
+        if node not in waiting:
+            return number, f"Step {number + 1} expands a node that does not wait."
+        best = min(waiting, key=waiting.__getitem__)
+        if waiting[node] > waiting[best] + _TIE * max(waiting[best], 1.0):
+            return number, (
+                f"Step {number + 1} expands the node at {_place(graph, node)} with "
+                f"g + h = {_sum(cost, heuristic, node)}, but the node at {_place(graph, best)} "
+                f"waits with only {_sum(cost, heuristic, best)}."
+            )
+        _expand(graph, node, cost, closed)
+    return None
+
+
+def expanded_by_a_star(graph: Graph, first: tuple[int, ...] = ()) -> tuple[int, ...]:
+    """Nodes that A* with the straight line expands, beginning with those that are given."""
+    heuristic = straight_lines(graph)
+    cost = {graph.start: 0.0}
+    closed: set[int] = set()
+    order: list[int] = []
+    while not order or order[-1] != graph.goal:
+        if len(order) < len(first):
+            node = first[len(order)]
+        else:
+            waiting = [other for other in cost if other not in closed]
+            if not waiting:
+                break
+            node = min(waiting, key=lambda other: (cost[other] + heuristic[other], other))
+        order.append(node)
+        _expand(graph, node, cost, closed)
+    return tuple(order)
+
+
+def straight_lines(graph: Graph) -> list[float]:
+    """Straight distances from the nodes to the goal, [unit]."""
+    away = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1)
+    return [float(distance) for distance in away]
+
+
+def _expand(graph: Graph, node: int, cost: dict[int, float], closed: set[int]) -> None:
+    closed.add(node)
+    row = slice(graph.indptr[node], graph.indptr[node + 1])
+    for other, length in zip(graph.indices[row].tolist(), graph.lengths[row].tolist(), strict=True):
+        if other not in closed:
+            cost[other] = min(cost.get(other, math.inf), cost[node] + length)
+
+
+def _place(graph: Graph, node: int) -> str:
+    return point(graph.points[node].tolist())
+
+
+def _sum(cost: dict[int, float], heuristic: list[float], node: int) -> str:
+    g, h = cost[node], heuristic[node]
+    return f"{text(g)} + {text(h)} = {text(g + h)}"
+
+
+PRIORITY = Exercise(
+    name="priority",
+    title="The priority of a best-first search",
+    task=(
+        "The search always expands the node with the least priority next. Of a node, g is the "
+        "length of the best path found from the start, h the straight distance to the goal. "
+        "Return the priority with which it finds a shortest path and expands as few nodes as "
+        "these numbers allow. Where two nodes are as good, either may come first."
+    ),
+    starter="def priority(g, h):\n    return g  # Dijkstra: it looks in all directions\n",
+    lesson="03-search",
+    caller="search",
+    trials=_trials,
+    judge=_judge,
+)

@@ -1,0 +1,89 @@
+"""Exercise: leave out the corners of a path that nothing stands behind."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+from abi.search.search import search
+from abi.teach.boxes import segment_meets_any
+from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
+from abi.teach.numbers import are_points, point, shown, text
+
+_ROUNDING = 1e-9
+_SHORTER = 1e-6
+"""Difference of lengths that is told, [unit]."""
+
+
+def _trials(seed: int) -> tuple[Trial, ...]:
+    return tuple(map(_trial, hidden_scenes(seed)))
+
+
+def _trial(one: HiddenScene) -> Trial:
+    """The path with the fewest edges, which leaves much to gain, among the boxes themselves."""
+    path = search("dijkstra", one.graph, "hops").points.tolist()
+    return Trial(one.scene, ((path, list(one.boxes)),))
+
+
+def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+    path, boxes = trial.calls[0]
+    answer = values[0]
+    if not are_points(answer) or len(answer) < 2:
+        return Fault(f"It returns {shown(answer)}, not a list of points (x, y, z).")
+    for name, asked, given in (("start", path[0], answer[0]), ("end", path[-1], answer[-1])):
+        if math.dist(asked, given) > _ROUNDING:
+            return Fault(f"The path has to {name} at {point(asked)}; yours does at {point(given)}.")
+    return _blocked(answer, boxes) or _foreign(answer, path) or _left(answer, path, boxes)
+
+
+def _blocked(answer: list[list[float]], boxes: list[Any]) -> Fault | None:
+    for a, b in itertools.pairwise(answer):
+        if segment_meets_any(a, b, boxes):
+            return Fault(f"The leg from {point(a)} to {point(b)} runs into a box.")
+    return None
+
+
+def _foreign(answer: list[list[float]], path: list[list[float]]) -> Fault | None:
+    """The fault of a corner that the path has not, or not there."""
+    place = 0
+    for corner in answer:
+        while place < len(path) and math.dist(path[place], corner) > _ROUNDING:
+            place += 1
+        if place == len(path):
+            return Fault(f"The corner {point(corner)} is not the path's, or not in its order.")
+        place += 1
+    return None
+
+
+def _left(answer: list[list[float]], path: list[list[float]], boxes: list[Any]) -> Fault | None:
+    """The fault of a corner that could be left out."""
+    for a, corner, b in zip(answer, answer[1:], answer[2:], strict=False):
+        if not segment_meets_any(a, b, boxes):
+            saved = math.dist(a, corner) + math.dist(corner, b) - math.dist(a, b)
+            gain = f"{text(saved)} shorter" if saved > _SHORTER else "no longer"
+            return Fault(
+                f"The corner {point(corner)} can be left out: from {point(a)} straight to "
+                f"{point(b)} is clear, and {gain}.",
+                got=f"{len(answer)} points of {len(path)}",
+                expected="no corner that can be left out",
+            )
+    return None
+
+
+SHORTCUT = Exercise(
+    name="shortcut",
+    title="Shortcuts",
+    task=(
+        "A path is a list of points (x, y, z), and is_clear(a, b) says whether the straight line "
+        "from one point to another meets no obstacle. Return the path without the corners that it "
+        "does not need: a list of its points, in order, with the same ends, all of whose legs are "
+        "clear, and no single corner of which could still be left out."
+    ),
+    starter="def shortcut(path, is_clear):\n    return path  # as long as it was\n",
+    lesson="10-optimal",
+    caller="clear_test",
+    trials=_trials,
+    judge=_judge,
+)

@@ -1,0 +1,121 @@
+"""The exercises: errors that students make are caught, and what is right is accepted."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import networkx
+import numpy as np
+import pytest
+
+import abi.teach
+from abi.teach.boxes import segment_meets
+from abi.teach.exercise import Exercise
+from abi.teach.hidden_scenes import SCENES, hidden_scenes
+from abi.teach.student_main import answers_of
+from abi.teach.student_process import job_of, read
+from abi.teach.topics.priority import expanded_by_a_star
+from abi.teach.verdict import SEED, judged
+from tests.abi.teach.right_students import RIGHT
+from tests.abi.teach.wrong_students import WRONG
+
+_ALL = tuple(abi.teach.exercises().values())
+
+
+def verdict_of(one: Exercise, function: Callable[..., Any], seed: int = SEED) -> dict[str, Any]:
+    """The verdict without the process, which takes most of the time."""
+    trials = one.trials(seed)
+    job = json.loads(json.dumps(job_of(function, one.name, one.caller, [t.calls for t in trials])))
+    lines = (json.dumps(line).encode() for line in answers_of(job))
+    return judged(one, trials, read(lines, len(trials)))
+
+
+@pytest.mark.parametrize(("name", "function"), RIGHT)
+def test_a_right_function_is_accepted(name: str, function: Callable[..., Any]) -> None:
+    found = verdict_of(abi.teach.exercises()[name], function)
+    assert found["passed"], found["sentence"]
+
+
+@pytest.mark.parametrize(("name", "function"), WRONG)
+def test_a_wrong_function_is_caught_with_a_case(name: str, function: Callable[..., Any]) -> None:
+    found = verdict_of(abi.teach.exercises()[name], function)
+    assert not found["passed"]
+    case = found["counterexample"]
+    assert case.scene.obstacles
+    assert found["sentence"].endswith(".")
+    assert len(found["sentence"]) < 420
+
+
+def test_there_are_thirty_of_each() -> None:
+    assert len(RIGHT) >= 30
+    assert len(WRONG) >= 30
+    names = set(abi.teach.exercises())
+    assert {name for name, _ in RIGHT} == {name for name, _ in WRONG} == names
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 77])
+def test_other_scenes_accept_what_is_right_and_catch_what_is_wrong(seed: int) -> None:
+    for solutions, passed in ((RIGHT, True), (WRONG, False)):
+        for name, function in dict(solutions).items():
+            assert verdict_of(abi.teach.exercises()[name], function, seed)["passed"] is passed
+
+
+@pytest.mark.parametrize("one", _ALL, ids=lambda one: one.name)
+def test_an_exercise_tells_what_to_do_and_begins_with_an_error(one: Exercise) -> None:
+    names: dict[str, Any] = {}
+    exec(one.starter, names)
+    assert not verdict_of(one, names[one.name])["passed"]
+    assert len(one.starter.splitlines()) <= 15
+    assert len(one.trials(SEED)) == SCENES
+
+
+def test_a_wrong_search_parts_from_the_right_one_at_its_last_step() -> None:
+    case = verdict_of(abi.teach.exercises()["priority"], lambda g, h: h)["counterexample"]
+    assert case.steps[: case.parting] == case.right_steps[: case.parting]
+    assert len(case.steps) == case.parting + 1
+    assert case.right_steps[-1] == hidden_scenes(SEED)[0].graph.goal
+
+
+def test_the_right_search_is_a_shortest_path_by_networkx() -> None:
+    for one in hidden_scenes(SEED):
+        graph = one.graph.to_networkx()
+        order = expanded_by_a_star(one.graph)
+        shortest = networkx.dijkstra_path_length(
+            graph, one.graph.start, one.graph.goal, weight="length"
+        )
+        away = networkx.single_source_dijkstra_path_length(graph, one.graph.start, weight="length")
+        straight = {
+            node: math.dist(one.graph.points[node], one.graph.points[one.graph.goal])
+            for node in graph
+        }
+        must = {node for node in away if away[node] + straight[node] < shortest - 1e-9}
+        may = {node for node in away if away[node] + straight[node] < shortest + 1e-9}
+        assert must <= set(order) <= may
+        assert one.expanded >= len(order)
+
+
+def test_a_segment_meets_a_box_where_it_has_a_point_of_it() -> None:
+    random = np.random.default_rng(0)
+    for _ in range(300):
+        a, b = random.integers(-4, 5, (2, 3)).tolist()
+        low = random.integers(-3, 1, 3).tolist()
+        high = [x + int(random.integers(1, 4)) for x in low]
+        exact = segment_meets([Fraction(x) for x in a], [Fraction(x) for x in b], (low, high))
+        # by lattice: all coordinates that can be extreme are at multiples of 1 / (differences)
+        shares = {Fraction(0), Fraction(1)}
+        for p, q, lo, hi in zip(a, b, low, high, strict=True):
+            if p != q:
+                shares |= {Fraction(lo - p, q - p), Fraction(hi - p, q - p)}
+        points = [
+            [p + s * (q - p) for p, q in zip(a, b, strict=True)] for s in shares if 0 <= s <= 1
+        ]
+        inside = any(
+            all(lo <= x <= hi for x, lo, hi in zip(point, low, high, strict=True))
+            for point in points
+        )
+        assert exact == inside
