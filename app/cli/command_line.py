@@ -12,8 +12,8 @@ from pathlib import Path
 
 import click
 
-<<<<<<< HEAD:app/cli/command_line.py
 from app.cli.bench import bench
+from app.cli.exercises import exercises
 from app.cli.exit_code import BAD_INPUT
 from app.cli.export import export
 from app.cli.output import ensure_streams, lost_output
@@ -23,19 +23,6 @@ from app.cli.serve import serve
 from app.cli.sweep import sweep
 from app.cli.verify import verify
 from app.process.versions import version_text
-=======
-from app.commands.bench import bench
-from app.commands.exercises import exercises
-from app.commands.exit_code import BAD_INPUT
-from app.commands.export import export
-from app.commands.output import ensure_streams, lost_output
-from app.commands.plan import plan
-from app.commands.reproduce import reproduce
-from app.commands.serve import serve
-from app.commands.sweep import sweep
-from app.commands.verify import verify
-from app.versions import version_text
->>>>>>> aad0ac3 (Check functions that students write on hidden scenes, in a process of their own):app/command_line.py
 
 
 class _DefaultGroup(click.Group):

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from app.commands.exit_code import INCOMPLETE
-from app.commands.output import cause, print_text
+from app.cli.exit_code import INCOMPLETE
+from app.cli.output import cause, print_text
 
 
 @click.command(short_help="Check functions that students have written.")

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from abi.teach.catalogue import exercises as all_exercises
 from abi.teach.exercise_file import beginning, exercises_in
-from app.commands.exercises import exercises
+from app.cli.exercises import exercises
 
 _RIGHT = "import math\n\ndef heuristic(node, goal):\n    return math.dist(node, goal)\n"
 
