@@ -18,6 +18,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray, lock
 from abi.errors import ArgumentError
 
 _LETTERS = "nmk"
+_FLOAT64 = np.dtype(np.float64)
 LARGEST_ID = 2**31 - 1
 """Largest number of an array's entry, and of an order or a degree."""
 
@@ -36,11 +37,18 @@ def numbers(
     Raises:
         ArgumentError: another shape, no real numbers, or not finite.
     """
-    array = _of_shape(name, values, shape, "fiu", "finite numbers")
-    if array.dtype != np.float64 or not array.flags.c_contiguous:
+    if (
+        type(values) is np.ndarray
+        and values.dtype is _FLOAT64
+        and values.flags.c_contiguous
+        and (values.shape == shape or _fits(values.shape, shape))
+    ):
+        array = values
+    else:
+        array = _of_shape(name, values, shape, "fiu", "finite numbers")
         array = np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
-    good = not np.isnan(array).any() if infinite else np.isfinite(array).all()
-    if not good:
+    # the sum of squares is finite only if all numbers are, and is found in a fifth of the time
+    if not math.isfinite(np.vdot(array, array)) and not _are_finite(array, infinite):
         k = int(np.flatnonzero(~np.isfinite(array.ravel()))[0])
         where = "".join(f"[{i}]" for i in np.unravel_index(k, array.shape))
         raise ArgumentError(f"{name}{where}", float(array.ravel()[k]), "a finite number")
@@ -50,7 +58,7 @@ def numbers(
 def increasing(name: str, values: ArrayLike, count: int = -1) -> FloatArray:
     """Return two or more numbers (n,), each above the one before; see :func:`numbers`."""
     array = numbers(name, values, (count,))
-    if len(array) < 2 or not (array[1:] > array[:-1]).all():
+    if len(array) < 2 or not np.greater(array[1:], array[:-1]).all():
         raise ArgumentError(name, array.tolist(), "two or more numbers that increase")
     return array
 
@@ -135,6 +143,8 @@ def number(
     Raises:
         ArgumentError: no real number, out of range, or not finite unless that is allowed.
     """
+    if type(value) is float and low <= value <= high and abs(value) < math.inf:
+        return value
     wanted = ("a number" if infinite else "a finite number") + _range(low, high)
     if isinstance(value, bool | np.bool_ | str | bytes | np.ndarray):
         raise ArgumentError(name, value, wanted)
@@ -153,6 +163,8 @@ def integer(name: str, value: Any, low: int, high: int) -> int:
     Raises:
         ArgumentError: no integer, or out of range.
     """
+    if type(value) is int and low <= value <= high:
+        return value
     wanted = f"an integer from {low} to {high}"
     if isinstance(value, bool | np.bool_):
         raise ArgumentError(name, value, wanted)
@@ -193,6 +205,11 @@ def _of_shape(
         given = _Described(f"an array of shape {array.shape} and type {array.dtype}")
         raise ArgumentError(name, given, f"{wanted} of shape {_text_of(shape)}")
     return array
+
+
+def _are_finite(array: FloatArray, infinite: bool) -> bool:
+    """Check whether all numbers are finite, or none is NaN if they may be infinite."""
+    return not np.isnan(array).any() if infinite else bool(np.isfinite(array).all())
 
 
 def _fits(found: tuple[int, ...], shape: tuple[int, ...]) -> bool:

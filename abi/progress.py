@@ -17,8 +17,6 @@ from typing import Protocol
 _PERIOD = 0.05
 """Seconds between two looks at whether a result is wanted, while its thread waits for another."""
 
-_of_thread = threading.local()
-
 
 class CancelledError(Exception):
     """Raised in a computation whose result is not wanted any more."""
@@ -32,6 +30,13 @@ class Watch(Protocol):
 
     def told(self, doing: str) -> None:
         """Hear what is done now, as ``searching``."""
+
+
+class _OfThread(threading.local):
+    watch: Watch | None = None
+
+
+_of_thread = _OfThread()
 
 
 @dataclass(frozen=True)
@@ -56,7 +61,7 @@ def watched_by(watch: Watch) -> Iterator[None]:
         CancelledError: the result is not wanted any more. What remembers results between calls,
             as a planner, may then have half of one, and is to be told to forget all.
     """
-    before = getattr(_of_thread, "watch", None)
+    before = _of_thread.watch
     _of_thread.watch = watch
     try:
         yield
@@ -70,7 +75,7 @@ def check() -> None:
     Raises:
         CancelledError: that is so.
     """
-    watch = getattr(_of_thread, "watch", None)
+    watch = _of_thread.watch
     if watch is not None and watch.cancelled():
         raise CancelledError
 
@@ -82,7 +87,7 @@ def tell(doing: str) -> None:
         CancelledError: it is not.
     """
     check()
-    watch = getattr(_of_thread, "watch", None)
+    watch = _of_thread.watch
     if watch is not None:
         watch.told(doing)
 
@@ -97,7 +102,7 @@ def wait(event: threading.Event, timeout: float | None = None) -> None:
     Raises:
         CancelledError: it is not.
     """
-    if getattr(_of_thread, "watch", None) is None:
+    if _of_thread.watch is None:
         event.wait(timeout)
         return
     end = math.inf if timeout is None else time.monotonic() + timeout

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import abi
+from abi import arguments
 from abi.arm.arm import Arm, forward, place
 from abi.arm.chain import Chain
 from abi.arm.chain_capsules import segment_distances
@@ -402,3 +403,14 @@ def test_what_a_caller_gave_stays_his_own() -> None:
     points[0] = 9.0
     assert made.control_points[0].tolist() == CURVE[0].tolist()
     assert not made.control_points.flags.writeable
+
+
+@given(st.integers(0, 5), st.sampled_from([1e200, -1e308, math.inf, -math.inf, math.nan]))
+def test_only_what_is_not_finite_is_refused_however_large_the_numbers(k: int, odd: float) -> None:
+    array = np.full((2, 3), 1e160)  # whose squares overflow
+    array.flat[k] = odd
+    if math.isfinite(odd):
+        assert arguments.numbers("a", array, (-1, 3)) is array
+    else:
+        with pytest.raises(ArgumentError, match=rf"a\[{k // 3}\]\[{k % 3}\] is {odd}"):
+            arguments.numbers("a", array, (-1, 3))
