@@ -66,6 +66,11 @@ _PERIOD = 1.0
     help="Secret of the teacher's link, for --classroom.  [default: a new one]",
 )
 @click.option(
+    "--exercise",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Your file with the functions of exercises; it is checked whenever it is saved.",
+)
+@click.option(
     "--log-level",
     default="info",
     show_default=True,
@@ -116,6 +121,7 @@ def serve(
     lessons: Path | None,
     classroom: bool,
     teach: str | None,
+    exercise: Path | None,
     log_level: str,
     workers: int,
     joins: int | None,
@@ -134,6 +140,8 @@ def serve(
     configure(log_level)
     remove_abandoned()
     policy = _policy(host, **visitors)
+    if exercise is not None and workers > 1:
+        raise click.UsageError("--exercise needs one process.")
     helpers = _workers(workers, classroom)
     room = _room(teach, policy.token) if classroom else None
     announce = functools.partial(_announce, open_tab, room)
@@ -142,7 +150,8 @@ def serve(
         address = Address(host, port, seat(joins), SideDoor.of_input(ended.set))
     # of several processes not all listen yet
     told = {"announce": announce} if helpers.seats is None else {}
-    server = start(address, scene, Look(plain, dark, demo), policy, lessons, room, **told)
+    look = Look(plain, dark, demo)
+    server = start(address, scene, look, policy, lessons, room, exercise, **told)
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
     helpers.start(_arguments(scene, **place, **options), policy.token, server.meet)

@@ -7,7 +7,6 @@ import viser
 
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
-from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app.camera.camera import View, aspect
 from app.drawing.box import box_edges
@@ -16,7 +15,7 @@ from app.drawing.obstacle_body import add_body
 from app.layers.points import Points
 from app.layers.search_step import few, order_colours
 from app.state.frame import Frame, Layer
-from app.theatre.theatre import Theatre
+from app.theatre.theatre import Theatre, label_of
 from app.ui import style
 from app.ui.colour_scale import scale_colours
 from app.ui.layout import Layout
@@ -29,7 +28,9 @@ _COLOURS = ((30, 44, 84), (150, 182, 232))
 """Of visited nodes, early to late: blue, as in the picture of one search."""
 _HEIGHT = 9.0
 """Height of the copies over the workspace, in its sizes: so far that it is out of their picture."""
-_LEGEND = "Dark blue nodes were visited early, light ones late; green ones wait."
+_LEGEND = (
+    "Dark blue nodes were visited early, light ones late, the purple one last; green ones wait."
+)
 
 
 class RaceLayer(Layer):
@@ -117,6 +118,7 @@ class RaceLayer(Layer):
         points, n = state.trace.arcs.points, len(state.trace.arcs.points)
         closed, front = few(state.closed, n), few(state.open, n)
         visited = scale_colours(_COLOURS, order_colours(state, closed))
+        visited[closed == state.current] = style.MARK
         waiting = np.tile(np.array(style.WAITING[1], np.uint8), (len(front), 1))
         colours = np.concatenate([visited, waiting])
         nodes = np.concatenate([closed, front])
@@ -136,19 +138,26 @@ def offset(scene: Scene, place: int, count: int) -> FloatArray:
 
 def report(name: str, state: SearchState, unit: str) -> str:
     """Counters of one search, as HTML."""
-    done = f"found {format_length(state.trace.length)} {unit}" if _found(state) else "no path"
+    length = f"found {format_length(state.trace.length)} {unit}"
+    done = length if _found(state) else _without_path(name)
     return (
-        f"<b>{COMPARED[name].label}</b>: {_steps(state)}, "
+        f"<b>{label_of(name)}</b>: {_steps(state)}, "
         f"{format_count(state.examined)} edges tried, {done if state.done else 'searching'}"
     )
 
 
 def _label(name: str, state: SearchState, unit: str) -> str:
     """The same in short lines, since the three stand side by side."""
-    lines = [COMPARED[name].label, _steps(state), f"{format_count(state.examined)} edges"]
+    lines = [label_of(name), _steps(state), f"{format_count(state.examined)} edges"]
     if state.done:
-        lines.append(f"{format_length(state.trace.length)} {unit}" if _found(state) else "no path")
+        length = f"{format_length(state.trace.length)} {unit}"
+        lines.append(length if _found(state) else _without_path(name))
     return "\n".join(lines)
+
+
+def _without_path(name: str) -> str:
+    """How a search ended that has no path: a student's is followed to its first wrong step."""
+    return "this step is wrong" if name == "yours" else "no path"
 
 
 def _steps(state: SearchState) -> str:

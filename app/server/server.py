@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from app.shared.shared_plans import SharedPlans
     from app.tab.session import Session
     from app.teach.classroom import Classroom
+    from app.teach.exercise_watch import ExerciseWatch
     from app.teach.lesson import Lessons, Library
 
 _ADDRESS, _AS_THE_SYSTEM = Address(), Look()
@@ -68,6 +69,7 @@ class Server:
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
+        self.exercise: ExerciseWatch | None = None
         host, port = address.host, address.port
         self.guard = Guard(policy or policy_for(host), address.seats, address.entrance)
         usable = address.usable_host()
@@ -123,6 +125,8 @@ class Server:
     def stop(self) -> None:
         """Tell every tab, end its session and close the port."""
         self.guard.ready = False
+        if self.exercise is not None:
+            self.exercise.close()
         with self._lock:
             sessions, self.sessions = list(self.sessions.values()), {}
         for session in sessions:
@@ -155,6 +159,7 @@ class Server:
             self.budget,
             self.opening,
             self.classroom,
+            self.exercise,
         )
         warm_up.add(client)
         with self._lock:
@@ -177,6 +182,7 @@ def start(
     policy: Policy | None = None,
     lessons: Path | None = None,
     classroom: Classroom | None = None,
+    exercise: Path | None = None,
     announce: Callable[[str], object] = lambda url: None,
 ) -> Server:
     """Start serving and return at once.
@@ -188,6 +194,7 @@ def start(
         policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
         lessons: a folder with lessons of one's own, besides the shipped ones.
         classroom: the class that its tabs join; None for tabs that know nothing of each other.
+        exercise: a student's file, whose functions are checked whenever it is saved.
         announce: called with the link as soon as there is a page to load.
 
     Raises:
@@ -203,9 +210,18 @@ def start(
     lesson_library = _library(lessons)
     server = Server(address, look, policy)
     server.classroom = classroom
+    server.exercise = _watch(exercise)
     announce(server.link)
     server.show(scene, loaded or _load(scene), lesson_library)
     return server
+
+
+def _watch(exercise: Path | None) -> ExerciseWatch | None:
+    if exercise is None:
+        return None
+    from app.teach.exercise_watch import ExerciseWatch
+
+    return ExerciseWatch(exercise)
 
 
 def _load(name: str) -> Scene:

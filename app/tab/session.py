@@ -21,6 +21,7 @@ from abi.progress import CancelledError
 from abi.scene.scene import Scene
 from app.panels.files.bug_report import describe_fault
 from app.panels.teach.classroom import ClassroomPanel
+from app.panels.teach.exercise import ExercisePanel
 from app.process import memory, metrics
 from app.process.memory_budget import MemoryBudget
 from app.process.turns import AT_ONCE, PATIENT
@@ -38,6 +39,7 @@ from app.tab.view import TabView
 from app.tab.worker import TabWorker
 from app.teach.classroom import Classroom
 from app.teach.cue import Cue
+from app.teach.exercise_watch import ExerciseWatch
 from app.teach.lesson import Library
 from app.ui import notices, page
 from app.ui.arm_size import oversize
@@ -72,6 +74,7 @@ class Session:
         budget: MemoryBudget,
         opening: SharedPlans,
         classroom: Classroom | None = None,
+        exercise: ExerciseWatch | None = None,
     ) -> None:
         """Build the tab and start its worker.
 
@@ -111,6 +114,9 @@ class Session:
             self._class: ClassroomPanel | None = None
             if classroom is not None:
                 self._class = self._view.join(classroom, self.wake, worker.wake)
+            self._exercise: ExercisePanel | None = None
+            if exercise is not None:
+                self._exercise = self._view.watch_exercise(exercise, self.wake, worker.wake)
         self._pause = Pause(client, self.panels, self._planner, worker.is_woken, look.plain)
         self._drawn = self.panels.step(scene)
         self._demonstrated = False  # whether the scene is where the demonstration left it
@@ -127,6 +133,8 @@ class Session:
         self._closed = True
         if self._class is not None:
             self._class.close()
+        if self._exercise is not None:
+            self._exercise.close()
         self.panels.close()
         self._worker.close()
         metrics.TABS.dec()
@@ -236,9 +244,10 @@ class Session:
             if report is not None:
                 self._class.recognise(report.query.get("teach", ""), report.student)
             restored |= self._mirror(self._class)
-        if (cue := self.panels.cue(self._scene)) is not None:
+        written = None if self._exercise is None else self._exercise.cue()
+        if (cue := self.panels.cue(self._scene) or written) is not None:
             restored |= self._follow(cue)
-        elif self.panels.left():
+        elif self.panels.left() or (self._exercise is not None and self._exercise.left()):
             before, self._scene = self._scene, self._view.go_back(self._scene)
             self._scene = self._budget.fitting(self._scene)
             restored |= self._scene != before

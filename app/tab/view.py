@@ -18,6 +18,7 @@ from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
 from app.panels.stages.stage_headers import StageHeaders
 from app.panels.teach.classroom import ClassroomPanel
+from app.panels.teach.exercise import ExercisePanel
 from app.panels.widgets import Wake
 from app.process.turns import TURNS
 from app.state.frame import Drawable, Frame, Switchable
@@ -25,6 +26,7 @@ from app.state.tab_state import TabState
 from app.tab.memory import Report
 from app.teach.classroom import Classroom
 from app.teach.cue import Cue
+from app.teach.exercise_watch import ExerciseWatch
 from app.teach.lesson import Library
 from app.ui import notices
 from app.ui.page_area import PageWatch, label_scale
@@ -86,6 +88,16 @@ class TabView:
         with self.panels.layout.learn:
             overlay = self.panels.layout.overlay
             panel = ClassroomPanel(self._client, overlay, classroom, wake, nudge)
+        quick, slow = self.parts
+        self.parts = ((*quick, panel), slow)
+        return panel
+
+    def watch_exercise(
+        self, watch: ExerciseWatch, wake: Wake, nudge: Callable[[], None]
+    ) -> ExercisePanel:
+        """Add the panel of the file that a student writes."""
+        with self.panels.layout.learn:
+            panel = ExercisePanel(self._client, watch, self.panels.theatre, wake, nudge)
         quick, slow = self.parts
         self.parts = ((*quick, panel), slow)
         return panel

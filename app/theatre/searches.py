@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
+from abi.arrays import read_only
 from abi.planner.comparison import search_task
 from abi.planner.plan import Plan
 from abi.search.compare import COMPARED
 from abi.search.negative_arc import with_negative_arc
 from abi.search.task import SearchTask
-from abi.search.trace import SearchTrace
+from abi.search.trace import SearchTrace, trace_of
 
 _MOST = 12
 """Traces that are kept."""
@@ -21,6 +24,7 @@ class TheatreSearches:
     def __init__(self, plan: Plan | None = None) -> None:
         self._plan = plan
         self._tasks: dict[str, SearchTask] = {}
+        self._followed: dict[tuple[int, ...], SearchTrace] = {}
         self._traces: dict[tuple[str, str, float], SearchTrace] = {}
 
     def are_of(self, plan: Plan) -> bool:
@@ -43,6 +47,14 @@ class TheatreSearches:
             self._tasks[""] = search_task(self._plan)
         if kind not in self._tasks:
             self._tasks[kind] = with_negative_arc(self._tasks[""], kind == "cycle")
+
+    def followed(self, order: tuple[int, ...]) -> SearchTrace:
+        """Trace of a best-first search that expands nodes in a given order."""
+        if order not in self._followed:
+            self.prepare("")
+            nodes = read_only(np.array(order, np.int32))
+            self._followed[order] = trace_of(self._tasks[""].arcs, nodes, "best_first")
+        return self._followed[order]
 
     def trace(self, name: str, kind: str, weight: float) -> SearchTrace:
         """Trace of a search, with the edge of a kind that was prepared.

@@ -13,6 +13,7 @@ from abi.search.trace import NO_NODES
 from app.ui import style
 from app.ui.numbers import format_length, with_minus
 
+_WRITTEN = {"yours": "Your search", "right": "The right one"}
 _NEAR = 0.04
 """Angle, [rad], from a node within which a click means it."""
 
@@ -34,7 +35,7 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class Theatre:
-    """Picture of one search, or of three that race.
+    """Picture of one search, of three that race, or of a student's beside the right one.
 
     Attributes:
         name: of the search, in :data:`abi.search.compare.COMPARED`.
@@ -128,6 +129,11 @@ def one_way_search(name: str) -> str:
     if COMPARED[name].one_way:
         return name
     return "bellman_ford_rounds" if name == "bellman_ford" else "dijkstra"
+
+
+def label_of(name: str) -> str:
+    """Name of a search on the page."""
+    return _WRITTEN[name] if name in _WRITTEN else COMPARED[name].label
 
 
 def race_of(name: str) -> tuple[str, ...]:

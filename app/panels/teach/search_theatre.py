@@ -13,6 +13,8 @@ from pydantic import ValidationError
 
 from abi.arrays import FloatArray, IntArray
 from abi.errors import StageError
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import replay
 from abi.search.search import SEARCHES
@@ -34,6 +36,8 @@ _INTRO = style.paragraph(
     "with a grid on which no two nodes tie."
 )
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
+_OF_THE_GRAPH = ("workspace", "obstacles", "start", "goal", "mesh", "spline")
+"""Parts of a scene that its graph depends on."""
 _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
 _COVERING = (
     frozenset(SEARCHES)
@@ -83,6 +87,7 @@ class TheatrePanel:
             "race of three", False, hint="Three searches side by side, step for step."
         )
         self.playing = False
+        self._pair: tuple[Scene, tuple[int, ...], tuple[int, ...]] | None = None
         self._inputs: deque[int | None] = deque()
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
@@ -171,11 +176,32 @@ class TheatrePanel:
             self._answer = Answer()  # the node was one of another graph
         name, trace = self._trace_of(self.chosen)
         racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
+        racing = self._written_ones(plan) or racing
         steps = max([trace.steps, *(other.steps for _, other in racing)])
         self._move(trace, steps, elapsed)
         self._show_widgets()  # it may have come to its end
         self._last = self._view(name, trace, racing)
         return self._last
+
+    def compare(self, scene: Scene, own: tuple[int, ...], right: tuple[int, ...]) -> None:
+        """Show a student's search beside the right one while the plan is one of ``scene``.
+
+        Args:
+            scene: whose graph they search.
+            own: nodes in the order in which the student's expands them; none ends the comparison.
+            right: the same of the right one.
+        """
+        self._pair = scene, own, right
+
+    def _written_ones(self, plan: Plan) -> tuple[tuple[str, SearchTrace], ...]:
+        """The student's search and the right one; none where the graph is another."""
+        if self._pair is None or not self._pair[1]:
+            return ()
+        scene, own, right = self._pair
+        if any(getattr(plan.scene, part) != getattr(scene, part) for part in _OF_THE_GRAPH):
+            return ()
+        followed = self._searches.followed
+        return ("yours", followed(own)), ("right", followed(right))
 
     def _show_widgets(self) -> None:
         """Show the widgets that count now."""
