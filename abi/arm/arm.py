@@ -12,20 +12,20 @@ import itertools
 import math
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any, Literal, Self
+from typing import Any, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from abi import arguments
-from abi.arm import arm_links, capsule_kernels
+from abi.arm import arm_links
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
+from abi.arm.place_capsules_kernels import place_capsules
 from abi.arm.pose_kernels import ArmNumbers, ArmTable
 from abi.arm.urdf_writer import joint, write
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
-from abi.obstacles.pose import METRES, UNTURNED, Quaternion
-from abi.scene.settings import ArmSettings
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Names of the joints, in the order of all arrays of joint positions."""
@@ -38,6 +38,34 @@ JOINT_AXES = tuple((1.0, 0.0, 0.0) if name in ("q2", "q3") else (0.0, 0.0, 1.0) 
 
 STROKE = 0.8
 """Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
+
+
+class ArmLengths(Protocol):
+    """Where the paper's arm stands and how long its links are, as a scene's settings say it."""
+
+    @property
+    def base(self) -> Vec3:
+        """Centre of its foot, [unit], world."""
+
+    @property
+    def a1(self) -> float:
+        """Height of q1 above the base, [unit]."""
+
+    @property
+    def a2(self) -> float:
+        """Height of the shoulder above q1, [unit]."""
+
+    @property
+    def a3(self) -> float:
+        """Length of the upper arm, [unit]."""
+
+    @property
+    def a4(self) -> float:
+        """Length of the forearm, [unit]."""
+
+    @property
+    def a5(self) -> float:
+        """Length from the forearm's end to the tool at q5 = 0, [unit]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,7 +96,7 @@ class Arm(ShortRepr):
     unit: Literal["m", "cm", "mm"] = "cm"
 
     @classmethod
-    def from_settings(cls, settings: ArmSettings, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
+    def from_settings(cls, settings: ArmLengths, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
         """The arm that a scene's settings describe; lengths in the scene's unit."""
         roll = (-2 * math.pi, 2 * math.pi)
         lengths = settings.a1, settings.a2, settings.a3, settings.a4, settings.a5
@@ -194,9 +222,7 @@ def place(arm: Arm, positions: FloatArray) -> FloatArray:
     """
     positions = arguments.numbers("positions", positions, (-1, 6))
     ends = np.empty((len(positions), len(arm.capsules), 2, 3))
-    capsule_kernels.place_capsules(
-        flat(positions), arm.numbers(), arm.capsule_rows, ends.reshape(-1)
-    )
+    place_capsules(flat(positions), arm.numbers(), arm.capsule_rows, ends.reshape(-1))
     return ends
 
 

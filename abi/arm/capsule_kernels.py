@@ -1,4 +1,4 @@
-"""Capsules of the paper's arm at given joint positions, and their distances to the surroundings.
+"""Distances of the paper's arm's capsules to the surroundings.
 
 See ``abi.arm.pose_kernels`` for the numbers of an arm and its capsules.
 """
@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from abi.arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
+from abi.arm.pose_kernels import CAPSULE
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import jitable
@@ -19,36 +19,6 @@ from abi.obstacles.vector_kernels import distance, vec3_at
 
 _ROUNDING = 1e-12
 """Part, and [unit], by which distances that are compared may be wrong."""
-
-
-@compiled(example=(FLOATS, NO_NUMBERS, FLOATS, NEW_FLOATS))
-def place_capsules(
-    joints: FloatArray, arm: ArmNumbers, capsules: FloatArray, ends: FloatArray
-) -> None:
-    """Both ends of every capsule at joint positions.
-
-    Args:
-        joints: of each pose q1 to q6, flat (6 n,), [rad], q5 [unit].
-        arm: its numbers.
-        capsules: rows (4 c,).
-        ends: flat (6 n c,), [unit], world; written.
-    """
-    count = len(capsules) // CAPSULE
-    for i in range(len(joints) // 6):
-        q1, q2, q3 = joints[6 * i], joints[6 * i + 1], joints[6 * i + 2]
-        forearm = arm.forearm + joints[6 * i + 4]
-        right, ahead = math.sin(q1), math.cos(q1)
-        out, up = arm.upper * math.sin(q2), arm.shoulder + arm.upper * math.cos(q2)
-        across, height = out + forearm * math.sin(q2 + q3), up + forearm * math.cos(q2 + q3)
-        shoulder = (arm.x, arm.y, arm.shoulder)
-        elbow = (arm.x + right * out, arm.y - ahead * out, up)
-        tool = (arm.x + right * across, arm.y - ahead * across, height)
-        pose = Pose(shoulder, elbow, tool, forearm, out, across, 0.0)
-        for c in range(count):
-            k = 6 * (i * count + c)
-            a, b = capsule_ends(arm, pose, capsules, c)
-            ends[k], ends[k + 1], ends[k + 2] = a
-            ends[k + 3], ends[k + 4], ends[k + 5] = b
 
 
 @jitable(forceinline=True)

@@ -27,7 +27,8 @@ import numpy as np
 from abi import arguments
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm.chain_kernels import ChainTable
-from abi.arm.separate_chain_kernels import Bodies, separate_chain
+from abi.arm.capsule_table import Bodies
+from abi.arm.separate_chain_kernels import separate_chain
 from abi.arm.surroundings import OWN, Surroundings
 from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.urdf_arm import UrdfArm

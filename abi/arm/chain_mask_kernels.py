@@ -11,7 +11,8 @@ import numpy as np
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.mask_kernels import touched_row
-from abi.arm.separate_chain_kernels import BODIES, Bodies, place_bodies
+from abi.arm.capsule_table import BODIES, Bodies
+from abi.arm.separate_chain_kernels import place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held

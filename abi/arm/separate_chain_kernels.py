@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi.arm.capsule_table import BODIES, Bodies
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, place_chain
 from abi.arm.direction_kernels import NO_DIRECTION
 from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, Span, separate_pairs
@@ -35,33 +36,6 @@ from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at
 WIDER = 1 + 2.0**-36
 """Factor of how far a link moves: its levers are rounded, and the chain's matrices are nearly
 rotations."""
-
-
-class Bodies(NamedTuple):
-    """Capsules of a chain with n coordinates.
-
-    Attributes:
-        frames: joint that moves each, -1 where it stands still, (c,).
-        ends: of their segments in that frame, or in the world where they stand still, flat
-            (6 c,), [m].
-        radii: (c,), [unit].
-        levers: bound of each one's way for one of each coordinate, flat (c n,), [unit].
-        pairs: capsules that are to keep apart, flat (2 p,).
-        pair_levers: the same of both ways beside each other, flat (p n,), [unit].
-        scale: one metre in [unit].
-    """
-
-    frames: IntArray
-    ends: FloatArray
-    radii: FloatArray
-    levers: FloatArray
-    pairs: IntArray
-    pair_levers: FloatArray
-    scale: float
-
-
-BODIES = Bodies(IDS, FLOATS, FLOATS, FLOATS, IDS, FLOATS, 1.0)
-"""Example of capsules."""
 
 
 class _Stretch(NamedTuple):

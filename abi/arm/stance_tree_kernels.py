@@ -12,7 +12,8 @@ import numpy as np
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.chain_mask_kernels import touches_row
-from abi.arm.separate_chain_kernels import BODIES, Bodies, place_bodies
+from abi.arm.capsule_table import BODIES, Bodies
+from abi.arm.separate_chain_kernels import place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held

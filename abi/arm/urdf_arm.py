@@ -21,7 +21,7 @@ from abi.arm.chain_capsules import (
     pair_lever,
     place,
 )
-from abi.arm.separate_chain_kernels import Bodies
+from abi.arm.capsule_table import Bodies
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.held_joints import NOT_HELD, held_in_metres

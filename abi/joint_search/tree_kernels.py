@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm.chain_kernels import TABLE, ChainTable
-from abi.arm.separate_chain_kernels import BODIES, Bodies, separate_knots
+from abi.arm.capsule_table import BODIES, Bodies
+from abi.arm.separate_chain_kernels import separate_knots
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import FloatArray, IntArray
 from abi.clearance.separation_kernels import CERTIFIED
