@@ -4,10 +4,10 @@
 
 1. :mod:`abi.tet_mesh`: tetrahedral mesh of the workspace, without the nodes in obstacles
 2. :mod:`abi.search`: graph of the free mesh
-3. :mod:`abi.search`: A*, Dijkstra and Bellman-Ford; :mod:`abi.taut` pulls their path taut
+3. :mod:`abi.search`: A*, Dijkstra and Bellman-Ford; :mod:`abi.search.taut` pulls their path taut
 4. :mod:`abi.curves`: B-spline, kept clear of the obstacles
 5. :mod:`abi.curves`: quadratic with exact ends, and a motion in three phases
-6. :mod:`abi.arm`: inverse kinematics of the arm, and its motion
+6. :mod:`abi.arm_planning`: inverse kinematics of the arm, and its motion
 
 They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.clearance` (clearance of curves
 and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.verify` checks certificates in

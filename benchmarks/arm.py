@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 
 from abi import compiling
-from abi.arm.arm import Arm
-from abi.arm.regions import shadow
-from abi.arm.surroundings import arm_surroundings
+from abi.arm_planning.exclusion.regions import shadow
+from abi.arm_planning.world.surroundings import arm_surroundings
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
+from abi.robot.paper_arm.arm import Arm
 from abi.scene.scene import Scene
 from benchmarks.arm_campaign import Record, figures, record
 from benchmarks.quality import is_ompl_installed

@@ -20,12 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.arm import Arm
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
+from abi.robot.paper_arm.arm import Arm
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
 from benchmarks.arm_lattice import Poses, lattice_motion

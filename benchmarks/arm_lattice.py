@@ -15,11 +15,11 @@ from typing import Literal
 import numpy as np
 import scipy
 
-from abi.arm.arm import Arm, place
-from abi.arm.link_capsules import COLUMN
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Capsule
+from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.link_capsules import COLUMN
 from abi.scene.scene import Scene
 
 NODES = 100_000

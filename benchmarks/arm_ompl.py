@@ -18,14 +18,14 @@ import numba
 import numpy as np
 from ompl import base, geometric, util
 
-from abi.arm.arm import Arm
-from abi.arm.link_capsules import COLUMN, UPPER_ARM
 from abi.arrays import FloatArray
 from abi.compilation.dispatcher import declare_helpers
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.primitives import Capsule
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.link_capsules import COLUMN, UPPER_ARM
 from abi.scene.scene import Scene
 
 declare_helpers()

@@ -32,14 +32,14 @@ from pathlib import Path
 import numpy as np
 
 from abi import compiling
-from abi.arm.models import model_of
+from abi.arm_planning.models import model_of
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
-from abi.taut.taut_path import taut
+from abi.search.taut.taut_path import taut
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 from benchmarks import graph_libraries
 from benchmarks.graph_libraries import Library

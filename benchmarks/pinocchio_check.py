@@ -14,10 +14,10 @@ import argparse
 import numpy as np
 import pinocchio
 
-from abi.arm.chain import Chain
-from abi.arm.inverse_dynamics import GRAVITY
+from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.inverse_dynamics import GRAVITY
 from benchmarks.report import Row, table
-from tests.abi.arm.pinocchio_answers import (
+from tests.abi.robot.pinocchio_answers import (
     BOUND,
     RECORD,
     TIPS,

@@ -22,13 +22,13 @@ import yourdfpy
 from playwright.sync_api import Browser
 
 import abi
-from abi.arm.any_arm import AnyArm
-from abi.arm.arm import Arm, urdf
-from abi.arm.trajectory import rest_pose
-from abi.arm.urdf_arm import UrdfArm
+from abi.arm_planning.motion.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
+from abi.robot.any_arm import AnyArm
+from abi.robot.paper_arm.arm import Arm, urdf
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import scene_names
 from app.server.address import Address
 from app.server.server import Server, start

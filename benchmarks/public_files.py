@@ -34,10 +34,10 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_files.parts import Parts
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.mesh_lookup import MeshLookup
-from abi.robot.robot import Robot
-from abi.robot.robot_files import archive_of, unpacked
-from abi.robot.urdf_reader import read_urdf
+from abi.robot.urdf.mesh_lookup import MeshLookup
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import archive_of, unpacked
+from abi.robot.urdf.urdf_reader import read_urdf
 from benchmarks import mesh_readers, robot_readers
 from benchmarks.report import Row, table
 

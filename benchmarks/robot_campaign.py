@@ -14,13 +14,13 @@ import argparse
 
 import numpy as np
 
-from abi.arm.chain import Chain
-from abi.arm.chain_capsules import chain_capsules, segment_distances
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.held_joints import planned_joints
-from abi.robot.robot import Robot
-from abi.robot.robot_files import load_robot
+from abi.robot.bodies.chain_capsules import chain_capsules, segment_distances
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.held_joints import planned_joints
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import load_robot
 from benchmarks.report import Row, table
 from tests.random_archives import CORNERS, RobotFile, random_file
 from tests.random_robots import link_poses

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import yourdfpy
 
-from abi.arm.chain import Chain
 from abi.arrays import FloatArray
-from abi.robot.robot import MOST_JOINTS, Robot
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.robot import MOST_JOINTS, Robot
 from tests.random_robots import link_poses, robot_of
 
 Poses = Mapping[str, FloatArray]

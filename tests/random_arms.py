@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.arm import Arm, place
-from abi.arm.arm_sight import ArmSight
-from abi.arm.surroundings import arm_surroundings
-from abi.arm.trajectory import ArmMotion
+from abi.arm_planning.branch.arm_sight import ArmSight
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.world.surroundings import arm_surroundings
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.paper_arm.arm import Arm, place
 from abi.scene.scene import Scene
 from tests.random_scenes import mesh_source
 

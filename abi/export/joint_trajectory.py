@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arm.trajectory import ArmMotion
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
 from abi.obstacles.pose import METRES

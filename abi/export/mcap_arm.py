@@ -9,16 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm.any_arm import AnyArm
-from abi.arm.chain import Chain
-from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.export import mcap_entities
 from abi.export.mcap_entities import Colour, Part
 from abi.obstacles.pose import Vec3
-from abi.robot.robot import Link, Shape
-from abi.robot.robot_files import packed, robot_from_archive
-from abi.robot.usual_tip import usual_tip
+from abi.robot.any_arm import AnyArm
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.robot import Link, Shape
+from abi.robot.urdf.robot_files import packed, robot_from_archive
+from abi.robot.urdf.usual_tip import usual_tip
+from abi.robot.urdf_arm import UrdfArm
 
 _GREY: Colour = (0.72, 0.75, 0.79, 1.0)
 

@@ -28,7 +28,7 @@ from abi.export.mcap_schemas import SCHEMAS
 from abi.export.solids import Solid, solids
 from abi.obstacles.pose import UNTURNED
 from abi.planner.plan import Plan
-from abi.robot.robot_files import packed
+from abi.robot.urdf.robot_files import packed
 
 _CURVE_POINTS = 200
 _RED, _BLUE = (0.85, 0.3, 0.2, 0.8), (0.15, 0.4, 0.9, 1.0)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import PurePosixPath
 
-from abi.arm.any_arm import AnyArm
 from abi.errors import ExportError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.planner.plan import Plan
-from abi.robot.robot_files import packed
+from abi.robot.any_arm import AnyArm
+from abi.robot.urdf.robot_files import packed
 
 
 def write(plan: Plan, name: str) -> bytes:

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from abi.arm.arm import Arm, forward
-from abi.arm.inverse_kinematics import solve
-from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.paper import printed
 from abi.paper.comparison import Comparison
+from abi.robot.paper_arm.arm import Arm, forward
+from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
 
 _POSES = 10_000

@@ -10,9 +10,9 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm.arm import Arm
 from abi.arrays import FloatArray
 from abi.curves.quadratic import Quadratic
+from abi.robot.paper_arm.arm import Arm
 
 LENGTHS = MappingProxyType({"dijkstra": 13.695, "bellman_ford": 13.496, "a_star": 13.295})
 """Table I: length of the path by each algorithm, [cm]."""

@@ -16,24 +16,24 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.any_arm import AnyArm
-from abi.arm.arm_certificate import ArmRefutation
-from abi.arm.arm_clearance import is_clear, named
-from abi.arm.arm_model import ArmModel, OtherSights, Sight, SightTask, Unreached
-from abi.arm.motion_law import motion_law
-from abi.arm.surroundings import Surroundings
+from abi.arm_planning.arm_model import ArmModel, OtherSights, Sight, SightTask, Unreached
+from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
+from abi.arm_planning.branch.arm_path import ArmGraphPath, fit_clear, pull_clear, search_clear
+from abi.arm_planning.certificates.arm_certificate import ArmRefutation
+from abi.arm_planning.motion.arm_clearance import is_clear, named
+from abi.arm_planning.motion_law import motion_law
+from abi.arm_planning.world.surroundings import Surroundings
 from abi.curves import fit_quadratic
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
 from abi.curves.fit import Fit
 from abi.errors import ArmNotClear, NoPath
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_exclusion import ArmExclusionCache
-from abi.planner.arm_path import ArmGraphPath, fit_clear, pull_clear, search_clear
+from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
 from abi.search.build_graph import build_graph
 from abi.search.search import search
-from abi.taut.taut_path import TautPath
+from abi.search.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
 _PATIENCE = 20

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from abi.arm.any_arm import AnyArm
-from abi.arm.arm_clearance import ArmClearance, named
-from abi.arm.surroundings import OWN
+from abi.arm_planning.motion.arm_clearance import ArmClearance, named
+from abi.arm_planning.world.surroundings import OWN
+from abi.robot.any_arm import AnyArm
 
 
 def arm_certificate(arm: AnyArm, clearance: ArmClearance) -> dict[str, Any] | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.arm_clearance import Contact
+from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import FloatArray, read_only
 from abi.errors import ArmNotClear, format_length, format_point
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet

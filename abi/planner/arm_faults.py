@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from abi.arm.trajectory import ArmMotion, Violation
+from abi.arm_planning.motion.trajectory import ArmMotion, Violation
 from abi.length_text import with_minus
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan

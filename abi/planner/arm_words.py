@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from abi.arm.arm_clearance import Contact
+from abi.arm_planning.motion.arm_clearance import Contact
 from abi.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
 

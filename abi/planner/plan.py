@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.any_arm import AnyArm
-from abi.arm.arm_clearance import ArmClearance, is_clear
-from abi.arm.joint_rates import JointRates, joint_rates, passed_limits
-from abi.arm.liquid import largest_tilt
-from abi.arm.trajectory import ArmMotion, Violation
+from abi.arm_planning.joint_rates import JointRates, joint_rates, passed_limits
+from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
+from abi.arm_planning.motion.liquid import largest_tilt
+from abi.arm_planning.motion.trajectory import ArmMotion, Violation
 from abi.arrays import ReadOnlyCopies
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
@@ -23,11 +22,12 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
 from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
+from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
-from abi.taut.lower_bound import Bound
-from abi.taut.taut_path import TautPath
+from abi.search.taut.lower_bound import Bound
+from abi.search.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 from abi.tet_mesh.tet_mesh import TetMesh
 

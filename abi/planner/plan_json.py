@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.any_arm import AnyArm
-from abi.arm.arm_clearance import ArmClearance
-from abi.arm.joint_rates import JointRates
-from abi.arm.links_clearance import links_clearance
-from abi.arm.trajectory import ArmMotion, Violation
+from abi.arm_planning.joint_rates import JointRates
+from abi.arm_planning.motion.arm_clearance import ArmClearance
+from abi.arm_planning.motion.links_clearance import links_clearance
+from abi.arm_planning.motion.trajectory import ArmMotion, Violation
 from abi.arrays import FloatArray
 from abi.clearance.certificate import Certificate
 from abi.curves.bspline import BSpline
@@ -27,10 +26,11 @@ from abi.curves.timed_profile import PathProfile
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_certificate_json import arm_certificate
+from abi.robot.any_arm import AnyArm
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
-from abi.taut.lower_bound import Bound
-from abi.taut.taut_path import TautPath
+from abi.search.taut.lower_bound import Bound
+from abi.search.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
 SAMPLES = 200

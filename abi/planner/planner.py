@@ -14,12 +14,12 @@ from types import MappingProxyType
 from typing import Any
 
 from abi import compiling, progress
-from abi.arm.arm_clearance import ArmClearance, is_clear
-from abi.arm.arm_model import Course
-from abi.arm.models import model_of
-from abi.arm.motion_law import motion_law
-from abi.arm.surroundings import Surroundings
-from abi.arm.trajectory import ArmMotion
+from abi.arm_planning.arm_model import Course
+from abi.arm_planning.models import model_of
+from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.motion_law import motion_law
+from abi.arm_planning.world.surroundings import Surroundings
 from abi.compiled import interpreted_calls
 from abi.curves import fit_bspline, fit_quadratic
 from abi.curves.bspline import BSpline
@@ -39,8 +39,8 @@ from abi.scene.scene import Scene, require_scene
 from abi.scene.settings import MotionSettings
 from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
-from abi.taut.lower_bound import lower_bound
-from abi.taut.taut_path import taut as pull_taut
+from abi.search.taut.lower_bound import lower_bound
+from abi.search.taut.taut_path import taut as pull_taut
 
 SAMPLES = 401
 """Samples of the arm's motion, uniform in time."""

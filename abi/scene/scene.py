@@ -22,7 +22,7 @@ from abi.obstacles.per_shape import PerShape
 from abi.obstacles.pose import LARGEST, METRES, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.robot.robot_files import SHIPPED
+from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
 from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes

@@ -19,16 +19,16 @@ from pydantic import (
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.held_joints import (
+from abi.robot.urdf.held_joints import (
     held_in_metres,
     planned_joints,
     planned_sentence,
     positions_held,
 )
-from abi.robot.robot import Robot, bases_to, joints_to, part_from
-from abi.robot.robot_files import SHIPPED, load_robot
-from abi.robot.urdf_joints import some_of
-from abi.robot.usual_tip import usual_tip
+from abi.robot.urdf.robot import Robot, bases_to, joints_to, part_from
+from abi.robot.urdf.robot_files import SHIPPED, load_robot
+from abi.robot.urdf.urdf_joints import some_of
+from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.lattices import LATTICES, Lattice
 
 Elbow = Literal["up", "down"]

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from abi.robot.held_joints import NOT_HELD
-from abi.robot.robot import Joint, Robot, joints_to
+from abi.robot.urdf.held_joints import NOT_HELD
+from abi.robot.urdf.robot import Joint, Robot, joints_to
 from abi.verify.exact import Vec3, in_body, sqrt_bounds
 from abi.verify.fault import Fault
 

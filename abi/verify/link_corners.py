@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.robot import Robot, Shape
+from abi.robot.urdf.robot import Robot, Shape
 from abi.verify.exact_chain import ExactChain
 from abi.verify.fault import Fault
 

@@ -1,6 +1,6 @@
 """Check of the certificate of the paper's arm in exact rational numbers.
 
-The proof is that of :mod:`abi.arm.arm_certificate`.
+The proof is that of :mod:`abi.arm_planning.certificates.arm_certificate`.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Check of the certificate of a URDF arm in exact numbers.
 
-The proof is that of :mod:`abi.arm.chain_certificate`. The joint positions, the capsules and the
-pairs that must keep apart are checked as written. That the capsules hold the corners of the links
-is checked, too, and so that these are where the joints take them; a test shows that they hold all
-of them.
+The proof is that of :mod:`abi.arm_planning.certificates.chain_certificate`. The joint positions,
+the capsules and the pairs that must keep apart are checked as written. That the capsules hold the
+corners of the links is checked, too, and so that these are where the joints take them; a test shows
+that they hold all of them.
 """
 
 from __future__ import annotations

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.arm.arm import Arm
-from abi.arm.trajectory import rest_pose
+from abi.arm_planning.motion.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
+from abi.robot.paper_arm.arm import Arm
 from app.drawing.box import box_corners
 
 _CURVE_POINTS = 40

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 import viser
 
-from abi.arm.arm_clearance import ArmClearance
+from abi.arm_planning.motion.arm_clearance import ArmClearance
 from app.panels.widgets import Wake, hidden_button
 from app.ui import style
 from app.ui.overlay import Overlay, button, slider

@@ -9,7 +9,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.robot.robot_files import SHIPPED, archive_of
+from abi.robot.urdf.robot_files import SHIPPED, archive_of
 from abi.scene import scene_archive
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import ENDINGS, parse, read_file

@@ -16,8 +16,8 @@ from collections.abc import Callable, Mapping
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.robot.robot import Robot
-from abi.robot.robot_files import load_robot
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import load_robot
 from app.reading.reading import Answer, Job
 from app.reading.reading_places import ReadingPlaces, Ticket
 from app.reading.running_reader import AT_ONCE, Limits, RunningReader

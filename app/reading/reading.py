@@ -18,9 +18,9 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.robot.bounding_capsules import bounding_capsules
-from abi.robot.robot import Robot
-from abi.robot.robot_files import file_of, load_robot, robot_from_archive
+from abi.robot.bodies.bounding_capsules import bounding_capsules
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import file_of, load_robot, robot_from_archive
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 from app.reading import sample_meshes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.obstacles.pose import METRES
-from abi.robot.robot import Robot, joints_to
+from abi.robot.urdf.robot import Robot, joints_to
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
 from app.ui.numbers import format_setting

@@ -16,11 +16,7 @@ from hypothesis import strategies as st
 
 import abi
 from abi import arguments
-from abi.arm.arm import Arm, forward, place
-from abi.arm.chain import Chain
-from abi.arm.chain_capsules import segment_distances
-from abi.arm.inverse_dynamics import joint_torques
-from abi.arm.liquid import tilts
+from abi.arm_planning.motion.liquid import tilts
 from abi.clearance.bezier import Bezier
 from abi.clearance.certificate import certify
 from abi.curves.bspline import BSpline, clamped
@@ -34,12 +30,16 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Cylinder
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.bodies.chain_capsules import segment_distances
+from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.inverse_dynamics import joint_torques
+from abi.robot.paper_arm.arm import Arm, forward, place
 from abi.scene.settings import ArmSettings
 from abi.search.arcs import Arcs
 from abi.search.graph import Graph
 from abi.search.lifelong_a_star import lifelong_a_star
 from abi.search.search import SEARCHES, search
-from abi.taut.taut_path import polyline_length
+from abi.search.taut.taut_path import polyline_length
 from abi.tet_mesh.delaunay import volumes
 from abi.tet_mesh.exclusion import within
 from abi.tet_mesh.node_tree import tree_over

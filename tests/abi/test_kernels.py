@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import interpolate
 
-from abi.arm import inverse_kinematics as ik
-from abi.arm.arm import Arm
 from abi.arrays import FloatArray
 from abi.clearance.curve_clearance import Clearance, curve_clearance
 from abi.curves import curve
 from abi.curves.bspline import BSpline, clamped
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
+from abi.robot.paper_arm import inverse_kinematics as ik
+from abi.robot.paper_arm.arm import Arm
 from abi.scene.settings import ArmSettings
 from tests.abi.shape_distances import gradient, segment_distance
 from tests.kernel_forms import compiled, plain

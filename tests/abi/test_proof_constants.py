@@ -22,9 +22,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from abi.arm.pose_kernels import ArmNumbers, pose_of, rates_near, reaches
-from abi.arm.separate_arm_kernels import allowance_of
-from abi.arm.surroundings_kernels import NO_OBSTACLES
+from abi.arm_planning.certificates.separate_arm_kernels import allowance_of
+from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES
 from abi.clearance import separation_kernels
 from abi.clearance.certificate import Certificate, certify
 from abi.curves.bspline import clamped
@@ -32,8 +31,9 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.robot import MOST_JOINTS
-from abi.robot.urdf_reader import MAX_LINKS
+from abi.robot.paper_arm.pose_kernels import ArmNumbers, pose_of, rates_near, reaches
+from abi.robot.urdf.robot import MOST_JOINTS
+from abi.robot.urdf.urdf_reader import MAX_LINKS
 from abi.verify import exact_chain
 from abi.verify.exact import vector
 from abi.verify.exact_arm import ExactArm
@@ -209,16 +209,16 @@ CONSTANTS = [
     Constant(SEPARATION, "PER_HALVING", per_halving),
     Constant(SEPARATION, "PER_MARGIN", per_margin),
     Constant(SEPARATION, "TINY", least_direction),
-    Constant("abi.arm.separate_pairs_kernels", "ALLOWANCE", arm_allowance),
-    Constant("abi.arm.separate_pairs_kernels", "ALLOWANCE", chain_allowance),
-    Constant("abi.arm.separate_pairs_kernels", "LONGER", longer, 1),
-    Constant("abi.arm.separate_chain_kernels", "WIDER", wider, 1),
+    Constant("abi.arm_planning.certificates.separate_pairs_kernels", "ALLOWANCE", arm_allowance),
+    Constant("abi.arm_planning.certificates.separate_pairs_kernels", "ALLOWANCE", chain_allowance),
+    Constant("abi.arm_planning.certificates.separate_pairs_kernels", "LONGER", longer, 1),
+    Constant("abi.arm_planning.certificates.separate_chain_kernels", "WIDER", wider, 1),
     Constant("abi.verify.exact_chain", "WIDER", verifier_wider, 1),
     Constant("abi.verify.exact_mesh", "_ROUNDING", mesh_rounding),
     Constant("abi.verify.exact_mesh", "_SMALLEST", mesh_smallest),
     Constant("abi.verify.exact_slide", "_MOVED", slide_moved),
-    Constant("abi.taut.lower_bound", "_ROUND_DOWN", round_down, 1),
-    Constant("abi.taut.lower_bound", "_ROUNDING", around_a_ball),
+    Constant("abi.search.taut.lower_bound", "_ROUND_DOWN", round_down, 1),
+    Constant("abi.search.taut.lower_bound", "_ROUNDING", around_a_ball),
 ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from abi.arm.urdf_arm import UrdfArm
+from abi.robot.urdf_arm import UrdfArm
 from app.layers.arm.urdf_poses import other_poses
 from app.server.server import Server
 from app.tab.session import Session

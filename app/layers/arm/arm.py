@@ -8,12 +8,12 @@ from typing import ClassVar
 import numpy as np
 import viser
 
-from abi.arm.any_arm import AnyArm
-from abi.arm.arm import Arm
-from abi.arm.trajectory import ArmMotion
-from abi.arm.urdf_arm import UrdfArm
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
+from abi.robot.any_arm import AnyArm
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.urdf_arm import UrdfArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, rows_at, segments
 from app.layers.arm import paper_arm, urdf_arm
 from app.layers.arm.arm_nodes import ArmNodes, JointNode

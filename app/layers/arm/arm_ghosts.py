@@ -6,11 +6,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from abi.arm.arm import Arm
-from abi.arm.inverse_kinematics import solve
-from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.scene.settings import Elbow
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters, rows_at
 from app.layers.arm.arm_playback import samples_of

@@ -10,9 +10,9 @@ import numpy as np
 import viser
 import viser.transforms
 
-from abi.arm.any_arm import AnyArm
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
+from abi.robot.any_arm import AnyArm
 from app.ui import node_poses
 
 

@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from abi.arm.trajectory import ArmMotion
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from app.layers.arm.arm_nodes import JointNode
 from app.ui import page

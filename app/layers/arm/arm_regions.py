@@ -8,16 +8,21 @@ from typing import ClassVar
 import numpy as np
 import viser
 
-from abi.arm.arm import Arm
-from abi.arm.chain_regions import chain_reach, chain_shadow, reach_box, stances_in
-from abi.arm.regions import reachable, shadow
-from abi.arm.stances import Stances
-from abi.arm.surroundings import arm_surroundings, chain_surroundings
-from abi.arm.urdf_arm import UrdfArm
+from abi.arm_planning.exclusion.chain_regions import (
+    chain_reach,
+    chain_shadow,
+    reach_box,
+    stances_in,
+)
+from abi.arm_planning.exclusion.regions import reachable, shadow
+from abi.arm_planning.exclusion.stances import Stances
+from abi.arm_planning.world.surroundings import arm_surroundings, chain_surroundings
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.urdf_arm import UrdfArm
 from app.layers.arm.arm_ghosts import elbow_of
 from app.layers.arm.urdf_poses import end_pose
 from app.state.frame import Frame, Layer, Switch

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.robot import Shape
+from abi.robot.urdf.robot import Shape
 from app.ui import style
 
 if TYPE_CHECKING:

@@ -6,14 +6,14 @@ import numpy as np
 import viser
 import viser.transforms
 
-from abi.arm import arm_links
-from abi.arm.any_arm import AnyArm
-from abi.arm.arm import JOINT_AXES, SLIDES, Arm
-from abi.arm.link_solid import LinkSolid, rotation_of
-from abi.arm.trajectory import rest_pose
+from abi.arm_planning.motion.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
-from abi.robot.robot import Shape
+from abi.robot.any_arm import AnyArm
+from abi.robot.bodies.link_solid import LinkSolid, rotation_of
+from abi.robot.paper_arm import arm_links
+from abi.robot.paper_arm.arm import JOINT_AXES, SLIDES, Arm
+from abi.robot.urdf.robot import Shape
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs
 from app.shared.computed_once import computed_once

@@ -8,13 +8,13 @@ import numpy as np
 import viser
 import viser.transforms
 
-from abi.arm.any_arm import AnyArm
-from abi.arm.chain_kernels import POSE
-from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import ByteArray, FloatArray
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
-from abi.robot.robot import Robot, Shape
+from abi.robot.any_arm import AnyArm
+from abi.robot.kinematics.chain_kernels import POSE
+from abi.robot.urdf.robot import Robot, Shape
+from abi.robot.urdf_arm import UrdfArm
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs
 from app.layers.arm.link_colours import muted

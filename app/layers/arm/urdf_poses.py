@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
+from abi.robot.urdf_arm import REACHED, UrdfArm
 from app.drawing.lines import rows_at
 from app.layers.arm.arm_playback import samples_of
 from app.shared.once_a_plan import once_a_plan

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import viser
 
-from abi.arm.motion_law import ROUNDING
+from abi.arm_planning.motion_law import ROUNDING
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app.layers.result.time_plot import Lines, TimePlots, new_plot, plotted_samples

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.arm.links_clearance import links_clearance as measure
+from abi.arm_planning.motion.links_clearance import links_clearance as measure
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet

@@ -7,9 +7,9 @@ import itertools
 import numpy as np
 import viser
 
-from abi.arm.arm import JOINTS
-from abi.arm.trajectory import ArmMotion
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.planner.plan import Plan
+from abi.robot.paper_arm.arm import JOINTS
 from app.layers.result.motion_curves import (
     acceleration,
     has_meshes,

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 from viser import uplot
 
-from abi.arm.trajectory import ArmMotion
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from app.ui import page, style
 

@@ -10,10 +10,10 @@ import viser
 
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.held_joints import NOT_HELD, planned_sentence
-from abi.robot.robot import Robot, bases_to, part_from
-from abi.robot.robot_files import SHIPPED, load_robot
-from abi.robot.usual_tip import usual_tip
+from abi.robot.urdf.held_joints import NOT_HELD, planned_sentence
+from abi.robot.urdf.robot import Robot, bases_to, part_from
+from abi.robot.urdf.robot_files import SHIPPED, load_robot
+from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from app.panels.files.file_uploads import Dealing, FileKind, FileUploads, shown_name
 from app.panels.widgets import Wake

@@ -16,7 +16,6 @@ from mcap.reader import make_reader
 from ruamel.yaml import YAML
 
 from abi import assets
-from abi.arm.arm import JOINTS, Arm, forward
 from abi.errors import ExportError
 from abi.export import formats
 from abi.export.formats import FORMATS
@@ -24,8 +23,9 @@ from abi.obstacles.pose import METRES, rotation
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
-from abi.robot.robot_files import robot_from_archive
-from abi.robot.urdf_files import files_of
+from abi.robot.paper_arm.arm import JOINTS, Arm, forward
+from abi.robot.urdf.robot_files import robot_from_archive
+from abi.robot.urdf.urdf_files import files_of
 from abi.scene.scene import Scene, load_scene
 from tests.abi.robot.robots import arm
 from tests.abi.robot.robots import packed as packed_files

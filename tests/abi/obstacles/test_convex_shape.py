@@ -19,8 +19,8 @@ from abi.obstacles.pose import Length, Vec3
 from abi.obstacles.primitive_kernels import Core
 from abi.obstacles.primitives import PRIMITIVES, Box
 from abi.scene.settings import Workspace
-from abi.taut.lower_bound import lower_bound
-from abi.taut.obstacle_edges import obstacle_edges
+from abi.search.taut.lower_bound import lower_bound
+from abi.search.taut.obstacle_edges import obstacle_edges
 from tests.abi.bezier import polyline
 from tests.abi.shape_distances import segment_distance
 

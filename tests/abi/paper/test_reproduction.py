@@ -5,11 +5,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from abi.arm.arm import Arm, forward
 from abi.curves.curve import arc_length
 from abi.paper import printed
 from abi.paper.comparison import Comparison
 from abi.paper.reproduction import compare
+from abi.robot.paper_arm.arm import Arm, forward
 from abi.scene.scene import Scene
 
 

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from abi import Planner, load_scene, plan
-from abi.arm.arm import Arm
-from abi.arm.arm_sight import ArmSight
-from abi.arm.surroundings import arm_surroundings
+from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
+from abi.arm_planning.branch.arm_sight import ArmSight
+from abi.arm_planning.world.surroundings import arm_surroundings
 from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_diagnosis import _bases
-from abi.planner.arm_exclusion import ArmExclusionCache
 from abi.planner.arm_words import contact_sentence
 from abi.planner.diagnosis import explain
 from abi.planner.plan import Plan
+from abi.robot.paper_arm.arm import Arm
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
 from abi.search.build_graph import build_graph

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from abi.arm.separate_chain_kernels import separate_chain
+from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import yourdfpy
 
-from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 from abi.verify.verify import Verdict, verify
 from tests.abi.robot.robots import follows, urdf

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from abi import compiling
-from abi.arm.arm_model import OtherSights, SightTask
-from abi.arm.urdf_arm import UrdfArm
-from abi.arm.urdf_model import UrdfModel
+from abi.arm_planning.arm_model import OtherSights, SightTask
+from abi.arm_planning.urdf_model import UrdfModel
 from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from abi.verify.verify import verify

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
 from abi import Plan, Planner, Scene, load_scene, plan, scene_names
-from abi.arm.arm import JOINTS, Arm, forward
-from abi.arm.arm import place as place_capsules
 from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.paper_arm.arm import JOINTS, Arm, forward
+from abi.robot.paper_arm.arm import place as place_capsules
 from abi.scene.lattices import LATTICES
 from abi.tet_mesh.lattice import REGULAR
 from tests.abi.scene.test_scene import obstacles, points

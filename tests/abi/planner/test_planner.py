@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from abi import compiling
-from abi.arm.arm_model import Course
-from abi.arm.motion_law import motion_law
+from abi.arm_planning.arm_model import Course
+from abi.arm_planning.motion_law import motion_law
 from abi.curves import fit_bspline
 from abi.curves.timed_profile import PathProfile
 from abi.planner import planner

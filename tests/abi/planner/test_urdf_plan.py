@@ -12,21 +12,21 @@ import numpy as np
 import pytest
 
 from abi import compiling
-from abi.arm.chain_kernels import chain_poses
-from abi.arm.chain_mask_kernels import touching_stances
-from abi.arm.follow_path_kernels import follow_path
-from abi.arm.joint_rates import joint_rates
-from abi.arm.separate_chain_kernels import separate_chain
-from abi.arm.spread_kernels import spread
-from abi.arm.stance_tree_kernels import bound_stances, stances_touching
-from abi.arm.urdf_arm import UrdfArm, urdf_arm
+from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_stances
+from abi.arm_planning.exclusion.spread_kernels import spread
+from abi.arm_planning.exclusion.stance_tree_kernels import bound_stances, stances_touching
+from abi.arm_planning.joint_rates import joint_rates
 from abi.arrays import FloatArray
 from abi.errors import ArmNotClear, ExportError, SceneError
 from abi.export.formats import FORMATS
 from abi.planner.arm_words import arm_result
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
-from abi.robot.robot_files import SHIPPED
+from abi.robot.kinematics.chain_kernels import chain_poses
+from abi.robot.kinematics.follow_path_kernels import follow_path
+from abi.robot.urdf.robot_files import SHIPPED
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
 from abi.verify.verify import verify
 from tests.abi.robot.robots import arm, packed

@@ -6,9 +6,9 @@ import trimesh
 
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.bounding_capsules import Capsule, bounding_capsules
-from abi.robot.robot import Link
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.bodies.bounding_capsules import Capsule, bounding_capsules
+from abi.robot.urdf.robot import Link
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from tests.abi.robot.robots import arm, packed
 
 

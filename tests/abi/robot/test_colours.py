@@ -9,8 +9,8 @@ import trimesh
 from abi.obstacles.mesh_files import stl
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot
-from abi.robot.robot_files import SHIPPED, load_robot
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from app.layers.arm.link_colours import muted
 from tests.abi.robot.robots import arm
 from tests.abi.robot.test_visuals import dae, read

@@ -9,7 +9,7 @@ import pytest
 
 from abi import assets
 from abi.errors import SceneError
-from abi.robot.robot_files import SHIPPED, packed, unpacked
+from abi.robot.urdf.robot_files import SHIPPED, packed, unpacked
 from benchmarks.public_files import compare, compare_robot, rows_of
 from benchmarks.robot_campaign import check, measure
 from tests.abi.robot.robots import OWN, arm

@@ -13,11 +13,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from abi.arm.urdf_arm import urdf_arm
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf_arm import urdf_arm
 from tests.abi.robot.robots import arm, joint, link, packed, urdf
 
 SPHERE = '<collision><geometry><sphere radius="1"/></geometry></collision>'

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 import yourdfpy
 
-from abi.arm.chain import Chain
-from abi.arm.urdf_arm import UrdfArm
 from abi.errors import SceneError
 from abi.export.formats import FORMATS
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.planner import Planner
-from abi.robot.robot import bases_to, part_from
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
-from abi.robot.urdf_files import description_of
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.robot import bases_to, part_from
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf.urdf_files import description_of
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene, load_scene
 from abi.verify.verify import verify
 from tests.abi.robot.robots import LINKED_BIT, arm, joint, link, packed, urdf

@@ -10,8 +10,8 @@ import pytest
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot
-from abi.robot.robot_files import load_robot, robot_from_archive
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import load_robot, robot_from_archive
 from abi.scene.scene import Scene, load_scene
 from tests.abi.robot.robots import arm, packed
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
-from abi.robot.usual_tip import usual_tip
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from tests.abi.robot.robots import LIMIT, OWN, follows, joint, link, packed, urdf
 

@@ -13,11 +13,11 @@ import trimesh
 
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot import mesh_lookup
-from abi.robot.bounding_capsules import bounding_capsules
-from abi.robot.robot import Robot, Shape
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive, unpacked
-from abi.robot.urdf_files import description_of
+from abi.robot.bodies.bounding_capsules import bounding_capsules
+from abi.robot.urdf import mesh_lookup
+from abi.robot.urdf.robot import Robot, Shape
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive, unpacked
+from abi.robot.urdf.urdf_files import description_of
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_bounding_capsules import lacks
 

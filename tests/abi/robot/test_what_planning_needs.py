@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from abi.arm.chain import Chain
-from abi.arm.inverse_dynamics import has_masses
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot
-from abi.robot.robot_files import load_robot
+from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.inverse_dynamics import has_masses
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import load_robot
 from tests.abi.robot.robots import LIMIT, arm, follows, joint, link, urdf
 
 ALL_OF_P = '<limit lower="-2" upper="2" velocity="1" effort="9"/>'

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from abi import load_scene, plan
-from abi.arm.separate_chain_kernels import separate_chain
+from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.planner.planner import Planner
 from abi.verify import tool_path
 from abi.verify.arm_capsules import capsules_of

@@ -15,9 +15,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi import Scene, load_scene, plan
-from abi.arm.arm import Arm
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.robot.paper_arm.arm import Arm
 from abi.scene.settings import ArmSettings
 from abi.verify.arm_capsules import capsules_of
 from abi.verify.exact_arm import ExactArm

@@ -13,13 +13,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from abi.arm.separate_chain_kernels import separate_chain
-from abi.arm.urdf_arm import urdf_arm
+from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.obstacles.pose import Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.planner import Planner
-from abi.robot.robot import Robot
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import load_scene
 from abi.verify.exact import Vec3, vector
 from abi.verify.exact_chain import exact_chain, sine_and_cosine

@@ -13,12 +13,12 @@ import viser
 import viser.transforms
 
 from abi import compiling, plan
-from abi.arm.arm import Arm
-from abi.arm.chain_kernels import POSE
-from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.kinematics.chain_kernels import POSE
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
 from abi.scene.settings import ArmSettings
 from app.layers.arm.arm import ArmLayer

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from unittest.mock import MagicMock
 
-from abi.arm.urdf_arm import UrdfArm, _first_poses
 from abi.planner.live_planner import LivePlanner
 from abi.planner.planner import Planner
+from abi.robot.urdf_arm import UrdfArm, _first_poses
 from abi.scene.scene import load_scene
 from app.layers.arm.arm_regions import ArmRegionsLayer
 from app.layers.arm.urdf_poses import end_pose

@@ -9,7 +9,7 @@ from unittest.mock import MagicMock
 
 import pytest
 
-from abi.arm.arm_clearance import ArmClearance, Contact
+from abi.arm_planning.motion.arm_clearance import ArmClearance, Contact
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from app.layers.arm.arm import ArmLayer

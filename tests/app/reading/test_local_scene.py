@@ -11,7 +11,7 @@ import pytest
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import mesh_reader
-from abi.robot.robot_files import robot_from_archive
+from abi.robot.urdf.robot_files import robot_from_archive
 from abi.scene.scene import Scene, load_scene
 from app.reading.local_scene import load_local
 from tests.abi import meshes

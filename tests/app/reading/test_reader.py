@@ -16,7 +16,7 @@ import trimesh
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
-from abi.robot.robot_files import robot_from_archive
+from abi.robot.urdf.robot_files import robot_from_archive
 from abi.scene.scene import Scene
 from app.reading import reader as module
 from app.reading.reader import Reader, StoppedError

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot_files import load_robot
+from abi.robot.urdf.robot_files import load_robot
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_archive import SUFFIX
 from tests.abi import meshes

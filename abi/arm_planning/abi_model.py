@@ -1,0 +1,172 @@
+"""The paper's arm as the planner uses it: joints by formulas, on two elbow branches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from abi.arm_planning.arm_model import OtherSights, SightTask
+from abi.arm_planning.branch.arm_sight import ArmSight
+from abi.arm_planning.certificates.arm_certificate import ArmRefutation, certify_arm, slide_bounds
+from abi.arm_planning.exclusion import mask_kernels
+from abi.arm_planning.motion import trajectory
+from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.world.solid_rows import RowTable
+from abi.arm_planning.world.surroundings import Surroundings, arm_surroundings
+from abi.arrays import FloatArray, flat, read_only
+from abi.curves import speed_profile
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.timed_profile import PathProfile, TimedProfile
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.wrist_drives import wrist_positions
+from abi.scene.scene import Scene
+from abi.scene.settings import ArmSettings
+
+JOINT_SPEED = np.pi
+"""Largest speed of the paper's turning joints, nominal, [rad/s]."""
+
+MOVED = 3
+"""Joints that the inverse kinematics moves, q1 to q3."""
+
+_POSES_TO_REFUTE, _TRIES_TO_REFUTE = 49, 5_000
+_LONGER = 1.5
+"""Longest path, as a multiple of the straight line, whose time bounds the slide beforehand."""
+
+
+@dataclass(frozen=True)
+class AbiCourse:
+    """Joint positions as a function of the distance along a curve, on one elbow branch."""
+
+    curve: Curve
+    arc: ArcLength
+    arm: Arm
+    settings: ArmSettings
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Largest speed of each joint, nominal, (3,), [rad/s]."""
+        return np.full(MOVED, JOINT_SPEED)
+
+    @property
+    def scales(self) -> FloatArray:
+        """Factor from [rad/s²] to the unit of each joint, (3,)."""
+        return np.ones(MOVED)
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether q5 slides."""
+        return self.settings.forces[1] != 0
+
+    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
+        """Positions of q1 to q3 at distances and times (k,) in order, (k, 3), [rad]."""
+        times = np.zeros(len(distances)) if times is None else times
+        parameters = self.arc.parameter(distances)
+        tangents = self.curve(parameters, 1)
+        lengths = np.linalg.norm(tangents, axis=1)
+        tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
+        q5, points = wrist_positions(self.settings, times)[:, 1], self.curve(parameters)
+        found = solve(self.arm, points, q5, self.settings.branches[0], tangents)
+        return np.stack([found.q1, found.q2, found.q3], axis=1)
+
+    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
+        """Motion by a profile, at uniform times."""
+        return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
+
+    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
+        """Check whether a few poses show that the arm is not clear.
+
+        If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first;
+        and nothing where only the duration bounds q5.
+        """
+        slide = slide_bounds(self.curve, self.arc, profile, self.settings)
+        elbow = self.settings.branches[0]
+        table = self.arm.table(elbow)
+        low, high = float(slide.low.min()), float(slide.high.max())
+        if low < high:
+            if isinstance(profile, TimedProfile):
+                return False
+            tries = _TRIES_TO_REFUTE
+            found = certify_arm(self.curve, slide, self.arm, elbow, surroundings, required, tries)
+            return isinstance(found, ArmRefutation) and found.decided
+        points = flat(self.curve(np.linspace(*self.curve.interval, _POSES_TO_REFUTE)))
+        reached, touching = np.zeros((2, _POSES_TO_REFUTE), dtype=np.bool_)
+        forearm = float(self.arm.forearm(low))
+        mask_kernels.reached_places(points, table.numbers, forearm, 0.0, reached)
+        if not reached.all():
+            return True
+        mask_kernels.touching_places(
+            points, table, surroundings.beyond(required), forearm, 0.0, read_only(reached), touching
+        )
+        return bool(touching.any())
+
+    def clearance(
+        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+    ) -> ArmClearance:
+        """Clearance of the whole arm in that motion, measured and proven."""
+        return arm_clearance(motion, self.arm, obstacles, surroundings, required)
+
+
+class AbiModel:
+    """The paper's arm; it remembers the rows of the last obstacles."""
+
+    def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
+        self.arm = Arm.from_settings(settings, unit)
+        self._rows = RowTable()
+
+    def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+        """Surroundings of the arm: obstacles, floor and column."""
+        return arm_surroundings(self.arm, obstacles, lowest, self._rows)
+
+    def courses(
+        self,
+        curve: Curve,
+        arc: ArcLength,
+        settings: ArmSettings,
+        obstacles: ObstacleSet,
+        surroundings: Surroundings,
+    ) -> tuple[AbiCourse, ...]:
+        """Joints along a curve, on each elbow branch that may be taken."""
+        branches = settings.branches
+        return tuple(AbiCourse(curve, arc, self.arm, settings.on(elbow)) for elbow in branches)
+
+    def sights(self, task: SightTask) -> tuple[AbiSight, ...]:
+        """One sight for each elbow branch that may be taken."""
+        settings, around = task.scene.arm, task.surroundings
+        extensions, clearance = _extensions(task.scene), settings.clearance
+        return tuple(
+            AbiSight(self.arm, elbow, around, extensions, clearance, task.slack, settings)
+            for elbow in settings.branches
+        )
+
+    def other_sights(self, task: SightTask) -> OtherSights:
+        """No further sights: an elbow has only two sides."""
+        return OtherSights(iter(()))
+
+
+@dataclass(frozen=True, eq=False)
+class AbiSight(ArmSight):
+    """Sight of the paper's arm, with the settings of its drives."""
+
+    settings: ArmSettings
+
+    def course(self, curve: Curve, arc: ArcLength) -> AbiCourse:
+        """The joints along a curve."""
+        return AbiCourse(curve, arc, self.arm, self.settings.on(self.elbow))
+
+
+def _extensions(scene: Scene) -> tuple[float, float]:
+    """Least and greatest q5 in the time that a rather long path takes, [unit]."""
+    settings, asked = scene.arm, scene.motion
+    if settings.forces[1] == 0:
+        return settings.q5, settings.q5
+    straight = float(np.linalg.norm(np.subtract(scene.goal, scene.start)))
+    longest = speed_profile.three_phase(
+        _LONGER * straight, asked.speed, asked.acceleration, asked.deceleration
+    )
+    end = float(wrist_positions(settings, [longest.duration])[0, 1])
+    return min(settings.q5, end), max(settings.q5, end)

@@ -1,0 +1,205 @@
+"""The questions that the planner asks of any arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Protocol, Self
+
+from abi.arm_planning.certificates.arm_certificate import ArmRefutation
+from abi.arm_planning.exclusion.leg_kernels import ArmLegs
+from abi.arm_planning.motion.arm_clearance import ArmClearance
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.arrays import BoolArray, FloatArray
+from abi.curves.bspline import BSpline
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.quadratic import Quadratic
+from abi.curves.timed_profile import PathProfile
+from abi.errors import format_length
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.any_arm import AnyArm
+from abi.scene.scene import Scene
+from abi.scene.settings import ArmSettings
+from abi.tet_mesh.node_tree import NodeTree
+from abi.tet_mesh.tet_mesh import TetMesh
+
+
+class Course(Protocol):
+    """Joint positions of an arm along a curve, on one of its branches."""
+
+    @property
+    def arc(self) -> ArcLength:
+        """Arc length of the curve."""
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Largest speed of each joint that the inverse kinematics moves, (n,)."""
+
+    @property
+    def scales(self) -> FloatArray:
+        """Factor from [rad/s²] or [m/s²] to the unit of each joint, (n,)."""
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether these joints depend on the time, too, as another one moves meanwhile."""
+
+    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
+        """Positions of these joints at distances along the curve and times (k,) in order, (k, n).
+
+        Without times they are those at the start.
+        """
+
+    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
+        """The motion by a profile, at uniform times."""
+
+    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
+        """Check if a quick test shows that the arm is not clear; False if that would take long."""
+
+    def clearance(
+        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+    ) -> ArmClearance:
+        """Clearance of the whole arm in that motion, measured and proven."""
+
+
+class Places(Protocol):
+    """Nodes of a mesh that an arm excludes on one branch."""
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Everything that they depend on, except the obstacles."""
+
+    def reached(self, points: FloatArray) -> BoolArray:
+        """Flag the nodes (n, 3) of the mesh that the arm reaches, clear of the floor and itself."""
+
+    def touching(
+        self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
+    ) -> BoolArray:
+        """Check whether the arm touches, or nearly touches, an obstacle at nodes (n, 3), (n,).
+
+        Args:
+            points: the nodes, [unit], world.
+            number: of the obstacle, from 0.
+            reached: nodes to look at.
+            tree: over the nodes: quicker near an obstacle of many parts.
+        """
+
+
+class Sight(Places, Protocol):
+    """Edges and curves that an arm allows on one branch, such as an elbow of the paper's."""
+
+    @property
+    def branch(self) -> str:
+        """The branch, as the beginning of a sentence."""
+
+    @property
+    def legs(self) -> ArmLegs | None:
+        """Surroundings of straight legs for compiled loops; None if these do not know the arm."""
+
+    def refutation(self, curve: BSpline | Quadratic) -> ArmRefutation | None:
+        """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
+
+    def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
+        """The same for a polyline (k, 3), k >= 1; parameter k is its vertex k."""
+
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Reason why the arm does not take its pose at a place (3,); None where it is not known."""
+
+    def clear_legs(self, points: FloatArray) -> BoolArray:
+        """Check if the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
+
+    def course(self, curve: Curve, arc: ArcLength) -> Course:
+        """The joints along a curve."""
+
+    def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
+        """A copy with so many times the legs' distance beyond the clearance, and tries of a leg."""
+
+
+class Unreached(NamedTuple):
+    """A place that is out of an arm's reach, or takes a joint past its limit.
+
+    Attributes:
+        shortfall: distance by which the place is out of reach, [unit]: > 0 too far, < 0 too near to
+            the shoulder, 0 where a limit alone is in the way.
+        joint: name of a joint that is at its limit, or would be past it; empty for none.
+        value: position of that joint, [rad] or [unit].
+        limit: its limit, [rad] or [unit].
+        slides: whether it slides.
+    """
+
+    shortfall: float
+    joint: str = ""
+    value: float = 0.0
+    limit: float = 0.0
+    slides: bool = False
+
+    @property
+    def words(self) -> str:
+        """Predicate of a sentence on the arm; behind lengths is the placeholder of the unit."""
+        value, limit = map(self._position, (self.value, self.limit))
+        if self.shortfall == 0.0:
+            side = "past" if abs(self.value) > abs(self.limit) else "at"
+            return f"would need {self.joint} at {value}, {side} its limit of {limit},"
+        near = ", too near to its shoulder," if self.shortfall < 0 else ""
+        at_limit = f", with {self.joint} at its limit of {limit}," if self.joint else ""
+        return f"is out of reach by {format_length(abs(self.shortfall))}{near}{at_limit}"
+
+    def _position(self, value: float) -> str:
+        return format_length(value) if self.slides else f"{math.degrees(value):.1f}°"
+
+
+class SightTask(NamedTuple):
+    """Scene and margins that a sight is of.
+
+    Attributes:
+        scene: the scene.
+        obstacles: its obstacles.
+        surroundings: everything around the arm.
+        mesh: whose nodes may be asked about.
+        slack: distance that legs and places keep beyond the clearance, [unit].
+    """
+
+    scene: Scene
+    obstacles: ObstacleSet
+    surroundings: Surroundings
+    mesh: TetMesh
+    slack: float
+
+
+class OtherSights(NamedTuple):
+    """Further sights, tried where no branch leads to a motion.
+
+    Attributes:
+        sights: an iterator, which makes each one on demand.
+        note: sentence on why there are none; empty if that is not known.
+    """
+
+    sights: Iterator[Sight]
+    note: str = ""
+
+
+class ArmModel(Protocol):
+    """An arm and its inverse kinematics, by formulas or by damped least squares."""
+
+    @property
+    def arm(self) -> AnyArm:
+        """The arm."""
+
+    def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+        """Surroundings of the arm, above a floor no higher than ``lowest``, [unit]."""
+
+    def courses(
+        self,
+        curve: Curve,
+        arc: ArcLength,
+        settings: ArmSettings,
+        obstacles: ObstacleSet,
+        surroundings: Surroundings,
+    ) -> Sequence[Course]:
+        """Joint positions along a curve on each branch that may be taken, the preferred first."""
+
+    def sights(self, task: SightTask) -> Sequence[Sight]:
+        """One sight for each branch that may be taken."""
+
+    def other_sights(self, task: SightTask) -> OtherSights:
+        """Sights on further branches."""

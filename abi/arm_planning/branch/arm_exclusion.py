@@ -1,0 +1,132 @@
+"""Cache of the nodes that an arm excludes from a mesh, obstacle by obstacle, on one branch."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.arm_model import Places
+from abi.arrays import BoolArray, IntArray, read_only
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
+from abi.tet_mesh.tet_mesh import TetMesh
+
+_NO_IDS = read_only(np.zeros(0, dtype=np.int32))
+
+_MANY = 50_000
+"""Nodes among which it is quicker to decide many at once near a triangle mesh: they are near to
+each other."""
+
+
+class _Known(NamedTuple):
+    """Nodes (n,) of which it is known whether the arm touches an obstacle there, and where it does.
+
+    Of nothing known both are one flag.
+    """
+
+    obstacle: Obstacle
+    nodes: BoolArray
+    touching: BoolArray
+
+
+_NO_FLAGS = read_only(np.zeros(1, dtype=np.bool_))
+
+
+class ArmExclusionCache:
+    """Excludes from a mesh the nodes at which an arm is out of reach, past a limit or too near.
+
+    It remembers the nodes that each obstacle excludes, and those that the arm alone excludes. A
+    node that the tool or another obstacle excludes is examined only once it is free.
+    """
+
+    def __init__(self) -> None:
+        self._state: tuple[object, ...] = ()
+        self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
+        self._line_starts: BoolArray = np.zeros(0, dtype=np.bool_)
+        self._known: dict[int, _Known] = {}  # by identity: of thousands, to hash them takes long
+        self._touched: IntArray = np.zeros(
+            0, dtype=np.int32
+        )  # how many obstacles each node touches
+        self._complete = self._reached  # whether all are asked about it
+
+    def __call__(self, free: FreeMesh, sight: Places, obstacles: ObstacleSet) -> FreeMesh:
+        """The mesh without the nodes that the arm excludes, too.
+
+        Args:
+            free: the mesh without those that the tool excludes.
+            sight: the arm, among these obstacles.
+            obstacles: the solids.
+        """
+        mesh = free.mesh
+        state = (mesh, *sight.key)
+        if len(state) != len(self._state) or any(
+            a is not b and (isinstance(a, TetMesh) or a != b)
+            for a, b in zip(state, self._state, strict=True)
+        ):
+            self._state, self._known = state, {}
+            self._touched = np.zeros(len(mesh.points), dtype=np.int32)
+            self._complete = np.ones(len(mesh.points), dtype=np.bool_)
+            self._reached = sight.reached(mesh.points)
+            self._line_starts = _line_starts(mesh)
+        self._forget_others(obstacles)
+        numbered = dict(enumerate(obstacles))
+        moved = {number: one for number, one in numbered.items() if id(one) not in self._known}
+        reached = self._reached & ~free.excluded
+        self._ask(mesh, sight, moved, reached & (self._touched == 0))
+        for one in moved.values():
+            self._complete &= self._known[id(one)].nodes
+        left = reached & (self._touched == 0) & ~self._complete
+        if left.any():
+            self._complete |= self._ask(mesh, sight, numbered, left)
+        open_ = reached & (self._touched == 0)
+        return apply(free, [_nodes(~(open_ | free.excluded), self._line_starts)])
+
+    def _forget_others(self, obstacles: ObstacleSet) -> None:
+        """Forget obstacles that are not among these; what is known of an equal one stays."""
+        asked = {id(one) for one in obstacles}
+        gone = [one for key, one in self._known.items() if key not in asked]
+        equal = {one.obstacle: one for one in gone}
+        for obstacle in obstacles if gone else ():
+            if id(obstacle) not in self._known and obstacle in equal:
+                known = self._known.pop(id(equal.pop(obstacle).obstacle))
+                self._known[id(obstacle)] = known._replace(obstacle=obstacle)
+        for known in gone:
+            if self._known.pop(id(known.obstacle), None) is not None:
+                self._touched -= known.touching
+
+    def _ask(
+        self, mesh: TetMesh, sight: Places, obstacles: dict[int, Obstacle], left: BoolArray
+    ) -> BoolArray:
+        """Ask what is not known of nodes ``left`` (n,); those at which none is touched, (n,)."""
+        for number, obstacle in obstacles.items():
+            known = self._known.get(id(obstacle), _Known(obstacle, _NO_FLAGS, _NO_FLAGS))
+            new = left & ~known.nodes
+            if new.any():
+                at_once = isinstance(obstacle, MeshShape) and len(mesh.points) > _MANY
+                tree = mesh.node_tree if at_once else None
+                touching = sight.touching(mesh.points, number, new, tree)
+                known = known._replace(nodes=known.nodes | new)
+                if touching.any():
+                    known = known._replace(touching=known.touching | touching)
+                    self._touched += touching
+                    left = left & ~touching
+            self._known[id(obstacle)] = known
+        return left
+
+
+def _line_starts(mesh: TetMesh) -> BoolArray:
+    """Nodes (n,) that are not in a line along z with the one before."""
+    across = mesh.points[:, :2]
+    return np.concatenate([[True], (across[1:] != across[:-1]).any(axis=1)])
+
+
+def _nodes(excluded: BoolArray, line_starts: BoolArray) -> Exclusion:
+    """Exclusion of nodes alone, by runs in a line along z."""
+    begins, ends = excluded & line_starts, excluded.copy()
+    begins[1:] |= excluded[1:] & ~excluded[:-1]
+    ends[:-1] &= ~excluded[1:] | line_starts[1:]
+    firsts = np.flatnonzero(begins).astype(np.int32)
+    lasts = np.flatnonzero(ends).astype(np.int32)
+    return Exclusion(read_only(firsts), read_only(lasts - firsts + 1), _NO_IDS, _NO_IDS)

@@ -1,0 +1,158 @@
+"""Path and curves along which the whole arm keeps clear, on one branch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arm_planning.arm_model import Sight
+from abi.arm_planning.branch.arm_path_kernels import pull, pulled
+from abi.arrays import FloatArray, flat, read_only
+from abi.curves.bspline import BSpline, clamped
+from abi.curves.control_points import place_control_points
+from abi.curves.fit import Fit, proven_fit
+from abi.curves.fit_bspline import fit as fit_bspline
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import Vec3
+from abi.search.graph import Graph
+from abi.search.search import SearchResult
+from abi.search.taut.taut_path import TautPath, polyline_length
+from abi.search.taut.tighten_near_meshes import clear_of
+from abi.search.without_edges import without_edges
+
+_MOST_REPAIRS = 60
+_REFINEMENTS = 30
+_ROUNDING = 1e-9  # [unit]
+
+
+@dataclass(frozen=True, eq=False)
+class ArmGraphPath:
+    """A path along edges on which the whole arm is clear.
+
+    Attributes:
+        graph: the graph without the edges that were found not to be clear.
+        path: a path of the graph.
+    """
+
+    graph: Graph
+    path: SearchResult
+
+
+def search_clear(
+    graph: Graph, sight: Sight, search: Callable[[Graph], SearchResult]
+) -> ArmGraphPath | None:
+    """Search until all edges of the path are clear for the arm; None if that takes too long.
+
+    Raises:
+        StageError: there is no path.
+    """
+    for _ in range(_MOST_REPAIRS):
+        path = search(graph)
+        vertices = path.vertices.tolist()
+        shut = [
+            (vertices[k], vertices[k + 1])
+            for k in np.flatnonzero(~sight.clear_legs(path.points)).tolist()
+        ]
+        if not shut:
+            return ArmGraphPath(graph, path)
+        graph = without_edges(graph, shut)
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Legs:
+    """Legs of the tool, with an arm that the kernels do not know."""
+
+    obstacles: ObstacleSet
+    margin: float
+    sight: Sight
+
+    def clear(self, points: tuple[Vec3, ...]) -> bool:
+        """Check whether those between points are clear for tool and arm."""
+        polyline = np.array(points)
+        if self.obstacles.polyline_clearance(polyline) < self.margin:
+            return False
+        return self.sight.leg_refutation(polyline) is None
+
+
+def pull_clear(
+    of_tool: TautPath, obstacles: ObstacleSet, margin: float, path: SearchResult, sight: Sight
+) -> TautPath:
+    """Pull a path taut as far as tool and arm stay clear.
+
+    If the arm is clear along the taut path of the tool alone, that is taken. Otherwise vertices
+    that are not needed are dropped, the others moved towards the chord of their neighbours, and
+    corners cut, until the length settles.
+
+    Args:
+        of_tool: the path pulled taut for the tool alone.
+        obstacles: the solids.
+        margin: distance that the tool keeps from them, [unit].
+        path: clear for the arm.
+        sight: the arm.
+    """
+    if sight.clear_legs(of_tool.points).all():
+        return of_tool
+    ends = obstacles.signed_distance(path.points[[0, -1]], margin + 2 * _ROUNDING).min()
+    margin = min(margin, float(ends) - _ROUNDING)
+    if sight.legs is None:
+        vertices = [(x, y, z) for x, y, z in path.points.tolist()]
+        points = np.array(pull(vertices, _Legs(obstacles, margin, sight), _Legs.clear))
+    else:
+        points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), sight.legs))
+        points = points.reshape(-1, 3)
+    return TautPath(
+        read_only(points), polyline_length(points), obstacles.polyline_clearance(points)
+    )
+
+
+def fit_clear(
+    points: FloatArray,
+    degree: int,
+    obstacles: ObstacleSet,
+    clearance: float,
+    path_clearance: float,
+    sight: Sight,
+) -> Fit[BSpline] | None:
+    """Fit a B-spline that is clear for tool and arm to a path; None if none was found.
+
+    Edges of the control polygon are halved where the arm is not clear, until the curve is near
+    enough to the path there.
+
+    Args:
+        points: the path (k, 3), clear for the arm, [unit], world.
+        degree: of the curve.
+        obstacles: to keep clear of.
+        clearance: distance to keep from them, [unit].
+        path_clearance: the path's own, [unit].
+        sight: the arm.
+    """
+    fitted = fit_bspline(points, degree, obstacles, clearance, True, path_clearance)
+    spline, fault = fitted.curve, None
+    if fitted.holds:
+        fault = sight.refutation(spline)
+        if fault is None:
+            return fitted
+    if fault is None or spline.moved:
+        # its control points may have been pushed off the path, along which alone the arm is clear
+        control, added = place_control_points(points, degree, obstacles, clearance)
+        spline = clamped(control, degree, added)
+        fault = sight.refutation(spline)
+    for _ in range(_REFINEMENTS):
+        if fault is None:
+            fitted = proven_fit(spline, spline.extent, obstacles, clearance)
+            if fitted.holds:
+                return fitted
+        spline = _refined(spline, fitted.clearance.at if fault is None else fault.parameter)
+        fault = sight.refutation(spline)
+    return None
+
+
+def _refined(spline: BSpline, parameter: float) -> BSpline:
+    """Halve the edges of the control polygon that the curve depends on at a parameter."""
+    p, n = spline.degree, len(spline.control_points)
+    at = int(np.searchsorted(spline.knots, parameter, side="right")) - 1
+    at = min(max(at, p), n - 1)
+    return spline.refined(np.arange(at - p, at))

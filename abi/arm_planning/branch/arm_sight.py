@@ -1,0 +1,177 @@
+"""Tool positions, segments and curves that the paper's arm allows on one elbow branch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Literal, Self
+
+import numpy as np
+
+from abi import arguments
+from abi.arm_planning.arm_model import Unreached
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm_planning.certificates.separate_arm_kernels import UNREACHED, Slide, separate_arm
+from abi.arm_planning.exclusion import leg_kernels, mask_kernels, place_tree_kernels
+from abi.arm_planning.exclusion.leg_kernels import MOST_TRIES, ArmLegs
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.arrays import BoolArray, FloatArray, flat, read_only
+from abi.clearance.bezier import PolynomialCurve
+from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
+from abi.robot.paper_arm.arm import JOINTS, Arm
+from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.tet_mesh.node_tree import NodeTree
+
+_SPARE = 0.01
+"""Distance that legs and places keep from the limits of q2 and q3, for curves to round, [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmSight:
+    """Edges and curves that the paper's arm allows on one elbow branch, its slide in a range.
+
+    Attributes:
+        arm: the arm.
+        elbow: its branch.
+        surroundings: obstacles, floor and column.
+        extensions: least and greatest q5 while it moves, [unit].
+        clearance: distance that its links keep from obstacles, [unit].
+        slack: distance that legs and nodes keep beyond that, so that a curve may round them,
+            [unit].
+        most_tries: pairs of a capsule and an obstacle to try, to prove a leg or a node clear.
+    """
+
+    arm: Arm
+    elbow: Literal["up", "down"]
+    surroundings: Surroundings
+    extensions: tuple[float, float]
+    clearance: float
+    slack: float
+    most_tries: int = field(default=MOST_TRIES, kw_only=True)
+
+    @property
+    def branch(self) -> str:
+        """The branch, as the beginning of a sentence."""
+        return f"With the elbow {self.elbow}"
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Everything that the excluded nodes depend on, except the obstacles."""
+        return self.arm, self.elbow, self.extensions, self.clearance, self.slack
+
+    def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
+        """A copy with so many times the slack and the tries."""
+        return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
+
+    def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
+        """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
+        slide = Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
+        result = certify_arm(curve, slide, self.arm, self.elbow, self.surroundings, self.clearance)
+        return None if isinstance(result, ArmCertificate) else result
+
+    def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
+        """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
+        vertices = arguments.polyline("points", points)
+        count = len(vertices) - 1
+        legs = np.stack([vertices[:-1], vertices[1:]], axis=1)
+        breaks = read_only(np.arange(count + 1, dtype=float))
+        room = np.zeros(6 * (count + 2 * MOST_HALVINGS + 2))
+        slide = Slide(read_only(np.array([0.0, count])), *self._extensions)
+        status, at, pair, _, _ = separate_arm(
+            flat(legs),
+            breaks,
+            room,
+            self.legs.table,
+            self.legs.around,
+            slide,
+            self.most_tries,
+        )
+        if status == CERTIFIED:
+            return None
+        capsule, row = divmod(pair, len(self.surroundings.numbers)) if pair >= 0 else (-1, -1)
+        decided = status in (REFUTED, UNREACHED)
+        return ArmRefutation(at, capsule, int(self.surroundings.numbers[row]), decided)
+
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Reason why the arm does not take its pose at a place (3,), [unit], world."""
+        point = arguments.numbers("point", point, (3,))
+        extensions = np.array(self.extensions)
+        places, still = np.stack([point, point]), np.zeros((2, 3))
+        found = solve(self.arm, places, extensions, self.elbow, still)
+        shortfall = float(min(found.shortfall, key=abs))
+        if shortfall:
+            return Unreached(shortfall)
+        row = int(np.abs(found.shortfall).argmin())
+        for number, angle in ((1, found.q2[row]), (2, found.q3[row])):
+            limit = math.copysign(self.arm.limits[number, 1], angle)
+            if abs(angle) > abs(limit) - _SPARE:
+                return Unreached(0.0, JOINTS[number], float(angle), limit)
+        return None
+
+    def clear_legs(self, points: FloatArray) -> BoolArray:
+        """Check if the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
+        points = arguments.polyline("points", points)
+        clear = np.zeros(len(points) - 1, dtype=np.bool_)
+        leg_kernels.clear_legs(flat(points), self.legs, clear)
+        return clear
+
+    def reached(self, points: FloatArray) -> BoolArray:
+        """Check whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
+        points = arguments.points("points", points)
+        reached = np.zeros(len(points), dtype=np.bool_)
+        mask_kernels.reached_places(flat(points), self.legs.table.numbers, *self._forearm, reached)
+        return reached & ~self._touching(
+            points, self.surroundings.only(self.surroundings.numbers < 0), reached
+        )
+
+    def touching(
+        self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
+    ) -> BoolArray:
+        """Check if it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
+        surroundings = self.surroundings.only(self.surroundings.numbers == number)
+        forearm, slide = self._forearm
+        if tree is None or slide > 0:
+            return self._touching(points, surroundings, reached)
+        touching = np.zeros(len(points), dtype=np.bool_)
+        obstacle = (
+            surroundings.beyond(self.clearance + self.slack),
+            self.surroundings.first_row(number),
+        )
+        place_tree_kernels.places_touching(
+            tree, self.arm.table(self.elbow), obstacle, forearm, reached, touching
+        )
+        return touching
+
+    def _touching(
+        self, points: FloatArray, surroundings: Surroundings, reached: BoolArray
+    ) -> BoolArray:
+        touching = np.zeros(len(points), dtype=np.bool_)
+        mask_kernels.touching_places(
+            flat(points),
+            self.arm.table(self.elbow),
+            surroundings.beyond(self.clearance + self.slack),
+            *self._forearm,
+            reached,
+            touching,
+        )
+        return touching
+
+    @cached_property
+    def legs(self) -> ArmLegs:
+        """Surroundings of the tool's legs in the format of the kernels."""
+        table, beyond = self.arm.table(self.elbow, _SPARE), self.clearance + self.slack
+        around = self.surroundings.beyond(beyond)
+        return ArmLegs(table, around, *self._forearm, self.most_tries)
+
+    @cached_property
+    def _extensions(self) -> tuple[FloatArray, FloatArray]:
+        """Bounds of q5 at both ends of any way, (2,) each, [unit]."""
+        low, high = self.extensions
+        return read_only(np.full(2, low)), read_only(np.full(2, high))
+
+    @cached_property
+    def _forearm(self) -> tuple[float, float]:
+        """Middle of a6 and half of its range, [unit]."""
+        low, high = map(float, self.extensions)
+        return self.arm.a4 + self.arm.a5 + (low + high) / 2, (high - low) / 2

@@ -1,0 +1,231 @@
+"""Certificates of the paper's arm: directions that separate its capsules from its surroundings.
+
+See ``abi.arm_planning.certificates.arm_certificate`` for what a direction proves,
+``abi.robot.paper_arm.pose_kernels`` for the numbers of an arm and its capsules,
+``abi.clearance.separation_kernels`` for pieces and planes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.certificates.direction_kernels import NO_DIRECTION
+from abi.arm_planning.certificates.separate_pairs_kernels import (
+    ALLOWANCE,
+    FINEST,
+    LONGER,
+    Lists,
+    Moving,
+    Span,
+    separate_pairs,
+)
+from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
+from abi.arrays import FloatArray
+from abi.clearance.separation_kernels import (
+    CERTIFIED,
+    MOST_HALVINGS,
+    NO_PLANE,
+    REFUTED,
+    UNDECIDED,
+    Outcome,
+    Piece,
+    halves_of,
+    table_of,
+)
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.obstacles.vector_kernels import Vec3, distance, dot, vec3_at
+from abi.robot.paper_arm.pose_kernels import (
+    CAPSULE,
+    NO_ARM,
+    ArmNumbers,
+    ArmTable,
+    Pose,
+    Rates,
+    capsule_ends,
+    capsule_rates,
+    capsule_share,
+    limits_hold_near,
+    pose_of,
+    rates_near,
+    reaches,
+    shoulder_holds,
+)
+
+UNREACHED = 3
+"""Outcome of a piece with a place that the arm does not reach within its limits."""
+
+_ANYWHERE = (0.0, 0.0, 0.0)
+
+
+class Slide(NamedTuple):
+    """Bounds of q5 along the curve, which does not fall.
+
+    Attributes:
+        parameters: increasing, from the curve's first to its last (m,).
+        low, high: bounds at each of them (m,), [unit].
+    """
+
+    parameters: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
+"""Example for the compiler."""
+
+
+@jitable(forceinline=True)
+def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]:
+    """Bounds of q5 from one parameter to another."""
+    first = int(np.searchsorted(slide.parameters, start, side="right")) - 1
+    last = int(np.searchsorted(slide.parameters, end))
+    return slide.low[max(first, 0)], slide.high[min(last, len(slide.high) - 1)]
+
+
+class Stance(NamedTuple):
+    """The arm at a piece's middle, and how far from there it may be on the piece.
+
+    Attributes:
+        pose: there.
+        rates: of the elbow.
+        ways: of the tool and the slide, at most, [unit].
+        first, last: poses at the piece's ends, if ``bend`` is finite.
+        bend: bound of the elbow's second derivative, times l²/8, l being the length of the piece,
+            [unit]; inf where there is none.
+    """
+
+    pose: Pose
+    rates: Rates
+    ways: tuple[float, float]
+    first: Pose
+    last: Pose
+    bend: float
+
+
+@jitable(forceinline=True)
+def stance_near(arm: ArmNumbers, pose: Pose, ways: tuple[float, float]) -> tuple[Stance, bool]:
+    """Stance near a pose, and whether its rates are finite and the arm keeps its limits there."""
+    rates = rates_near(arm, pose, ways[0], ways[1])
+    bounded = not math.isinf(rates.elbow)
+    bounded = bounded and limits_hold_near(arm, pose, rates, ways[0], ways[1])
+    return Stance(pose, rates, ways, pose, pose, math.inf), bounded
+
+
+@jitable(forceinline=True)
+def capsule_of(near: tuple[ArmTable, Stance], c: int) -> Moving:
+    """Capsule c of an arm near a pose."""
+    (arm, capsules), stance = near
+    a, b = capsule_ends(arm, stance.pose, capsules, c)
+    by_tool, by_slide = capsule_rates(arm, stance.rates, capsules, c)
+    way, bow = by_tool * stance.ways[0] + by_slide * stance.ways[1], stance.bend
+    if not math.isinf(bow):
+        bow *= capsule_share(arm, stance.pose.forearm, capsules, c)
+    return Moving(c, a, b, capsules[CAPSULE * c + 3], way, bow)
+
+
+@jitable(forceinline=True)
+def level_at_ends(near: tuple[ArmTable, Stance], capsule: Moving, way: Vec3) -> float:
+    """Least product of a direction and a capsule's segment at both ends of a piece, [unit]."""
+    (arm, capsules), stance = near
+    a, b = capsule_ends(arm, stance.first, capsules, capsule.number)
+    c, d = capsule_ends(arm, stance.last, capsules, capsule.number)
+    return min(min(dot(way, a), dot(way, b)), min(dot(way, c), dot(way, d)))
+
+
+@jitable(forceinline=True)
+def allowance_of(around: Obstacles, rates: Rates) -> float:
+    """Room for rounding, [unit]."""
+    return ALLOWANCE * around.size * (1.0 if math.isinf(rates.elbow) else 1 + rates.elbow)
+
+
+@jitable(forceinline=True)
+def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
+    """Distance of a piece from its middle, at most."""
+    farthest = 0.0
+    for i in range(3 * piece.first, 3 * piece.last, 3):
+        farthest = max(farthest, distance(middle, vec3_at(points, i)))
+    return farthest * LONGER
+
+
+@compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NO_ARM, NO_OBSTACLES, NO_SLIDE, 9))
+def separate_arm(
+    world: FloatArray,
+    breaks: FloatArray,
+    points: FloatArray,
+    table: ArmTable,
+    around: Obstacles,
+    slide: Slide,
+    most_tries: int,
+) -> Outcome:
+    """Separate every capsule from every obstacle while the tool runs along a curve.
+
+    Where that is proven, q2 and q3 keep their limits, too. A piece of the curve carries the pairs
+    that its parents were not separated in; what is left of them is tried on both halves.
+
+    Args:
+        world: Bézier points of the s polynomials, flat (3 s (degree + 1),), world frame.
+        breaks: parameters between them (s + 1,).
+        points: room for the same and the halves, flat (3 (s + 2 MOST_HALVINGS + 2) (degree + 1),).
+        table: the arm.
+        around: what to keep clear of.
+        slide: bounds of q5.
+        most_tries: tries it may take.
+
+    Returns:
+        As for curves; a plane's obstacle is the number of its pair, and its level the parameter of
+        the pose.
+    """
+    arm, capsules = table
+    spans = len(breaks) - 1
+    width = len(world) // (3 * spans)
+    for i in range(len(world)):
+        points[i] = world[i]
+    planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
+    lists = Lists(planes, candidates, work, [NO_DIRECTION])
+    candidates.clear()
+    for c in range(len(capsules) // CAPSULE):
+        add_pairs_within(around, c, (_ANYWHERE, _ANYWHERE), math.inf, candidates)
+    if len(candidates) == 0:
+        return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
+    whole = Piece(0, spans * width, 0, breaks[0], breaks[spans])
+    pending = [(whole, 0, len(candidates))]
+    while len(pending) > 0:
+        piece, lowest, highest = pending.pop()
+        while len(candidates) > highest:
+            candidates.pop()
+        at, ahead, behind = halves_of(points, piece, breaks, width)
+        middle = vec3_at(points, 3 * behind.first)
+        low, high = _slide_within(slide, piece.start, piece.end)
+        forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
+        farthest = _farthest(points, piece, middle)
+        if not reaches(arm, middle, forearm):
+            return UNREACHED, at, -1, 0.0, table_of(planes)
+        pose = pose_of(arm, middle, forearm)
+        if not shoulder_holds(arm, pose):
+            return UNREACHED, at, -1, 0.0, table_of(planes)
+        stance, bounded = stance_near(arm, pose, (farthest, slid))
+        allowance = allowance_of(around, stance.rates)
+        span = Span(piece.start, piece.end, at, allowance, bounded, True)
+        work.clear()
+        lists.latest.clear()
+        for i in range(highest - 1, lowest - 1, -1):
+            work.append(candidates[i])
+        outcome, pair, away, tried, _ = separate_pairs(
+            around, span, lists, capsule_of, level_at_ends, (table, stance)
+        )
+        tries += tried[0] + tried[1]
+        if outcome == REFUTED:
+            return REFUTED, at, pair, away, table_of(planes)
+        if len(candidates) == highest:
+            continue
+        run = piece.last - piece.first > width
+        final = piece.halvings == MOST_HALVINGS or farthest < FINEST * around.size
+        if tries > most_tries or (not run and (final or not piece.start < at < piece.end)):
+            return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)
+        pending.append((behind, highest, len(candidates)))
+        pending.append((ahead, highest, len(candidates)))
+    return CERTIFIED, 0.0, -1, math.inf, table_of(planes)

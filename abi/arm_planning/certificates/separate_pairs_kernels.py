@@ -1,0 +1,199 @@
+"""Directions that separate an arm's capsules from its surroundings near a pose, for every arm.
+
+See ``abi.arm_planning.certificates.arm_certificate`` for what a direction proves,
+``abi.arm_planning.world.surroundings_kernels`` for the surroundings,
+``abi.clearance.separation_kernels`` for planes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
+
+from abi.arm_planning.certificates.direction_kernels import Direction, is_separated, keep_direction
+from abi.arm_planning.world.surroundings_kernels import (
+    Obstacles,
+    between_boxes,
+    is_solid,
+    judged,
+    open_box,
+)
+from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, Plane
+from abi.compilation.jitable import jitable
+from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
+from abi.obstacles.vector_kernels import Vec3, dot, sub
+
+ALLOWANCE = 2.0**-40
+"""Rounding of each place computed, as a part of the largest coordinate."""
+LONGER = 1 + 2.0**-50
+"""Factor of a distance between places that makes up for its rounding."""
+FINEST = 2.0**-26
+"""Part of the largest coordinate: pieces with a smaller way are not halved."""
+
+_Arm = TypeVar("_Arm")
+
+
+class Moving(NamedTuple):
+    """A capsule at a pose, and how far from there it may be.
+
+    Attributes:
+        number: of the capsule.
+        first, last: ends of its segment, [unit], world.
+        radius: [unit].
+        way: of every point of it, at most, [unit].
+        bow: farthest that its points are from straight ways between the ends of the piece, [unit];
+            inf where that is not known.
+    """
+
+    number: int
+    first: Vec3
+    last: Vec3
+    radius: float
+    way: float
+    bow: float
+
+
+class Span(NamedTuple):
+    """A piece of a way, seen from a pose on it.
+
+    Attributes:
+        start, end, at: its first and last parameter, and that of the pose.
+        allowance: for rounding, [unit].
+        bounded: whether the ways are bounded on the piece, and joints keep their limits.
+        keeps: whether planes are wanted.
+    """
+
+    start: float
+    end: float
+    at: float
+    allowance: float
+    bounded: bool
+    keeps: bool
+
+
+class Lists(NamedTuple):
+    """Lists that a proof fills; a pair is capsule times number of obstacles, plus obstacle.
+
+    Attributes:
+        planes: the directions found.
+        candidates: pairs, those of every pending piece, a piece's own together.
+        work: pairs of the present piece, the next one last.
+        latest: directions that may serve for the next pair, too.
+    """
+
+    planes: list[Plane]
+    candidates: list[int]
+    work: list[int]
+    latest: list[Direction]
+
+
+@jitable(forceinline=True)
+def _level(
+    allowance: float,
+    capsule: Moving,
+    way: Vec3,
+    level_at_ends: Callable[[_Arm, Moving, Vec3], float],
+    arm: _Arm,
+) -> float:
+    """Level of a :class:`Direction` that is to separate a capsule all along a piece, [unit]."""
+    level = min(dot(way, capsule.first), dot(way, capsule.last)) - capsule.way
+    if capsule.bow < capsule.way:
+        level = max(level, level_at_ends(arm, capsule, way) - capsule.bow)
+    return level - capsule.radius - allowance
+
+
+@jitable(forceinline=True)
+def _separated(
+    around: Obstacles,
+    s: int,
+    allowance: float,
+    capsule: Moving,
+    level_at_ends: Callable[[_Arm, Moving, Vec3], float],
+    arm: _Arm,
+) -> tuple[int, float, Vec3]:
+    """Check whether a direction keeps a capsule clear of row s, or of the floor, near a pose.
+
+    Returns:
+        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction.
+    """
+    a, b, radius = capsule.first, capsule.last, capsule.radius
+    need = radius + around.margins[s]
+    near, far = need - allowance, need + allowance + capsule.way
+    if s == len(around.margins) - 1:
+        gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
+        outcome = CERTIFIED if gap > far else REFUTED if gap < near else UNDECIDED
+        return outcome, gap - radius, way
+    gap, way = between_boxes(around.primitives, s, a, b)
+    if gap > far:
+        return CERTIFIED, gap - radius, way
+    axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
+    centre = centre_of(around.primitives, s)
+    p, d = in_body(axes, sub(a, centre)), in_body(axes, sub(b, a))
+    outcome, gap, way = judged(core, p, d, near, min(far, need + allowance + capsule.bow))
+    there = in_world(axes, way)
+    if outcome == CERTIFIED and gap <= far:
+        reached = support(core, way) + dot(there, centre) + around.margins[s]
+        if reached >= _level(allowance, capsule, there, level_at_ends, arm):
+            outcome = UNDECIDED
+    return outcome, gap - radius, there
+
+
+@jitable(forceinline=True)
+def separate_pairs(
+    around: Obstacles,
+    span: Span,
+    lists: Lists,
+    capsule_of: Callable[[_Arm, int], Moving],
+    level_at_ends: Callable[[_Arm, Moving, Vec3], float],
+    arm: _Arm,
+) -> tuple[int, int, float, tuple[int, int], float]:
+    """Separate the pairs of ``lists.work`` on a piece; those that are left become candidates.
+
+    Where a capsule has a bow, a direction n is tried at both ends of the piece, too.
+
+    Args:
+        around: what to keep clear of.
+        span: the piece.
+        lists: written.
+        capsule_of: a capsule of the arm, by its number.
+        level_at_ends: least n·P over the points P of a capsule's segment at both ends of the piece.
+        arm: the arm near the pose.
+
+    Returns:
+        REFUTED or UNDECIDED; the pair and the distance that refute it; how many were tried, and how
+        many could be left out; the largest way of a capsule that is left, [unit].
+    """
+    count, (start, end, at, allowance, bounded, keeps) = len(around.margins), span
+    planes, candidates, work, latest = lists
+    capsule = capsule_of(arm, 0)
+    left, tries, spared, farthest = -1, 0, 0, 0.0
+    while len(work) > 0:
+        pair = work.pop()
+        s = pair % count
+        if pair // count != capsule.number:
+            capsule = capsule_of(arm, pair // count)
+            latest.clear()
+            left = -1
+        if is_separated(around, s, latest):
+            spared += 1
+            continue
+        if left >= 0 and around.meshes[s] == left:
+            spared += 1
+            candidates.append(pair)
+            continue
+        tries += 1
+        outcome, away, way = _separated(around, s, allowance, capsule, level_at_ends, arm)
+        if outcome == REFUTED and is_solid(around, pair):
+            return REFUTED, pair, away, (tries, spared), farthest
+        if bounded and outcome == CERTIFIED:
+            if keeps:
+                planes.append(Plane(start, end, pair, way, at))
+            if around.meshes[s] >= 0:
+                level = _level(allowance, capsule, way, level_at_ends, arm)
+                keep_direction(latest, way, level, around.meshes[s])
+        elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
+            candidates.append(pair)
+            farthest = max(farthest, capsule.way)
+            # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
+            left = around.meshes[s] + 0
+    return UNDECIDED, -1, 0.0, (tries, spared), farthest

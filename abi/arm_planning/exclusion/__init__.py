@@ -1,0 +1,1 @@
+"""Mesh nodes, segments and regions at which an arm touches something."""

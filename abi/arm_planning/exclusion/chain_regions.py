@@ -1,0 +1,105 @@
+"""Regions of tool positions of a URDF arm as surfaces: its shadow, and the set that it reaches.
+
+Where it may stand at a place depends on where it comes from: here, as in the planner, it comes from
+a pose at the start, from place to place of a coarse mesh.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_stances
+from abi.arm_planning.exclusion.regions import box_above, grid, surface
+from abi.arm_planning.exclusion.stances import Stances, spread_over
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.arrays import BoolArray, FloatArray
+from abi.obstacles.pose import Vec3
+from abi.robot.urdf_arm import UrdfArm
+from abi.scene.settings import MeshSettings, Workspace
+from abi.tet_mesh.tet_mesh import tetrahedralise
+
+_PLACES = 16
+"""Places along the longest side of a box."""
+_BLUR = 0.7
+"""Standard deviation of what smooths the border of the reached places, in cells."""
+_LEAST = 0.05
+"""Least part that a place next to the border has of the half that parts inside and outside."""
+_ANYHOW = -1.0
+"""Distance that links keep from each other: they may touch."""
+
+
+def stances_in(
+    arm: UrdfArm, first: FloatArray, start: FloatArray, box: tuple[Vec3, Vec3]
+) -> Stances:
+    """Stances at the places of a coarse mesh.
+
+    Args:
+        arm: the arm.
+        first: its joints at the start, (n,), [rad] or [unit].
+        start: the tool's place there, (3,), [unit], world.
+        box: low and high corner, [unit].
+    """
+    low, high = box
+    pitch = float(np.subtract(high, low).max()) / (_PLACES - 1)
+    mesh = tetrahedralise(
+        Workspace(min=low, max=high), MeshSettings(lattice="kuhn", pitch=pitch, max_nodes=10**6)
+    )
+    return spread_over(arm, mesh, start, first, first)
+
+
+def reach_box(arm: UrdfArm, floor: float) -> tuple[Vec3, Vec3]:
+    """Low and high corner of a box above the floor around all that an arm reaches, [unit]."""
+    return box_above(floor, arm.chain.table.origins[9:12] / arm.metres, arm.reach)
+
+
+def chain_shadow(arm: UrdfArm, stances: Stances, surroundings: Surroundings) -> FloatArray:
+    """The tool positions at which a link would be in an obstacle, to a cell of the mesh.
+
+    Args:
+        arm: the arm.
+        stances: its joints, as :func:`stances_in` finds them.
+        surroundings: the obstacles.
+
+    Returns:
+        Triangles (n, 3, 3) of the region's surface, [unit], world.
+    """
+    touching = np.zeros(len(stances.reached), dtype=np.bool_)
+    touching_stances(
+        arm.chain.table,
+        arm.bodies,
+        stances.coordinates,
+        surroundings.only(surroundings.numbers >= 0).beyond(0.0),
+        _ANYHOW,
+        stances.reached,
+        touching,
+    )
+    return _surface_of(stances, touching)
+
+
+def chain_reach(stances: Stances) -> FloatArray:
+    """The tool positions that an arm reaches within its joints' limits, to a cell of the mesh.
+
+    Args:
+        stances: its joints, as :func:`stances_in` finds them.
+
+    Returns:
+        Triangles (n, 3, 3) of the region's surface, [unit], world.
+    """
+    return _surface_of(stances, stances.reached)
+
+
+def _surface_of(stances: Stances, chosen: BoolArray) -> FloatArray:
+    """Surface between chosen places (k,) of a mesh and the others, closed where the mesh ends.
+
+    Smooth, but each place is on its own side.
+    """
+    low, high = (tuple(corner.tolist()) for corner in stances.mesh.box)
+    points, shape = grid(low, high, _PLACES)
+    inner = chosen.reshape([count - 2 for count in shape])
+    values = 0.5 - scipy.ndimage.gaussian_filter(inner.astype(float), _BLUR, mode="nearest")
+    field = np.ones(shape)
+    field[1:-1, 1:-1, 1:-1] = np.where(
+        inner, np.minimum(values, -_LEAST), np.maximum(values, _LEAST)
+    )
+    return surface(points, field.ravel(), shape)

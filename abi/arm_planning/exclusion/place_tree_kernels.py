@@ -1,0 +1,233 @@
+"""Places of the tool at which an arm touches an obstacle of many parts, many places at once.
+
+As ``abi.arm_planning.exclusion.mask_kernels`` decides it place by place. But near a pose an arm
+moves at most so much faster than its tool (:mod:`abi.robot.paper_arm.pose_kernels`): what keeps
+clear with the tool in the middle of a ball, by as much as the arm may move meanwhile, does so with
+the tool anywhere in it, and what is deeper than that in the way is so anywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.exclusion.mask_kernels import is_far, is_near, outline, touched_row
+from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles
+from abi.arrays import BoolArray, IntArray
+from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
+from abi.compiled import FLAGS, NEW_FLAGS, compiled
+from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
+from abi.obstacles.vector_kernels import Vec3, vec3_at
+from abi.robot.paper_arm.pose_kernels import (
+    CAPSULE,
+    COLUMN,
+    FOREARM,
+    NO_ARM,
+    UPPER_ARM,
+    ArmTable,
+    capsule_ends,
+    pose_of,
+    rates_near,
+    reaches,
+)
+from abi.tet_mesh.node_tree import NO_NODES, NodeTree
+
+_EVERY = 2
+"""Levels of the tree, of which the balls of one are looked at."""
+
+_ROUNDING = 1e-9
+"""Part of the largest coordinate by which an arm may move farther, by rounding."""
+
+
+class _Widths(NamedTuple):
+    """An arm's forearm, and how far its capsules stand out.
+
+    Attributes:
+        forearm: length a6, [unit].
+        upper, fore: farthest that they stand out from the lines of upper arm and forearm, [unit].
+        stretch: how much farther than elbow and tool points of them go, at most.
+    """
+
+    forearm: float
+    upper: float
+    fore: float
+    stretch: float
+
+
+class _Near(NamedTuple):
+    """Knowledge of a ball.
+
+    Attributes:
+        upper, fore: whether upper arm and forearm are clear all over it.
+        touched: whether some capsule touches all over it.
+        rows: that these were last too near to, -1 for none.
+    """
+
+    upper: bool
+    fore: bool
+    touched: bool
+    rows: tuple[int, int]
+
+
+@jitable
+def _widths_of(table: ArmTable, forearm: float) -> _Widths:
+    """Reaches of the capsules.
+
+    A point at a share t of the forearm goes no farther than abs(1 - t) + abs(t) times what goes
+    farther, the elbow or the tool.
+    """
+    arm, capsules = table
+    most = 1.0
+    for c in range(len(capsules) // CAPSULE):
+        body = capsules[CAPSULE * c]
+        for k in range(1, 3):
+            end = capsules[CAPSULE * c + k]
+            if body == UPPER_ARM:
+                most = max(most, abs(end) / arm.upper)
+            elif body != COLUMN:
+                end += 0.0 if body == FOREARM else forearm - arm.forearm
+                share = end / forearm
+                most = max(most, abs(1.0 - share) + abs(share))
+    _, _, upper, fore = outline(table)
+    return _Widths(forearm, upper, fore, most)
+
+
+@jitable(forceinline=True)
+def _clear_of(
+    around: Obstacles,
+    root: int,
+    segment: tuple[Vec3, Vec3],
+    need: float,
+    guess: int,
+    waiting: IntArray,
+) -> tuple[bool, int]:
+    """Check if a segment is farther than ``need`` from all of an obstacle, and what to guess next.
+
+    Args:
+        around: what to keep clear of.
+        root: the obstacle's row.
+        segment: its ends, [unit], world.
+        need: [unit].
+        guess: a row that is likely to be too near; -1 without.
+        waiting: room for ``DEPTH`` rows.
+    """
+    a, b = segment
+    if is_far(around.primitives, root, a, b, need):
+        return True, guess
+    row = touched_row(around, root, a, b, need, guess, waiting)
+    return row < 0, guess if row < 0 else row
+
+
+@jitable
+def _near_ball(
+    table: ArmTable,
+    obstacle: tuple[Obstacles, int],
+    ball: tuple[Vec3, float],
+    known: _Near,
+    likely: tuple[int, int],
+    widths: _Widths,
+    waiting: IntArray,
+) -> _Near:
+    """Verdict on a ball from the pose in its middle.
+
+    Args:
+        table: the arm.
+        obstacle: what to keep clear of, and the row with all of it.
+        ball: centre and radius, [unit], world.
+        known: of a ball around it.
+        likely: the capsule that touched something last, and what, -1 for nothing.
+        widths: how far capsules stand out.
+        waiting: room for ``DEPTH`` rows.
+    """
+    (arm, capsules), (around, root), (centre, radius) = table, obstacle, ball
+    if not reaches(arm, centre, widths.forearm):
+        return known
+    pose = pose_of(arm, centre, widths.forearm)
+    rate = rates_near(arm, pose, radius, 0.0).elbow
+    if math.isinf(rate):
+        return known
+    way, margin = widths.stretch * rate * radius + _ROUNDING * around.size, around.margins[root]
+    c, row = likely
+    need = capsules[CAPSULE * c + 3] + margin - way
+    if row >= 0 and need > 0:
+        a, b = capsule_ends(arm, pose, capsules, c)
+        if is_near(around.primitives, row, a, b, need):
+            return _Near(known.upper, known.fore, True, known.rows)
+    upper, fore, _, (first, second) = known
+    if not upper:
+        need = widths.upper + margin + way
+        upper, first = _clear_of(around, root, (pose.shoulder, pose.elbow), need, first, waiting)
+    if not fore:
+        need = widths.fore + margin + way
+        fore, second = _clear_of(around, root, (pose.elbow, centre), need, second, waiting)
+    return _Near(upper, fore, False, (first, second))
+
+
+@compiled(example=(NO_NODES, NO_ARM, (NO_OBSTACLES, 0), 0.0, FLAGS, NEW_FLAGS))
+def places_touching(
+    nodes: NodeTree,
+    table: ArmTable,
+    obstacle: tuple[Obstacles, int],
+    forearm: float,
+    asked: BoolArray,
+    touching: BoolArray,
+) -> None:
+    """Mark the places of the tool at which a capsule is too near to an obstacle.
+
+    Args:
+        nodes: the places (n,).
+        table: the arm.
+        obstacle: what to keep clear of, and the row with all of it.
+        forearm: length a6, [unit].
+        asked: places to look at, that the arm reaches (n,).
+        touching: (n,), False at first; written.
+    """
+    (arm, capsules), (around, root) = table, obstacle
+    count, margin = len(around.margins), around.margins[root]
+    still, _, _, _ = outline(table)
+    widths = _widths_of(table, forearm)
+    own = np.empty(DEPTH, np.int32)
+    waiting = borrowed(own)
+    latest = np.full(len(capsules) // CAPSULE, -1)  # what each capsule touched last
+    likely = still  # the capsule that touched something last: beside its place it does so again
+    inner, rows = len(nodes.leaves) - 2, (-1, -1)
+    work = [(0, 0, False, False)]
+    while len(work) > 0:
+        branch, level, upper, fore = work.pop()
+        near = _Near(upper, fore, False, rows)
+        if level % _EVERY == 0 or branch >= inner:
+            ball = vec3_at(nodes.balls, 4 * branch), nodes.balls[4 * branch + 3]
+            guess = likely, int(latest[likely])
+            near = _near_ball(table, obstacle, ball, near, guess, widths, waiting)
+            rows = near.rows
+        if near.upper and near.fore:
+            continue
+        if branch < inner and not near.touched:
+            work.append((2 * branch + 1, level + 1, near.upper, near.fore))
+            work.append((2 * branch + 2, level + 1, near.upper, near.fore))
+            continue
+        first, last = branch, branch
+        while first < inner:
+            first, last = 2 * first + 1, 2 * last + 2
+        for i in range(nodes.leaves[first - inner], nodes.leaves[last - inner + 1]):
+            at = nodes.order[i]
+            if near.touched or not asked[at]:
+                touching[at] = asked[at]
+                continue
+            pose = pose_of(arm, vec3_at(nodes.points, 3 * i), forearm)
+            for number in range(still - 1, len(latest)):
+                c = likely if number < still else number
+                if number == likely or not around.asked[c * count + root]:
+                    continue
+                if near.upper if capsules[CAPSULE * c] == UPPER_ARM else near.fore:
+                    continue
+                need = capsules[CAPSULE * c + 3] + margin
+                a, b = capsule_ends(arm, pose, capsules, c)
+                row = touched_row(around, root, a, b, need, int(latest[c]), waiting)
+                if row >= 0:
+                    latest[c], likely, touching[at] = row, c, True
+                    break
+    held(own)

@@ -1,0 +1,107 @@
+"""Stances of a URDF arm: joint positions with the tool at each node of a mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from abi import arguments
+from abi.arm_planning.exclusion import spread_kernels
+from abi.arm_planning.exclusion.stance_tree_kernels import StanceTree, bound_stances
+from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.robot.kinematics.chain import PULL
+from abi.robot.kinematics.follow_path_kernels import Drift
+from abi.robot.urdf_arm import REACHED, UrdfArm
+from abi.tet_mesh.tet_mesh import TetMesh
+
+_LONGEST = 0.7
+"""Step of a joint between neighbours beyond which they are not joined, [rad] or [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stances:
+    """Joint positions at the nodes that an arm reaches, spread from the start.
+
+    Attributes:
+        arm: the arm.
+        mesh: the mesh.
+        start: where the tool starts, shape (3,), [unit], world.
+        first: joint positions there, shape (n,), [rad] or [unit].
+        home: those that spare joints drift to, shape (n,), [rad] or [unit].
+        positions: joint positions at all m nodes, shape (m, n), [rad] or [unit]; those of a node
+            that is not reached mean nothing.
+        reached: whether the arm reaches each node, shape (m,).
+    """
+
+    arm: UrdfArm
+    mesh: TetMesh
+    start: FloatArray
+    first: FloatArray
+    home: FloatArray
+    positions: FloatArray
+    reached: BoolArray
+
+    def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """The stance nearest to a point (3,): its place and its joints; None if there is none."""
+        point = arguments.numbers("point", point, (3,))
+        if np.array_equal(point, self.start):
+            return self.start, self.first
+        if not len(self._nodes):
+            return None
+        node = int(self._nodes[self._tree.query(point)[1]])
+        return self.mesh.points[node], self.positions[node]
+
+    @cached_property
+    def coordinates(self) -> FloatArray:
+        """The positions as the kernels have them, flat (m n,), [rad] or [m]."""
+        return flat(self.positions / self.arm.scales)
+
+    @cached_property
+    def tree(self) -> StanceTree:
+        """The stances in a tree: of each capsule about 16 bytes a node."""
+        nodes, bodies = self.mesh.node_tree, self.arm.bodies
+        boxes = np.tile(np.repeat([np.inf, -np.inf], 3), len(nodes.balls) // 4 * len(bodies.radii))
+        tree = StanceTree(self.coordinates, nodes.order, nodes.leaves, read_only(np.zeros(0)))
+        bound_stances(self.arm.chain.table, bodies, tree, self.reached, boxes)
+        return tree._replace(boxes=read_only(boxes))
+
+    @cached_property
+    def _nodes(self) -> IntArray:
+        return np.flatnonzero(self.reached).astype(np.int32)
+
+    @cached_property
+    def _tree(self) -> scipy.spatial.cKDTree:
+        return scipy.spatial.cKDTree(self.mesh.points[self._nodes])
+
+
+def spread_over(
+    arm: UrdfArm, mesh: TetMesh, start: FloatArray, first: FloatArray, home: FloatArray
+) -> Stances:
+    """Spread an arm's inverse kinematics over a mesh, from a pose at the start.
+
+    Args:
+        arm: the arm.
+        mesh: the mesh.
+        start: where the tool starts, shape (3,), [unit], world.
+        first: joint positions there, shape (n,), [rad] or [unit].
+        home: those that spare joints drift to, shape (n,), [rad] or [unit].
+    """
+    indptr, indices = mesh.neighbours
+    stances = np.zeros((len(mesh.points), len(home)))
+    reached = np.zeros(len(mesh.points), dtype=np.bool_)
+    nearest = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
+    stances[nearest] = first / arm.scales
+    spread_kernels.spread(
+        arm.chain.table,
+        spread_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
+        nearest,
+        Drift(flat(home / arm.scales), PULL),
+        spread_kernels.Limits(REACHED, _LONGEST),
+        stances.reshape(-1),
+        reached,
+    )
+    positions = read_only(stances * arm.scales)
+    return Stances(arm, mesh, read_only(start), first, home, positions, read_only(reached))

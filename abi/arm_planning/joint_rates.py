@@ -1,0 +1,103 @@
+"""Speeds, accelerations and torques of the joints along a motion, and their limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arm_planning.abi_model import JOINT_SPEED, MOVED
+from abi.arm_planning.motion.trajectory import ArmMotion, Quantity, Violation
+from abi.arm_planning.motion_law import ROUNDING, second_derivatives
+from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.robot.any_arm import AnyArm
+from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
+from abi.robot.urdf_arm import UrdfArm
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointRates(ShortRepr):
+    """Speeds, accelerations and torques of the n joints at the m samples of a motion.
+
+    They are differences of the samples: of a bend that the tool passes in less than two of them
+    they show only part of the acceleration.
+
+    Attributes:
+        speeds: shape (m, n), [rad/s] or [unit/s].
+        accelerations: shape (m, n), [rad/s²] or [unit/s²].
+        torques: shape (m, n), [N·m], of sliding joints forces [N]; None where no masses are known.
+        speed_limits: (n,), inf where there is none.
+        acceleration_limits: those that the scene asks for, (n,), inf where there is none.
+        torque_limits: (n,), inf where there is none.
+    """
+
+    speeds: FloatArray
+    accelerations: FloatArray
+    torques: FloatArray | None
+    speed_limits: FloatArray
+    acceleration_limits: FloatArray
+    torque_limits: FloatArray
+
+
+def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRates:
+    """Compute speeds and accelerations as differences of the samples, and the torques needed.
+
+    The paper gives masses only for its arm's last three drives, so that arm has no torques; the
+    speed limit of its turning joints is nominal.
+
+    Args:
+        arm: the arm.
+        motion: its motion, at three samples or more.
+        acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²].
+    """
+    step = float(motion.time[1] - motion.time[0])
+    if step > 0:
+        speeds = np.gradient(motion.positions, step, axis=0)
+        growths = second_derivatives(motion.positions, step)
+    else:
+        speeds = growths = np.zeros_like(motion.positions)
+    torques = None
+    if isinstance(arm, UrdfArm):
+        limits = [arm.chain.speeds * arm.scales, acceleration * arm.scales, arm.chain.efforts]
+        if has_masses(arm.chain):
+            moving = (values / arm.scales for values in (motion.positions, speeds, growths))
+            torques = read_only(joint_torques(arm.chain, *moving))
+    else:
+        solved = np.arange(len(motion.joints)) < MOVED
+        limits = [np.where(solved, most, np.inf) for most in (JOINT_SPEED, acceleration, np.inf)]
+    return JointRates(
+        read_only(speeds), read_only(growths), torques, *(read_only(one) for one in limits)
+    )
+
+
+def passed_limits(arm: AnyArm, motion: ArmMotion, rates: JointRates) -> tuple[Violation, ...]:
+    """Find every joint that passes a limit of its speed, acceleration or torque, where it is worst.
+
+    The paper gives its arm no such limits, and those in ``rates`` are nominal: it passes none.
+
+    Args:
+        arm: the arm.
+        motion: its motion, at m samples.
+        rates: its joints' rates there.
+    """
+    found: list[Violation] = []
+    if not isinstance(arm, UrdfArm):
+        return ()
+    limited: tuple[tuple[Quantity, FloatArray | None, FloatArray], ...] = (
+        ("speed", rates.speeds, rates.speed_limits),
+        ("acceleration", rates.accelerations, rates.acceleration_limits),
+        ("torque", rates.torques, rates.torque_limits),
+    )
+    for quantity, values, limits in limited:
+        if values is None:
+            continue
+        past = np.abs(values) > limits * ROUNDING
+        for joint in np.flatnonzero(past.any(axis=0)).tolist():
+            worst, first = int(np.abs(values[:, joint]).argmax()), int(past[:, joint].argmax())
+            value = float(values[worst, joint])
+            limit = math.copysign(float(limits[joint]), value)
+            times = float(motion.time[worst]), float(motion.time[first])
+            name = motion.joints[joint]
+            found.append(Violation(name, times[0], value, limit, times[1], quantity))
+    return tuple(found)

@@ -1,0 +1,24 @@
+"""Table of the arm models that a scene can name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+from abi.arm_planning.abi_model import AbiModel
+from abi.arm_planning.arm_model import ArmModel
+from abi.arm_planning.urdf_model import UrdfModel
+from abi.scene.settings import ArmSettings
+
+Unit = Literal["m", "cm", "mm"]
+
+MODELS: dict[str, Callable[[ArmSettings, Unit], ArmModel]] = {
+    "abi": AbiModel,
+    "urdf": UrdfModel,
+}
+"""Arm models by the names that ``arm.model`` takes."""
+
+
+def model_of(settings: ArmSettings, unit: Unit = "cm") -> ArmModel:
+    """The arm that a scene's settings describe; lengths in the scene's unit."""
+    return MODELS[settings.model](settings, unit)

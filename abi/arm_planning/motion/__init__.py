@@ -1,0 +1,1 @@
+"""Joint positions over time, and how far the whole arm keeps clear meanwhile."""

@@ -1,0 +1,288 @@
+"""Clearance of the whole arm along its motion: measured at samples, and proven between them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from operator import attrgetter
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.world import capsule_kernels
+from abi.arm_planning.world.capsule_mesh_kernels import capsules_near_meshes
+from abi.arm_planning.world.solid_rows import FLOOR
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.any_arm import AnyArm
+from abi.robot.bodies.allowed_contacts import AllowedContact
+from abi.robot.paper_arm.arm import Arm, place
+
+_SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
+"""Parts of the measured distance that are tried to prove, and at last the one asked for."""
+
+_MANY = 1_000
+"""Rows around an arm, of triangle meshes above all, among which one proof is all that is tried."""
+
+_TOUCH = 1e-9
+"""Distance up to which it is measured how far the arm is from itself and the floor, [unit]: only
+what is touched is told."""
+
+
+class Contact(NamedTuple):
+    """A stretch of time in which a link touches something.
+
+    Attributes:
+        link: name of the link.
+        obstacle: number of an obstacle, or name of a link, or ``floor``.
+        first: time of the first sample, [s].
+        last: time of the last sample, [s].
+        time: time at which it is deepest, [s].
+        depth: how far the link's capsule is in it then, [unit].
+    """
+
+    link: str
+    obstacle: int | str
+    first: float
+    last: float
+    time: float
+    depth: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ArmClearance(ShortRepr):
+    """Clearance of the arm from obstacles, from the floor and from itself.
+
+    Attributes:
+        distances: of the links' surfaces to the nearest obstacle at each sample of the motion,
+            shape (m,), [unit], negative inside; inf without obstacles, and possibly where a
+            triangle mesh is nearest and another sample is nearer to it; possibly 0 where one is
+            touched and another sample of the contact is deeper.
+        required: distance to keep from obstacles, [unit].
+        distance: least distance of the links' surfaces to an obstacle, [unit]; proven where there
+            is a certificate, else that of the samples; inf without obstacles.
+        time: time at which it is least, [s].
+        link: name of the link that is nearest then; empty without obstacles.
+        obstacle: number of that obstacle, -1 without obstacles.
+        contacts: what touches what, the deepest first.
+        certificate: proof of ``distance``, and that nothing else is touched; None if there is none.
+        allowed: contacts of a URDF arm that count for nothing.
+    """
+
+    distances: FloatArray
+    required: float
+    distance: float
+    time: float
+    link: str
+    obstacle: int
+    contacts: tuple[Contact, ...]
+    certificate: ArmCertificate | None
+    allowed: tuple[AllowedContact, ...] = ()
+
+    @property
+    def certified(self) -> bool:
+        """Whether the whole arm is proven to keep the required distance at all times."""
+        return self.certificate is not None and self.certificate.margin >= self.required
+
+    @property
+    def is_too_near(self) -> bool:
+        """Whether a sample's links are nearer to an obstacle than required."""
+        return bool(self.distances.min(initial=math.inf) < self.required)
+
+    def touching(self, time: float) -> frozenset[str]:
+        """Names of the links that touch something, or each other, at a time [s]."""
+        now = [one for one in self.contacts if one.first <= time <= one.last]
+        links = {contact.link for contact in now}
+        return frozenset(links | {one.obstacle for one in now if isinstance(one.obstacle, str)})
+
+
+def arm_clearance(
+    motion: ArmMotion,
+    arm: Arm,
+    obstacles: ObstacleSet,
+    surroundings: Surroundings,
+    required: float,
+) -> ArmClearance:
+    """Measure the clearance of an arm along its motion, and prove as much of it as possible.
+
+    Args:
+        motion: its motion.
+        arm: the arm.
+        obstacles: the solids.
+        surroundings: the same, with the floor and the arm's column.
+        required: distance to keep from obstacles, at least 0, [unit].
+    """
+    ends = place(arm, motion.positions)
+    own = _measured(ends, arm, surroundings.only(surroundings.numbers < 0), _TOUCH)
+    solid = _measured(
+        ends, arm, surroundings.only((surroundings.numbers >= 0) & (surroundings.solids.meshes < 0))
+    )
+    if obstacles.meshes:
+        solid = _with_meshes(solid, ends, arm, obstacles)
+    capsules = range(len(arm.capsules))
+    contacts = (
+        *contacts_of(motion.time, own, capsules, arm),
+        *contacts_of(motion.time, solid, capsules, arm),
+    )
+    certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, surroundings)
+    return proven_clearance(
+        motion, arm, solid, contacts, required, surroundings.solids.in_use, certify
+    )
+
+
+def proven_clearance(
+    motion: ArmMotion,
+    arm: AnyArm,
+    measured: Measured,
+    contacts: Sequence[Contact],
+    required: float,
+    rows: int,
+    certify: Callable[[float], ArmCertificate | ArmRefutation],
+) -> ArmClearance:
+    """Prove as much as possible of the clearance that was measured at the samples of a motion.
+
+    Args:
+        motion: the motion.
+        arm: the arm.
+        measured: its distances to the obstacles.
+        contacts: what it touches.
+        required: distance to keep from obstacles, at least 0, [unit].
+        rows: number of rows around.
+        certify: proves a distance, [unit].
+    """
+    least = measured.distance.min(axis=1)
+    sample = int(least.argmin())
+    capsule = int(measured.distance[sample].argmin())
+    distance, obstacle = float(least[sample]), int(measured.number[sample, capsule])
+    proof = None
+    if motion.reachable and not contacts:
+        proof = _best_proof(certify, distance, required, rows)
+    return ArmClearance(
+        distances=read_only(least),
+        required=required,
+        distance=distance if proof is None else proof.margin,
+        time=float(motion.time[sample]),
+        link=arm.capsules[capsule].link if obstacle >= 0 else "",
+        obstacle=obstacle,
+        contacts=tuple(sorted(contacts, key=attrgetter("depth"), reverse=True)),
+        certificate=proof,
+    )
+
+
+def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
+    """Check whether the whole arm is proven clear all along a motion, within reach and limits."""
+    return motion.reachable and motion.within_limits and clearance.certified
+
+
+def _best_proof(
+    certify: Callable[[float], ArmCertificate | ArmRefutation],
+    measured: float,
+    required: float,
+    rows: int,
+) -> ArmCertificate | None:
+    """Prove the largest possible of a few distances below the measured one; None if none holds.
+
+    With very many rows, as near large triangle meshes, only the required distance is proven.
+
+    Args:
+        certify: proves a distance.
+        measured: least distance at samples, [unit].
+        required: distance asked for, [unit].
+        rows: number of rows around.
+    """
+    tries = {0.0, required}
+    if math.isfinite(measured):
+        tries |= {share * measured for share in _SHARES}
+    many = rows > _MANY and 0 <= required < measured
+    asked = certify(required) if many else None
+    if isinstance(asked, ArmCertificate):
+        return asked
+    for margin in sorted((one for one in tries if 0 <= one < measured), reverse=True):
+        result = asked if asked is not None and margin == required else certify(margin)
+        if isinstance(result, ArmCertificate):
+            return result
+        if result.capsule < 0 or (result.decided and result.obstacle < 0):
+            return None
+    return None
+
+
+class Measured(NamedTuple):
+    """Least signed distances of capsules (m, c), [unit], and numbers of what is nearest (m, c).
+
+    Without obstacles they are inf and -1.
+
+    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf,
+    and so may what is above the distance that is enough. Of one that touches a mesh it may be 0 if
+    it is deeper at another pose of the same contact.
+    """
+
+    distance: FloatArray
+    number: IntArray
+
+
+def _measured(
+    ends: FloatArray, arm: Arm, surroundings: Surroundings, enough: float = math.inf
+) -> Measured:
+    """Distances of capsules to convex solids and the floor, up to ``enough``, [unit]."""
+    shape = ends.shape[:2]
+    distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
+    capsule_kernels.capsule_clearances(
+        *(flat(ends), arm.capsule_rows, surroundings.beyond(0.0), enough),
+        *(distance.reshape(-1), row.reshape(-1)),
+    )
+    return Measured(distance, surroundings.numbers[row])
+
+
+def _with_meshes(solid: Measured, ends: FloatArray, arm: Arm, obstacles: ObstacleSet) -> Measured:
+    """The nearer of convex solids and meshes, for capsules with these ends (m, c, 2, 3)."""
+    distance, mesh = solid.distance.copy(), np.empty(solid.number.shape, dtype=np.int32)
+    capsules_near_meshes(
+        *(flat(ends), arm.capsule_rows, obstacles.surfaces),
+        *(distance.reshape(-1), mesh.reshape(-1)),
+    )
+    return Measured(distance, np.where(mesh >= 0, obstacles.mesh_numbers[mesh], solid.number))
+
+
+def contacts_of(
+    time: FloatArray, measured: Measured, capsules: Sequence[int], arm: AnyArm
+) -> tuple[Contact, ...]:
+    """Stretches of time in which capsules are in something.
+
+    Args:
+        time: of the samples (m,), [s].
+        measured: distances of k capsules at them, (m, k).
+        capsules: numbers of these, (k,).
+        arm: the arm.
+    """
+    contacts = []
+    touches = measured.distance <= 0
+    if not touches.any():  # as most often of the arm itself
+        return ()
+    # no number is so low: where nothing is touched
+    numbers = np.where(touches, measured.number, np.iinfo(np.int32).min)
+    for c in np.flatnonzero(touches.any(axis=0)).tolist():
+        touched = numbers[:, c]
+        changes = np.flatnonzero(touched[1:] != touched[:-1]) + 1
+        for first, end in itertools.pairwise([0, *changes.tolist(), len(time)]):
+            if touches[first, c]:
+                deepest = first + int(measured.distance[first:end, c].argmin())
+                contact = Contact(
+                    *(arm.capsules[capsules[c]].link, named(int(touched[first]), arm)),
+                    *(float(time[first]), float(time[end - 1]), float(time[deepest])),
+                    -float(measured.distance[deepest, c]),
+                )
+                contacts.append(contact)
+    return tuple(contacts)
+
+
+def named(number: int, arm: AnyArm) -> int | str:
+    """Number of an obstacle, or name of another part of an arm's surroundings."""
+    if number >= 0:
+        return number
+    return "floor" if number == FLOOR else arm.capsules[-number - 2].link

@@ -1,0 +1,288 @@
+"""Stage 6, the motion of the arm: a curve, the timing along it, and the joint positions.
+
+q1, q2 and q3 come from the inverse kinematics of the tool's position; q4, q5 and q6 from the
+constant generalised forces of their drives.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from abi import arguments
+from abi.arm_planning.certificates.arm_certificate import slide_bounds
+from abi.arm_planning.certificates.separate_arm_kernels import Slide
+from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.timed_profile import PathProfile
+from abi.errors import NotFollowed, OutOfReach
+from abi.obstacles.pose import Vec3
+from abi.robot.paper_arm.arm import JOINTS, SLIDES, Arm, forward
+from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.wrist_drives import wrist_positions
+from abi.scene.settings import ArmSettings
+
+Quantity = Literal["position", "speed", "acceleration", "torque"]
+"""A quantity of a joint that is limited."""
+
+
+class Violation(NamedTuple):
+    """A joint past one of its limits, in the unit of that quantity.
+
+    Attributes:
+        joint: name of the joint.
+        time: time at which it is farthest past the limit, [s].
+        value: its value then; of a position [rad], or [unit] if the joint slides.
+        limit: the limit, on the side that is passed.
+        since: time at which it passes the limit, [s].
+        quantity: what is limited.
+    """
+
+    joint: str
+    time: float
+    value: float
+    limit: float
+    since: float
+    quantity: Quantity = "position"
+
+
+class Stretch(NamedTuple):
+    """A stretch of time out of reach.
+
+    Attributes:
+        first: time of its first sample, [s].
+        last: time of its last sample, [s].
+        shortfall: the worst, [unit]: > 0 too far from the shoulder, < 0 too near.
+    """
+
+    first: float
+    last: float
+    shortfall: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(ShortRepr):
+    """Position of the tool over time: a curve run through by arc length."""
+
+    curve: Curve
+    arc: ArcLength
+    profile: PathProfile
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """First and last time, [s]."""
+        return 0.0, self.profile.duration
+
+    def __call__(self, time: ArrayLike, order: int = 0) -> FloatArray:
+        """Position, velocity or acceleration of the tool.
+
+        With the unit tangent T and the curvature vector κN of the curve P(u) at the travelled
+        distance s(t): velocity = T·s', acceleration = T·s'' + κN·s'². Where the curve rests
+        (P' = 0) T is the direction in which it goes on, or by which it came, and κN is taken as 0.
+
+        Args:
+            time: [s], a number or shape (n,); clamped to the motion.
+            order: 0, 1 or 2.
+
+        Returns:
+            Shape (3,) for a number, (n, 3) for an array; [unit/s**order], world.
+
+        Raises:
+            ValueError: an order above 2.
+        """
+        order = arguments.integer("order", order, 0, 2)
+        times = arguments.number_or_numbers("time", time)
+        parameter = self.arc.parameter(self.profile(times))
+        if order == 0:
+            return self.curve(parameter)
+        tangent = self._tangent(np.atleast_1d(parameter)).reshape(*times.shape, 3)
+        along: FloatArray = tangent * self.profile(times, order)[..., None]
+        if order == 1:
+            return along
+        first, second = self.curve(parameter, 1), self.curve(parameter, 2)
+        squared = np.sum(first**2, axis=-1, keepdims=True)
+        low, high = self.curve.interval
+        moving = squared * (high - low) ** 2 > (1e-6 * self.arc.length) ** 2
+        across = second - tangent * np.sum(tangent * second, axis=-1, keepdims=True)
+        curvature = np.divide(across, squared, out=np.zeros_like(across), where=moving)
+        return np.asarray(along + curvature * self.profile(times, 1)[..., None] ** 2)
+
+    def sampled(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Positions, unit tangents and velocities at times (n,), [s].
+
+        Returns:
+            Each of shape (n, 3); [unit], 1 and [unit/s], world; the tangents are 0 for a point.
+        """
+        time = arguments.numbers("time", time, (-1,))
+        parameter = self.arc.parameter(self.profile(time))
+        tangent = self._tangent(parameter)
+        return self.curve(parameter), tangent, tangent * self.profile(time, 1)[:, None]
+
+    def _tangent(self, parameter: FloatArray) -> FloatArray:
+        direction = self.curve(parameter, 1)
+        size = _lengths(direction)
+        low, high = self.curve.interval
+        resting = size * (high - low) <= 1e-6 * self.arc.length
+        if resting.any():
+            # A chord of a thousandth of the interval, forwards unless the curve ends before.
+            start = np.minimum(parameter[resting], high - 1e-3 * (high - low))
+            direction = np.array(direction)
+            direction[resting] = self.curve(start + 1e-3 * (high - low)) - self.curve(start)
+            size = _lengths(direction)
+        return np.asarray(direction / np.where(size > 0, size, 1)[:, None])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ArmMotion(ShortRepr):
+    """The arm's motion, sampled uniformly in time.
+
+    Attributes:
+        curve: the path of the tool.
+        elbow: branch of the inverse kinematics.
+        slide: bounds of q5 along the path.
+        time: shape (m,), [s].
+        positions: joint positions, shape (m, 6), [rad], q5 [unit].
+        target: point of the curve, shape (m, 3), [unit], world.
+        tool: position of the tool, shape (m, 3), [unit], world; off the target only out of reach.
+        velocity: the target's velocity, shape (m, 3), [unit/s], world.
+        unreachable: the stretches out of reach; empty when the arm follows the whole curve.
+        limit_violations: one for each joint whose position passes a limit, where it is farthest
+            past it.
+        peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
+        joints: names of the joints.
+        slides: which of them slide, so that their positions are lengths.
+    """
+
+    curve: Curve
+    elbow: Literal["up", "down"]
+    slide: Slide
+    time: FloatArray
+    positions: FloatArray
+    target: FloatArray
+    tool: FloatArray
+    velocity: FloatArray
+    unreachable: tuple[Stretch, ...]
+    limit_violations: tuple[Violation, ...]
+    peak_joint_speed: FloatArray
+    joints: tuple[str, ...] = JOINTS
+    slides: tuple[bool, ...] = SLIDES
+
+    @property
+    def reachable(self) -> bool:
+        """Whether every sample is within reach."""
+        return not self.unreachable
+
+    @property
+    def within_limits(self) -> bool:
+        """Whether no joint's position passes a limit."""
+        return not self.limit_violations
+
+    @property
+    def error(self) -> OutOfReach | NotFollowed | None:
+        """Error for the worst stretch out of reach; None if there is none."""
+        if not self.unreachable:
+            return None
+        worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
+        if self.joints != JOINTS:
+            return NotFollowed(worst.first, worst.last, worst.shortfall)
+        slide = next(
+            (
+                (violation.value, violation.limit)
+                for violation in self.limit_violations
+                if violation.joint == "q5" and violation.since <= worst.last
+            ),
+            None,
+        )
+        return OutOfReach(worst.first, worst.last, abs(worst.shortfall), worst.shortfall < 0, slide)
+
+
+def follow(
+    curve: Curve,
+    arc: ArcLength,
+    profile: PathProfile,
+    arm: Arm,
+    settings: ArmSettings,
+    samples: int = 200,
+) -> ArmMotion:
+    """Move the arm's tool along a curve.
+
+    Args:
+        curve: the path of the tool, [unit], world.
+        arc: the curve's arc length.
+        profile: the motion along it.
+        arm: the arm.
+        settings: elbow branch, for ``auto`` the upper one, and drives of the arm.
+        samples: number of samples m, at least 2.
+
+    Returns:
+        The motion. It records what is out of reach or past a limit; nothing is raised.
+    """
+    trajectory = Trajectory(curve, arc, profile)
+    time = np.linspace(0.0, profile.duration, samples)
+    target, tangent, velocity = trajectory.sampled(time)
+    wrist, elbow = wrist_positions(settings, time), settings.branches[0]
+    angles = solve(arm, target, wrist[:, 1], elbow, tangent)
+    joints = np.concatenate([[angles.q1, angles.q2, angles.q3], wrist.T])
+    positions = np.ascontiguousarray(joints.T)
+    step = profile.duration / (samples - 1)
+    largest = np.abs(np.diff(joints)).max(axis=1)
+    return ArmMotion(
+        curve=curve,
+        elbow=elbow,
+        slide=slide_bounds(curve, arc, profile, settings),
+        time=read_only(time),
+        positions=read_only(positions),
+        target=read_only(target),
+        tool=read_only(forward(arm, positions)),
+        velocity=read_only(velocity),
+        unreachable=stretches(time, angles.shortfall),
+        limit_violations=_violations(time, joints, arm.limits),
+        peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
+    )
+
+
+def rest_pose(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
+    """Joint positions with the tool at ``point``, or as near as it can be.
+
+    Returns:
+        Shape (6,), [rad], q5 [unit].
+    """
+    q5 = np.array([settings.q5])
+    angles = solve(arm, np.array([point]), q5, settings.branches[0], np.zeros((1, 3)))
+    return read_only(np.array([angles.q1[0], angles.q2[0], angles.q3[0], 0.0, settings.q5, 0.0]))
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.einsum("ni,ni->n", vectors, vectors)))
+
+
+def stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
+    """Runs of samples out of reach on the same side."""
+    if not shortfall.any():
+        return ()
+    side = np.sign(shortfall)
+    edges = np.flatnonzero(np.diff(side, prepend=0.0, append=0.0))
+    return tuple(
+        Stretch(float(time[a]), float(time[b - 1]), float(max(shortfall[a:b], key=abs)))
+        for a, b in itertools.pairwise(edges)
+        if side[a] != 0
+    )
+
+
+def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tuple[Violation, ...]:
+    """Violation of each of the ``joints`` (6, m) that passes a limit, where it is worst."""
+    tolerance = 1e-9 * (1 + np.abs(limits).max(axis=1))
+    low, high = limits[:, 0] - joints.min(axis=1), joints.max(axis=1) - limits[:, 1]
+    violations = []
+    for joint in np.flatnonzero(np.maximum(low, high) > tolerance):
+        side = 0 if low[joint] > high[joint] else 1
+        beyond = (joints[joint] - limits[joint, side]) * (-1 if side == 0 else 1)
+        worst, first = int(beyond.argmax()), int((beyond > tolerance[joint]).argmax())
+        value, limit = float(joints[joint, worst]), float(limits[joint, side])
+        at, since = float(time[worst]), float(time[first])
+        violations.append(Violation(JOINTS[joint], at, value, limit, since))
+    return tuple(violations)

@@ -1,0 +1,195 @@
+"""Joint positions of a URDF arm along a curve, its motion and its clearance.
+
+The joints start from a chosen or a given pose, and move straight from sample to sample.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+import scipy
+
+from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
+from abi.arm_planning.certificates.separate_arm_kernels import Slide
+from abi.arm_planning.motion.arm_clearance import (
+    ArmClearance,
+    Measured,
+    contacts_of,
+    proven_clearance,
+)
+from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, stretches
+from abi.arm_planning.world.chain_distances import (
+    floor_distances,
+    obstacle_distances,
+    own_distances,
+)
+from abi.arm_planning.world.solid_rows import FLOOR
+from abi.arm_planning.world.surroundings import OWN, Surroundings
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.timed_profile import PathProfile
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.urdf_arm import REACHED, UrdfArm
+
+_FEW, _GRID = 41, 1201
+"""Points along the curve at which first poses are compared, and the chosen one is followed."""
+_EVERY, _TRIES_TO_REFUTE = 3, 5_000
+"""Step between the points at which that is refuted, and the tests that this may take."""
+_ENOUGH = 0.03
+"""Clearance, over the arm's reach, beyond which the shorter motion counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointCourse:
+    """Joint positions of a URDF arm as functions of the distance along a curve.
+
+    Attributes:
+        curve: path of the tool.
+        arc: its arc length.
+        arm: the arm.
+        positions: joint positions at equal distances, shape (k, n), [rad] or [unit].
+        missed: distance by which the tool misses the curve there, shape (k,), [unit].
+    """
+
+    curve: Curve
+    arc: ArcLength
+    arm: UrdfArm
+    positions: FloatArray
+    missed: FloatArray
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
+        return np.asarray(self.arm.chain.speeds * self.arm.scales)
+
+    @property
+    def scales(self) -> FloatArray:
+        """Factors from [rad/s²] or [m/s²] to [rad/s²] or [unit/s²], (n,)."""
+        return self.arm.scales
+
+    @cached_property
+    def _spline(self) -> Any:
+        distances = np.linspace(0.0, self.arc.length, len(self.positions))
+        return scipy.interpolate.CubicSpline(distances, self.positions)
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether the joints depend on the time, too: False."""
+        return False
+
+    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
+        """Joint positions at distances (k,), (k, n), within the limits."""
+        limits = self.arm.limits
+        return np.asarray(np.clip(self._spline(distances), limits[:, 0], limits[:, 1]))
+
+    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
+        """Motion by a profile, at uniform times."""
+        arm, trajectory = self.arm, Trajectory(self.curve, self.arc, profile)
+        time = np.linspace(0.0, profile.duration, samples)
+        target, _, velocity = trajectory.sampled(time)
+        travelled = profile(time)
+        positions = self.at(travelled)
+        step = profile.duration / (samples - 1)
+        distances = np.linspace(0.0, self.arc.length, len(self.missed))
+        missed = np.interp(travelled, distances, self.missed)
+        allowed = REACHED * arm.reach
+        nothing = read_only(np.zeros(2))
+        return ArmMotion(
+            curve=self.curve,
+            elbow="up",
+            slide=Slide(nothing, nothing, nothing),
+            time=read_only(time),
+            positions=read_only(positions),
+            target=read_only(target),
+            tool=read_only(arm.tool(positions)),
+            velocity=read_only(velocity),
+            unreachable=stretches(time, np.where(missed > allowed, missed, 0.0)),
+            limit_violations=(),
+            peak_joint_speed=read_only(np.abs(np.diff(positions, axis=0)).max(axis=0) / step),
+            joints=arm.joints,
+            slides=arm.chain.slides,
+        )
+
+    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
+        """Check whether some of the poses on the course show that the arm is not clear."""
+        poses = self.positions[::_EVERY]
+        fault = chain_refutation(self.arm, poses, surroundings, required, _TRIES_TO_REFUTE)
+        return fault is not None and fault.decided
+
+    def clearance(
+        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+    ) -> ArmClearance:
+        """Clearance of the whole arm in that motion, measured and proven."""
+        arm, positions = self.arm, motion.positions
+        ends = arm.place(positions)
+        allowed = surroundings.allowed
+        measured = Measured(*obstacle_distances(arm, obstacles, ends, allowed=allowed))
+        own = _against(OWN - arm.pairs[:, 0], own_distances(arm, ends))
+        floor = _against(FLOOR, floor_distances(arm, surroundings.floor, ends))
+        capsules = range(len(arm.capsules))
+        contacts = (
+            *contacts_of(motion.time, measured, capsules, arm),
+            *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
+            *contacts_of(motion.time, floor, capsules, arm),
+        )
+        certify = partial(certify_chain, arm, positions, surroundings)
+        rows = surroundings.solids.in_use
+        found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
+        return replace(found, allowed=(*arm.allowed, *allowed))
+
+
+def _against(number: IntArray | int, distance: FloatArray) -> Measured:
+    """Distances (m, c) to what has the same number at all samples, (c,) or one for all."""
+    return Measured(distance, np.broadcast_to(np.int32(number), distance.shape))
+
+
+def joint_course(
+    curve: Curve, arc: ArcLength, arm: UrdfArm, obstacles: ObstacleSet, surroundings: Surroundings
+) -> JointCourse:
+    """Move an arm's tool along a curve, from the start pose that keeps the arm clearest.
+
+    Among the poses with the tool at the start it takes one from which the whole curve can be
+    followed, if possible with all links clear, and among these the one with the least motion.
+
+    Args:
+        curve: path of the tool.
+        arc: its arc length, above 0.
+        arm: the arm.
+        obstacles: obstacles that the links must keep clear of.
+        surroundings: the same, with the floor.
+    """
+    few = curve(arc.parameter(np.linspace(0.0, arc.length, _FEW)))
+    best, least = arm.first_poses(few[0]), (np.inf, np.inf, np.inf)
+    chosen = best[0]
+    reach = arm.chain.table.reach / arm.metres
+    for pose in best:
+        positions, missed = arm.follow(pose, few)
+        ends = arm.place(positions)
+        gaps = (
+            obstacle_distances(arm, obstacles, ends, _ENOUGH * reach, surroundings.allowed)[0],
+            own_distances(arm, ends),
+            floor_distances(arm, surroundings.floor, ends),
+        )
+        gap = min(float(gap.min(initial=np.inf)) for gap in gaps)
+        travel = float(np.abs(np.diff(positions / arm.scales, axis=0)).sum())
+        far = float(missed.max())
+        rank = (far if far > REACHED * reach else 0.0, -min(gap, _ENOUGH * reach), travel)
+        if rank < least:
+            chosen, least = pose, rank
+    return course_from(chosen, curve, arc, arm)
+
+
+def course_from(
+    pose: FloatArray,
+    curve: Curve,
+    arc: ArcLength,
+    arm: UrdfArm,
+    home: FloatArray | None = None,
+) -> JointCourse:
+    """Move an arm's tool along a curve from a given pose; redundant joints drift ``home``."""
+    points = curve(arc.parameter(np.linspace(0.0, arc.length, _GRID)))
+    positions, missed = arm.follow(pose, points, home)
+    return JointCourse(curve, arc, arm, read_only(positions), read_only(missed))

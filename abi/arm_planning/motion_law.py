@@ -1,0 +1,117 @@
+"""Motion along a curve by the law that a scene asks for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from abi import arguments
+from abi.arm_planning.arm_model import Course
+from abi.arrays import FloatArray, flat, read_only
+from abi.curves.speed_profile import three_phase
+from abi.curves.time_optimal_kernels import fastest_speeds
+from abi.curves.timed_profile import (
+    PathProfile,
+    TimedProfile,
+    from_squared_speeds,
+    jerk_limited,
+)
+from abi.errors import ArgumentError
+from abi.scene.settings import MotionSettings
+
+_GRID = 3201
+"""Points along the curve at which the joints are asked."""
+ROUNDING = 1.001
+"""Factor by which differences of samples may be too large, or too small."""
+_ROUNDS, _SETTLED = 5, 1e-6
+"""Times that a motion is slowed down, as q5 then slides farther, and the excess that is none."""
+
+
+class JointLimits(NamedTuple):
+    """Largest speeds and accelerations of the joints, (n,) each, [rad/s] and [rad/s²]."""
+
+    speeds: FloatArray
+    accelerations: FloatArray
+
+
+def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
+    """Motion from rest to rest along a curve.
+
+    All laws but the paper's three phases limit the speeds and accelerations of the joints that the
+    inverse kinematics moves; for the paper's arm these are q1 to q3, while q5 slides.
+
+    Args:
+        path: joints along the curve.
+        settings: law, speeds and accelerations.
+    """
+    length = path.arc.length
+    rates = settings.speed, settings.acceleration, settings.deceleration
+    if settings.law == "three_phase":
+        return three_phase(length, *rates)
+    limits = JointLimits(path.speeds, settings.joint_acceleration * path.scales)
+    slowed: Callable[[float], PathProfile]
+    if settings.law == "time_optimal":
+        slowed = _time_optimal(path, limits).stretched
+    elif settings.law == "jerk_limited":
+        gentle = min(settings.acceleration, settings.deceleration)
+        slowed = jerk_limited(length, settings.speed, gentle, settings.jerk).stretched
+    else:
+        slowed = partial(_slowed, length, rates)
+    factor = 1.0
+    for _ in range(_ROUNDS if path.is_timed else 1):
+        excess = _excess(slowed(factor), path, limits)
+        factor *= excess
+        if excess <= 1 + _SETTLED:
+            break
+    return slowed(factor)
+
+
+def _slowed(length: float, rates: tuple[float, float, float], factor: float) -> PathProfile:
+    """Three phases that take ``factor`` times as long."""
+    # a triangle's peak scales by itself: its speed is not reached
+    return three_phase(length, rates[0] / factor, rates[1] / factor**2, rates[2] / factor**2)
+
+
+def second_derivatives(positions: FloatArray, step: float) -> FloatArray:
+    """Second differences of positions (k, n) in equal steps, k >= 3; at the ends as beside them."""
+    positions = arguments.numbers("positions", positions, (-1, -1))
+    if len(positions) < 3:
+        raise ArgumentError("number of positions", len(positions), "3 or more")
+    inner = np.diff(positions, 2, axis=0) / step**2
+    return np.concatenate([inner[:1], inner, inner[-1:]])
+
+
+def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
+    """Factor, at least 1, by which a motion is to be slowed so that the limits hold.
+
+    The speeds and accelerations are differences of many samples.
+    """
+    times = np.linspace(0.0, profile.duration, 2 * _GRID)
+    positions = path.at(profile(times), times)
+    step = float(times[1])
+    faster = float((np.abs(np.diff(positions, axis=0)) / step / limits.speeds).max())
+    rates = np.abs(second_derivatives(positions, step))
+    harder = float((rates / limits.accelerations).max())
+    return max(1.0, faster * ROUNDING, math.sqrt(harder * ROUNDING))
+
+
+def _time_optimal(path: Course, limits: JointLimits) -> TimedProfile:
+    """Fastest motion along the curve under the joints' limits."""
+    length = path.arc.length
+    distances = np.linspace(0.0, length, _GRID)
+    joints = path.at(distances)
+    squared, sets = np.zeros(len(joints)), np.zeros(2 * len(joints))
+    step = float(distances[1])
+    first = np.gradient(joints, step, axis=0, edge_order=2)
+    rates = flat(first), flat(second_derivatives(joints, step))
+    bounds = flat(limits.speeds), flat(limits.accelerations)
+    failed = fastest_speeds(*rates, step, *bounds, sets, squared)
+    assert failed < 0, "standing still is always possible"
+    # rest within the path would take for ever: such points are passed slowly
+    slowest = 1e-6 * float(squared.max())
+    squared[1:-1] = np.maximum(squared[1:-1], slowest)
+    return from_squared_speeds(length, read_only(distances), squared)

@@ -1,0 +1,1 @@
+"""What an arm must keep clear of, and its distances to it."""

@@ -1,0 +1,87 @@
+"""The boxes that an arm takes a triangle mesh for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.world.box_row_kernels import box_rows
+from abi.arrays import FloatArray, IntArray, flat
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.pose import rotation
+from abi.obstacles.triangle_mesh.bvh import tree_of
+from abi.obstacles.triangle_mesh.per_surface import PerSurface
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.vector_kernels import vec3_at
+
+_MOST_TRIANGLES = 20_000
+"""Triangles above which a mesh is taken for the boxes of the leaves of a tree."""
+
+
+class Boxes(NamedTuple):
+    """A tree of boxes that hold the triangles of a surface, in the file's unit.
+
+    Attributes:
+        middles: (n, 3).
+        halves: half sizes (n, 3).
+        axes: as columns (n, 3, 3).
+        inside: first and last but one of the boxes in each, 0 and 0 of the last ones, (n, 2).
+    """
+
+    middles: FloatArray
+    halves: FloatArray
+    axes: FloatArray
+    inside: IntArray
+
+
+def write_boxes(mesh: MeshShape, rows: FloatArray) -> None:
+    """Write the rows of the boxes of a mesh, flat (n ``WIDTH``,), 0 at first."""
+    boxes = boxes_of(mesh.surface)
+    a, b, c = (vec3_at(flat(axis), 0) for axis in rotation(mesh.wxyz).T)
+    flat_boxes = flat(boxes.middles), flat(boxes.halves), flat(boxes.axes)
+    box_rows(*flat_boxes, (a, b, c), mesh.position, mesh.factor, rows)
+
+
+@PerSurface
+def boxes_of(surface: Surface) -> Boxes:
+    """Boxes of a tree over the triangles, and a flat one for each triangle, in its plane.
+
+    Of a mesh of many triangles these are left out. Each box holds those inside it: were a flat one
+    to stick out, an arm could be clear of the one and in the way of the other.
+    """
+    tree = tree_of(surface)
+    low, high = np.split(tree.boxes.reshape(-1, 6), 2, axis=1)
+    nodes = len(low)
+    inner = nodes // 2
+    inside = np.zeros((nodes, 2), dtype=np.int32)
+    inside[:inner] = 2 * np.arange(inner)[:, None] + (1, 3)
+    upright = np.tile(np.eye(3), (nodes, 1, 1))
+    if len(surface.faces) > _MOST_TRIANGLES:
+        return Boxes((low + high) / 2, (high - low) / 2, upright, inside)
+    inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
+    corners = tree.corners.reshape(-1, 3, 3)
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    # any orthonormal axes do: those of a triangle with no width are whatever comes out
+    axes, _ = np.linalg.qr(np.stack([first, second, np.cross(first, second)], axis=2))
+    own = np.einsum("nij,nki->nkj", axes, corners)
+    middles = np.einsum("nij,nj->ni", axes, (own.min(axis=1) + own.max(axis=1)) / 2)
+    halves = np.ptp(own, axis=1) / 2
+    spread = np.einsum("nij,nj->ni", np.abs(axes), halves)
+    low = _united(np.minimum, middles - spread, tree.leaves, inner)
+    high = _united(np.maximum, middles + spread, tree.leaves, inner)
+    return Boxes(
+        np.concatenate([(low + high) / 2, middles]),
+        np.concatenate([(high - low) / 2, halves]),
+        np.concatenate([upright, axes]),
+        np.concatenate([inside, np.zeros((len(corners), 2), dtype=np.int32)]),
+    )
+
+
+def _united(outer: np.ufunc, corners: FloatArray, leaves: IntArray, inner: int) -> FloatArray:
+    """Outer corner (nodes, 3) of each box of a tree, from those of what its leaves hold."""
+    united = np.empty((2 * inner + 1, 3))
+    united[inner:] = outer.reduceat(corners, leaves[:-1])
+    for k in range(inner - 1, -1, -1):
+        united[k] = outer(united[2 * k + 1], united[2 * k + 2])
+    return united

@@ -1,0 +1,179 @@
+"""Surroundings of an arm, which it must keep clear of: obstacles, the floor and its own column."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from abi.arm_planning.world.mount import mounts
+from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable, SolidRows
+from abi.arm_planning.world.surroundings_kernels import Obstacles
+from abi.arrays import BoolArray, IntArray, flat, read_only
+from abi.obstacles.capsule import Capsule
+from abi.obstacles.convex_shape import row
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
+from abi.obstacles.primitive_tree_kernels import TREE
+from abi.robot.any_arm import AnyArm
+from abi.robot.bodies.allowed_contacts import AllowedContact, Reason
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.link_capsules import COLUMN
+from abi.robot.urdf_arm import UrdfArm
+
+OWN = -2
+"""Number of the arm's first capsule, beside those of obstacles; -3 is its second, and so on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Obstacles, floor and column in the format of the kernels.
+
+    A triangle mesh is a tree of boxes, the smallest of which fit its triangles closely.
+
+    Attributes:
+        solids: obstacles and column as rows; of what no capsule is asked, more may be there.
+        asked: whether a capsule must keep clear of it, False for boxes inside others, (c, k + 1).
+        floor: height of the floor, [unit].
+        size: largest coordinate of arm and obstacles, [unit].
+        allowed: what of it which link may touch.
+    """
+
+    solids: SolidRows
+    asked: BoolArray
+    floor: float
+    size: float
+    allowed: tuple[AllowedContact, ...] = ()
+
+    @property
+    def numbers(self) -> IntArray:
+        """Obstacle of each row, ``OWN`` minus a capsule's number, last ``FLOOR``, (k + 1,)."""
+        return self.solids.numbers
+
+    def beyond(self, margin: float) -> Obstacles:
+        """Add a distance to keep from obstacles, [unit]; from floor and column it is 0."""
+        margins = np.where(self.numbers >= 0, margin, 0.0)
+        rows, inside, _, meshes, outer, _ = self.solids
+        return Obstacles(
+            *(rows, inside, meshes, read_only(margins)),
+            *(self.asked.reshape(-1), outer, self.floor, self.size),
+        )
+
+    def first_row(self, number: int) -> int:
+        """Row of an obstacle; of a mesh that of the box around it."""
+        return int(self._first_rows[number])
+
+    @cached_property
+    def _first_rows(self) -> IntArray:
+        """Row of each obstacle, in the order of their numbers; then what is left over."""
+        outer = self.solids.outer
+        numbers, rows = self.numbers[outer], np.empty_like(outer)
+        rows[numbers[numbers >= 0]] = outer[numbers >= 0]
+        return rows
+
+    def only(self, kept: BoolArray) -> Surroundings:
+        """A copy that asks only about some of the rows; ``kept`` has one flag for each."""
+        return replace(self, asked=read_only(self.asked & kept))
+
+
+def arm_surroundings(
+    arm: Arm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
+) -> Surroundings:
+    """Build the surroundings of the paper's arm.
+
+    The floor is level with the base, or with the bottom of the workspace if that is lower. Links
+    with a joint at the column may touch it, and the fingers may touch the floor.
+
+    Args:
+        arm: the arm.
+        obstacles: the solids.
+        lowest: height of the workspace's bottom, [unit].
+        table: with the rows of obstacles as they were; None to make all anew.
+    """
+    reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
+    return _surroundings(arm, reach, _own(arm), obstacles, lowest, table)
+
+
+def chain_surroundings(
+    arm: UrdfArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
+) -> Surroundings:
+    """Surroundings of a URDF arm, without the arm itself, as those of the paper's arm.
+
+    Links that stand still, and the first one that moves, may touch the floor. Those that stand
+    still may touch what the arm stands on, too, and whatever the scene says may touch.
+    """
+    moves = np.array([one.frame >= 1 for one in arm.capsules])[:, None]
+    own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
+    found = _surroundings(arm, 2 * arm.reach, own, obstacles, lowest, table)
+    allowed = _allowed(arm, obstacles)
+    asked, capsules = found.asked.copy(), np.array([one.link for one in arm.capsules])
+    for link, other, _ in allowed:
+        if isinstance(other, int):
+            asked[capsules == link, found.first_row(other)] = False
+    return replace(found, asked=read_only(asked), allowed=allowed)
+
+
+def _allowed(arm: UrdfArm, obstacles: ObstacleSet) -> tuple[AllowedContact, ...]:
+    """What of a URDF arm's surroundings which link may touch."""
+    frames = {one.link: one.frame for one in arm.capsules}
+    found = [AllowedContact(link, "floor", "mount") for link, frame in frames.items() if frame < 1]
+    reasons: dict[tuple[str, int], Reason] = {}
+    for number in mounts(arm, obstacles):
+        reasons |= {(link, number): "mount" for link, frame in frames.items() if frame < 0}
+    for link, other in arm.asked:
+        if isinstance(other, int):
+            reasons.setdefault((link, other), "asked")
+    found += [AllowedContact(link, number, why) for (link, number), why in reasons.items()]
+    return tuple(found)
+
+
+def _surroundings(
+    arm: AnyArm,
+    reach: float,
+    own: Own,
+    obstacles: ObstacleSet,
+    lowest: float,
+    table: RowTable | None,
+) -> Surroundings:
+    """Surroundings of an arm.
+
+    Args:
+        arm: the arm.
+        reach: farthest that it gets from its base, [unit].
+        own: what it keeps clear of beside obstacles.
+        obstacles: the solids.
+        lowest: height of the workspace's bottom, [unit].
+        table: with the rows of obstacles as they were; None to make all anew.
+    """
+    solids = (table or RowTable())(obstacles, own)
+    asked = np.zeros((len(own.asked), len(solids.numbers)), dtype=np.bool_)
+    asked[:, solids.outer] = True
+    asked[:, solids.outer[len(solids.outer) - own.asked.shape[1] :]] = own.asked
+    corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
+    size = float(np.abs(arm.base).max()) + reach
+    return Surroundings(
+        solids=solids,
+        asked=read_only(asked),
+        floor=min(float(arm.base[2]), lowest),
+        size=size + float(np.abs(corners).max(initial=0.0)),
+    )
+
+
+@lru_cache(maxsize=16)
+def _own(arm: Arm) -> Own:
+    still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
+    x, y, z = arm.base.tolist()
+    rows = np.zeros((len(still), WIDTH))
+    for place, capsule in zip(rows, (arm.capsules[k] for k in still), strict=True):
+        middle = x, y, z + (capsule.low + capsule.high) / 2
+        height = capsule.high - capsule.low
+        place[:TREE] = row(
+            Capsule.model_construct(radius=capsule.radius, height=height, position=middle)
+        )
+    numbers = np.array([*(OWN - k for k in still), FLOOR], dtype=np.int32)
+    moves = np.array([capsule.body != COLUMN for capsule in arm.capsules])[:, None]
+    jointed = np.array([capsule.neighbour for capsule in arm.capsules])[:, None]
+    grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
+    asked = moves & np.where(numbers == FLOOR, ~grips, ~jointed)
+    return Own(flat(rows), read_only(numbers), read_only(asked))

@@ -1,0 +1,127 @@
+"""Contacts of an arm that count for nothing, each by a rule that one can read.
+
+No pair of bodies is left out in silence: whatever is not kept apart is listed here with its reason.
+"""
+
+from __future__ import annotations
+
+import itertools
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, place, segment_distances
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.held_joints import NOT_HELD
+from abi.robot.urdf.robot import Robot
+
+Reason = Literal["adjacent", "always", "srdf", "mount", "asked"]
+Other = str | int
+"""What a link may touch: a link or ``floor`` by name, an obstacle by its number from 0."""
+
+SAMPLES = 1500
+"""Random poses in which it is looked for links that are apart."""
+_NEARLY_ALWAYS = 0.95
+"""Share of these poses in which two links' bodies overlap that counts as always."""
+
+
+class AllowedContact(NamedTuple):
+    """A contact that counts for nothing.
+
+    Attributes:
+        link: name of a link.
+        other: name of another link, ``floor``, or number of an obstacle from 0.
+        reason: ``adjacent``: at most one joint moves one beside the other; ``always``: their bodies
+            overlap in nearly all random poses; ``srdf``: the robot's SRDF says so; ``mount``: the
+            link stands still on it; ``asked``: the scene's ``arm.allowed`` says so.
+    """
+
+    link: str
+    other: Other
+    reason: Reason
+
+
+class LinkPairs(NamedTuple):
+    """Pairs of links that must keep apart, and those that may touch.
+
+    Attributes:
+        apart: numbers of two capsules that must keep apart, (k, 2).
+        allowed: pairs of links that may touch.
+    """
+
+    apart: IntArray
+    allowed: tuple[AllowedContact, ...]
+
+
+@lru_cache(maxsize=16)
+def link_pairs(
+    robot: Robot,
+    tip: str,
+    held: tuple[tuple[str, float], ...] = (),
+    asked: frozenset[frozenset[Other]] = frozenset(),
+) -> LinkPairs:
+    """Decide which links of a robot must keep apart.
+
+    Args:
+        robot: the robot.
+        tip: name of the link that is the tool.
+        held: joints beside the chain, each with its position, [rad] or [m].
+        asked: pairs of links that the scene lets touch.
+    """
+    chain = Chain.of(robot, tip, held=dict(held) if held else NOT_HELD)
+    capsules = chain_capsules(chain)
+    numbers: dict[str, list[int]] = {}
+    for number, capsule in enumerate(capsules):
+        numbers.setdefault(capsule.link, []).append(number)
+    low, high = chain.usual_range().T
+    positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, len(low)))
+    ends = place(capsules, chain.poses(positions))
+    apart: list[tuple[int, int]] = []
+    allowed: list[AllowedContact] = []
+    for first, second in itertools.combinations(numbers, 2):
+        pairs = [*itertools.product(numbers[first], numbers[second])]
+        reason = _known_reason(chain, robot, asked, capsules[pairs[0][0]], capsules[pairs[0][1]])
+        if reason is None and _overlap(capsules, ends, pairs) >= _NEARLY_ALWAYS:
+            reason = "always"
+        if reason is None:
+            apart += pairs
+        else:
+            allowed.append(AllowedContact(first, second, reason))
+    return LinkPairs(read_only(np.array(sorted(apart), np.int32).reshape(-1, 2)), tuple(allowed))
+
+
+def _known_reason(
+    chain: Chain,
+    robot: Robot,
+    asked: frozenset[frozenset[Other]],
+    first: ChainCapsule,
+    second: ChainCapsule,
+) -> Reason | None:
+    """Reason for which the links of two capsules may touch whatever their bodies are."""
+    between = {*chain.behind(first.frame)} ^ {*chain.behind(second.frame)}
+    if len(between) <= 1:
+        return "adjacent"
+    pair = frozenset((first.link, second.link))
+    if pair in robot.may_touch:
+        return "srdf"
+    return "asked" if pair in asked else None
+
+
+def _overlap(
+    capsules: tuple[ChainCapsule, ...], ends: FloatArray, pairs: list[tuple[int, int]]
+) -> float:
+    """Share of poses in which one capsule of a link overlaps one of another.
+
+    Args:
+        capsules: of all links.
+        ends: of them at each pose, (k, c, 2, 3), [m].
+        pairs: numbers of one capsule of each link.
+    """
+    overlap = np.zeros(len(ends), dtype=bool)
+    for i, j in pairs:
+        radii = capsules[i].radius + capsules[j].radius
+        open_ = np.flatnonzero(~overlap)
+        overlap[open_] = segment_distances(ends[open_, i], ends[open_, j]) < radii
+    return float(overlap.mean())

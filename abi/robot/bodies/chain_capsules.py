@@ -1,0 +1,137 @@
+"""Capsules around the links that a chain carries, and bounds of their motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import attrgetter
+from typing import NamedTuple
+
+import numpy as np
+
+from abi import arguments
+from abi.arrays import FloatArray, read_only
+from abi.robot.bodies.bounding_capsules import bounding_capsules
+from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.chain_kernels import POSE
+
+_THIN = 1e-3
+"""Radius of a line that stands for a link without a shape, [m]."""
+
+
+class ChainCapsule(NamedTuple):
+    """A capsule of a link.
+
+    Attributes:
+        link: name of the link.
+        frame: number of the joint that moves it, -1 where it stands still.
+        ends: ends of its segment in that frame, or in the world where it stands still, shape
+            (2, 3), [m].
+        radius: [m].
+    """
+
+    link: str
+    frame: int
+    ends: FloatArray
+    radius: float
+
+
+def chain_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
+    """Capsules of all links, those that stand still first; of a robot without shapes, of lines."""
+    capsules = []
+    for carried in chain.carried:
+        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
+        for one in bounding_capsules(chain.robot.links[carried.link]):
+            ends = read_only(np.stack([one.low, one.high]) @ turn.T + origin)
+            capsules.append(ChainCapsule(carried.link, carried.frame, ends, one.radius))
+    return tuple(sorted(capsules or _skeleton(chain), key=attrgetter("frame")))
+
+
+def _skeleton(chain: Chain) -> list[ChainCapsule]:
+    """Thin capsules from joint to joint, and to the tip, of a robot whose links have no shapes."""
+    table, last = chain.table, chain.table.length - 1
+    places = table.origins.reshape(-1, POSE)[:, 9:]
+    lines = [
+        (int(frame), joint.parent) for frame, joint in zip(table.before, chain.joints, strict=True)
+    ]
+    lines.append((last, chain.joints[last].child))
+    return [
+        ChainCapsule(link, frame, read_only(np.stack([np.zeros(3), place])), _THIN)
+        for (frame, link), place in zip(lines, places, strict=True)
+        if frame >= 0
+    ]
+
+
+def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
+    """Ends (k, c, 2, 3) of capsules in frames with poses (k, m + 1, 3, 4), [m]."""
+    ends = np.empty((len(poses), len(capsules), 2, 3))
+    for k, capsule in enumerate(capsules):
+        if capsule.frame < 0:
+            ends[:, k] = capsule.ends
+        else:
+            turn, origin = poses[:, capsule.frame, :, :3], poses[:, capsule.frame, :, 3]
+            ends[:, k] = np.einsum("kij,ej->kei", turn, capsule.ends) + origin[:, None]
+    return ends
+
+
+def lever(chain: Chain, capsule: ChainCapsule, behind: int) -> FloatArray:
+    """Bound of a capsule's motion per unit of each coordinate, by joints behind one, (n,), [m].
+
+    A point turns about a joint at most at the length of the chain between them; a slide moves it as
+    far as itself.
+
+    Args:
+        chain: the chain.
+        capsule: one that it carries.
+        behind: number of a joint that moves the capsule, seen from whose frame it is; -1 for the
+            world.
+    """
+    table, found = chain.table, np.zeros(len(chain.names))
+    far = float(np.linalg.norm(capsule.ends, axis=1).max())
+    for k in chain.behind(capsule.frame):
+        if k == behind:
+            break
+        coordinate, slides = int(table.source[k]), bool(table.slides[k])
+        found[coordinate] += abs(float(table.factor[k])) * (1.0 if slides else far)
+        far += float(np.linalg.norm(table.origins[12 * k + 9 : 12 * k + 12]))
+        ends = table.factor[k] * chain.limits[coordinate] + table.offset[k]
+        far += float(np.abs(ends).max()) if slides else 0.0
+    return found
+
+
+def meeting(chain: Chain, first: int, second: int) -> int:
+    """Number of the last joint that moves both of two frames, -1 for the world."""
+    others = chain.behind(second)
+    return next((k for k in chain.behind(first) if k in others), -1)
+
+
+def pair_lever(chain: Chain, first: ChainCapsule, second: ChainCapsule) -> FloatArray:
+    """Bound of the motion of two capsules beside each other, per unit of each coordinate, [m].
+
+    Both are seen from the frame of the last joint that moves both, (n,).
+    """
+    common = meeting(chain, first.frame, second.frame)
+    return lever(chain, first, common) + lever(chain, second, common)
+
+
+def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Distances (k,) between segments (k, 2, 3) and (k, 2, 3).
+
+    The least distance is at one of the four ends or where the lines come nearest (Ericson,
+    Real-Time Collision Detection, section 5.1.9).
+    """
+    first = arguments.numbers("first", first, (-1, 2, 3))
+    second = arguments.numbers("second", second, first.shape)
+    p, q = first[:, 0], second[:, 0]
+    d, e = first[:, 1] - p, second[:, 1] - q
+    a, b, c = (np.einsum("ij,ij->i", u, v) for u, v in ((d, d), (d, e), (e, e)))
+    f = np.einsum("ij,ij->i", d, p - q)
+    g = np.einsum("ij,ij->i", e, p - q)
+    tiny = 1e-300
+    inner = np.clip((b * g - c * f) / np.maximum(a * c - b * b, tiny), 0, 1)
+    best = np.full(len(p), np.inf)
+    for s in (inner, np.zeros_like(a), np.ones_like(a), np.clip(-f / np.maximum(a, tiny), 0, 1),
+              np.clip((b - f) / np.maximum(a, tiny), 0, 1)):  # fmt: skip
+        t = np.clip((b * s + g) / np.maximum(c, tiny), 0, 1)
+        away = p + s[:, None] * d - q - t[:, None] * e
+        best = np.minimum(best, np.einsum("ij,ij->i", away, away))
+    return np.asarray(np.sqrt(best))

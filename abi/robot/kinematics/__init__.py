@@ -1,0 +1,1 @@
+"""Chain of a robot's joints: poses, inverse kinematics and torques."""

@@ -1,0 +1,240 @@
+"""A chain of a robot's joints, from its base to the tip that is the tool, and what it carries.
+
+Every link is posed from the full state of the joints: one beside the chain that follows one of the
+chain, directly or not, moves with it; all others are held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from abi import arguments
+from abi.arrays import FloatArray, ReadOnlyCopies, ShortRepr, flat, read_only
+from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
+from abi.robot.kinematics.chain_kernels import POSE, ChainTable, chain_poses
+from abi.robot.kinematics.follow_path_kernels import Drift, follow_path
+from abi.robot.urdf.held_joints import NOT_HELD, planned_joints, positions_held
+from abi.robot.urdf.robot import Joint, Robot, joints_to
+
+_MOST_ITERATIONS = 40
+PULL = 3.0
+"""Fraction of the way back to the start pose that redundant joints go per reach of the tip."""
+
+
+@dataclass(frozen=True, eq=False)
+class Carried(ReadOnlyCopies):
+    """A link that a chain carries.
+
+    Attributes:
+        link: its name.
+        frame: number of the joint that moves it, -1 where it stands still.
+        pose: frame from link, shape (4, 4), [m]; world from link where it stands still.
+    """
+
+    link: str
+    frame: int
+    pose: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Chain(ShortRepr):
+    """Joints between a base and a tip, standing in the world; lengths in [m].
+
+    Attributes:
+        robot: the robot that it belongs to.
+        joints: the m joints that move: those between base and tip, from the base on, then those
+            beside them that follow one of the n coordinates, parents before children.
+        names: names of the n coordinates.
+        table: the chain in the format of the kernels.
+        limits: lowest and highest of each coordinate, shape (n, 2).
+        speeds: largest of each, (n,), [1/s]; inf where none is known.
+        efforts: largest torque or force of each, (n,); inf where none is known.
+        slides: which coordinates are lengths, (n,).
+        carried: every link, whether it is fixed to the base or moved by a joint.
+        held: positions of the joints that can move but stand still, [rad] or [m].
+    """
+
+    robot: Robot
+    joints: tuple[Joint, ...]
+    names: tuple[str, ...]
+    table: ChainTable
+    limits: FloatArray
+    speeds: FloatArray
+    efforts: FloatArray
+    slides: tuple[bool, ...]
+    carried: tuple[Carried, ...]
+    held: Mapping[str, float]
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        tip: str,
+        position: Vec3 = (0.0, 0.0, 0.0),
+        axis: Vec3 | None = None,
+        wxyz: Quaternion = UNTURNED,
+        held: Mapping[str, float] = NOT_HELD,
+    ) -> Self:
+        """The chain from the robot's root to a tip.
+
+        Args:
+            robot: the robot.
+            tip: name of the link whose origin is the tool.
+            position: of the root, world, [m].
+            axis: direction that the tip's z axis is held to, world; None for any.
+            wxyz: how the root is turned, as a quaternion.
+            held: positions of joints beside the chain, by name, [rad] or [m]; the others rest
+                nearest to 0.
+
+        Raises:
+            SceneError: there is no such tip, no joint moves it, or a joint cannot be held there.
+        """
+        way = tuple(joint for joint in joints_to(robot, tip) if joint.kind != "fixed")
+        names = planned_joints(robot, tip)
+        beside = (one for one in robot.joints if one.kind != "fixed" and one not in way)
+        joints = (*way, *(joint for joint in beside if joint.coordinate in names))
+        still = positions_held(robot, names, held)
+        base = np.eye(4)
+        base[:3, :3], base[:3, 3] = rotation(wxyz), position
+        tree = _tree(robot, joints, still, base)
+        by_name = {joint.name: joint for joint in robot.joints}
+        moving = [by_name[name] for name in names]
+        limits = np.array([(joint.low, joint.high) for joint in moving])
+        last = tree.links[tip].pose
+        origins = [*tree.origins[: len(way)], last]
+        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in origins[1:])
+        reach += sum(joint.high - joint.low for joint in way if joint.kind == "prismatic")
+        direction = np.array(axis or (0.0, 0.0, 1.0))
+        table = ChainTable(
+            length=len(way),
+            before=read_only(np.array(tree.before, dtype=np.int32)),
+            origins=flat(np.stack([_packed(pose) for pose in [*tree.origins, last]])),
+            axes=flat(np.stack([joint.axis for joint in joints])),
+            slides=read_only(np.array([joint.kind == "prismatic" for joint in joints])),
+            source=read_only(
+                np.array([names.index(joint.coordinate) for joint in joints], dtype=np.int32)
+            ),
+            factor=read_only(np.array([j.mimic.factor if j.mimic else 1.0 for j in joints])),
+            offset=read_only(np.array([j.mimic.offset if j.mimic else 0.0 for j in joints])),
+            limits=flat(limits),
+            direction=read_only(direction / np.linalg.norm(direction)),
+            aims=axis is not None,
+            reach=max(reach, 1e-6),
+        )
+        return cls(
+            robot=robot,
+            joints=joints,
+            names=names,
+            table=table,
+            limits=read_only(limits),
+            speeds=read_only(np.array([joint.speed for joint in moving])),
+            efforts=read_only(np.array([joint.effort for joint in moving])),
+            slides=tuple(joint.kind == "prismatic" for joint in moving),
+            carried=tuple(tree.links.values()),
+            held=still,
+        )
+
+    def behind(self, frame: int) -> tuple[int, ...]:
+        """Numbers of the joints that move a frame, the last one first; none for -1."""
+        found = []
+        while frame >= 0:
+            found.append(frame)
+            frame = int(self.table.before[frame])
+        return tuple(found)
+
+    def usual_range(self) -> FloatArray:
+        """Positions that random poses are drawn from, (n, 2): of a turning joint one turn.
+
+        That is the turn about 0, where its limits contain 0.
+        """
+        clipped = np.clip(self.limits, -np.pi, np.pi)
+        has_zero = (self.limits[:, 0] <= 0) & (self.limits[:, 1] >= 0)
+        return np.where((has_zero & ~np.array(self.slides))[:, None], clipped, self.limits)
+
+    def poses(self, positions: FloatArray) -> FloatArray:
+        """World from frame behind each joint and of the tip.
+
+        Args:
+            positions: coordinates, shape (k, n).
+
+        Returns:
+            Shape (k, m + 1, 3, 4), [m].
+        """
+        positions = arguments.numbers("positions", positions, (-1, len(self.names)))
+        found = np.empty(len(positions) * POSE * (len(self.joints) + 1))
+        chain_poses(self.table, flat(positions), len(self.names), found)
+        packed = found.reshape(len(positions), -1, POSE)
+        turns = packed[..., :9].reshape(*packed.shape[:2], 3, 3)
+        return np.concatenate([turns, packed[..., 9:, None]], axis=-1)
+
+    def follow(
+        self, start: FloatArray, targets: FloatArray, home: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Move the tip along points, solving for each from the one before.
+
+        Args:
+            start: coordinates to begin with, (n,), within the limits.
+            home: coordinates that redundant joints drift to, (n,); ``start`` by default.
+            targets: points in the order they are passed, shape (k, 3), [m], world.
+
+        Returns:
+            Coordinates (k, n), within the limits, and the error at each point, (k,): its distance
+            divided by the reach, or the angle [rad] by which the tip's direction is off if larger.
+        """
+        count = len(self.names)
+        start = arguments.numbers("start", start, (count,))
+        home = start if home is None else arguments.numbers("home", home, (count,))
+        targets = arguments.points("targets", targets)
+        joints, errors = np.empty(len(targets) * count), np.empty(len(targets))
+        drift = Drift(flat(home), PULL)
+        path = self.table, flat(start), drift, flat(targets), _MOST_ITERATIONS
+        follow_path(*path, joints, errors)
+        return joints.reshape(-1, count), errors
+
+
+class _Tree(NamedTuple):
+    """Frames of moving joints, and the links in them.
+
+    Attributes:
+        before: number of the joint behind which each stands, -1 for the world.
+        origins: its pose there at position 0, (4, 4), [m].
+        links: every link by name, parents before children.
+    """
+
+    before: list[int]
+    origins: list[FloatArray]
+    links: dict[str, Carried]
+
+
+def _tree(
+    robot: Robot, joints: tuple[Joint, ...], still: Mapping[str, float], base: FloatArray
+) -> _Tree:
+    """Links and joints of a robot, of which only some joints move, in the frames of these.
+
+    Args:
+        robot: the robot.
+        joints: those that move.
+        still: positions of the others, but for fixed ones, [rad] or [m].
+        base: world from root, (4, 4), [m].
+    """
+    before, origins = [-1] * len(joints), [base] * len(joints)
+    links = {robot.root: Carried(robot.root, -1, read_only(base))}
+    for joint in robot.joints:
+        carrier = links[joint.parent]
+        frame, pose = carrier.frame, carrier.pose @ joint.origin
+        if joint in joints:
+            number = joints.index(joint)
+            before[number], origins[number] = frame, pose
+            frame, pose = number, np.eye(4)
+        elif joint.name in still:
+            pose = pose @ joint.motion(still[joint.name])
+        links[joint.child] = Carried(joint.child, frame, read_only(pose))
+    return _Tree(before, origins, links)
+
+
+def _packed(pose: FloatArray) -> FloatArray:
+    return np.concatenate([pose[:3, :3].ravel(), pose[:3, 3]])

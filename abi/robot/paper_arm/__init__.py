@@ -1,0 +1,1 @@
+"""The paper's arm: its links, its capsules, its formulas and its drives."""

@@ -1,0 +1,257 @@
+"""Stage 6, the arm: link lengths, joint limits, forward kinematics, URDF.
+
+The paper's manipulator (stage 6, Fig. 9): five revolute joints and one prismatic. It stands at
+``base``, z up; q1 turns it about the base axis, q2 and q3 move upper arm and forearm in the plane
+through that axis, q5 extends the forearm, q4 and q6 turn forearm and gripper about its own axis
+and do not move the tool.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any, Literal, Protocol, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from abi import arguments
+from abi.arrays import FloatArray, ShortRepr, flat, read_only
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
+from abi.robot.any_arm import PlacedCapsule
+from abi.robot.bodies.urdf_writer import joint, write
+from abi.robot.paper_arm import arm_links
+from abi.robot.paper_arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
+from abi.robot.paper_arm.place_capsules_kernels import place_capsules
+from abi.robot.paper_arm.pose_kernels import ArmNumbers, ArmTable
+
+JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
+"""Names of the joints, in the order of all arrays of joint positions."""
+
+SLIDES = tuple(name == "q5" for name in JOINTS)
+"""Which joints slide."""
+
+JOINT_AXES = tuple((1.0, 0.0, 0.0) if name in ("q2", "q3") else (0.0, 0.0, 1.0) for name in JOINTS)
+"""Axis of each joint in its own frame."""
+
+STROKE = 0.8
+"""Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
+
+
+class ArmLengths(Protocol):
+    """Where the paper's arm stands and how long its links are, as a scene's settings say it."""
+
+    @property
+    def base(self) -> Vec3:
+        """Centre of its foot, [unit], world."""
+
+    @property
+    def a1(self) -> float:
+        """Height of q1 above the base, [unit]."""
+
+    @property
+    def a2(self) -> float:
+        """Height of the shoulder above q1, [unit]."""
+
+    @property
+    def a3(self) -> float:
+        """Length of the upper arm, [unit]."""
+
+    @property
+    def a4(self) -> float:
+        """Length of the forearm, [unit]."""
+
+    @property
+    def a5(self) -> float:
+        """Length from the forearm's end to the tool at q5 = 0, [unit]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Arm(ShortRepr):
+    """Geometry and limits of an arm.
+
+    Attributes:
+        base: centre of its foot, shape (3,), [unit], world.
+        a1: height of q1 above the base, [unit].
+        a2: height of the shoulder above q1, [unit].
+        a3: length of the upper arm, [unit].
+        a4: length of the forearm, [unit].
+        a5: length from the forearm's end to the tool at q5 = 0, [unit].
+        limits: lowest and highest position of each joint, shape (6, 2), [rad], q5 [unit]. That of
+            q3 keeps forearm and upper arm apart.
+        capsules: around the links, those that stand still first.
+        unit: the unit of all lengths.
+    """
+
+    base: FloatArray
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+    a5: float
+    limits: FloatArray
+    capsules: tuple[LinkCapsule, ...]
+    unit: Literal["m", "cm", "mm"] = "cm"
+
+    @classmethod
+    def from_settings(cls, settings: ArmLengths, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
+        """The arm that a scene's settings describe; lengths in the scene's unit."""
+        roll = (-2 * math.pi, 2 * math.pi)
+        lengths = settings.a1, settings.a2, settings.a3, settings.a4, settings.a5
+        capsules = link_capsules(*lengths)
+        bend = min(2.9, steepest_bend(capsules, settings.a4))
+        limits = [roll, (-2.8, 2.8), (-bend, bend), roll, (0.0, STROKE * settings.a4), roll]
+        base = read_only(np.array(settings.base, dtype=float))
+        return cls(base, *lengths, read_only(np.array(limits)), capsules, unit)
+
+    @property
+    def root(self) -> str:
+        """Name of the link that stands at its base."""
+        return "base_link"
+
+    @property
+    def wxyz(self) -> Quaternion:
+        """Orientation of the base, a quaternion: the arm stands upright."""
+        return UNTURNED
+
+    @property
+    def shoulder(self) -> FloatArray:
+        """Centre of q2, shape (3,), [unit], world; it never moves."""
+        return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
+
+    def numbers(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmNumbers:
+        """The arm in the format of its kernels.
+
+        Args:
+            elbow: its branch.
+            spare: distance that q2 and q3 keep from their limits, [rad].
+        """
+        x, y, z = self.base.tolist()
+        return ArmNumbers(
+            *(x, y, z),
+            shoulder=z + self.a1 + self.a2,
+            upper=self.a3,
+            forearm=self.a4 + self.a5,
+            side=1.0 if elbow == "up" else -1.0,
+            least_cosine_q3=math.cos(self.limits[2, 1] - spare),
+            least_cosine_q2=math.cos(self.limits[1, 1] - spare),
+        )
+
+    def table(self, elbow: Literal["up", "down"], spare: float = 0.0) -> ArmTable:
+        """The arm and its capsules in the format of the kernels; see :meth:`numbers`."""
+        return ArmTable(self.numbers(elbow, spare), self.capsule_rows)
+
+    @cached_property
+    def capsule_rows(self) -> FloatArray:
+        """Body, ends and radius of each capsule, flat (4 c,), as the kernels take them."""
+        rows = [(c.body, c.low, c.high, c.radius) for c in self.capsules]
+        return read_only(np.array(rows, dtype=float).ravel())
+
+    @property
+    def metres(self) -> float:
+        """One [unit] in metres."""
+        return METRES[self.unit]
+
+    @property
+    def reach(self) -> float:
+        """Length of the arm stretched out, [unit]."""
+        return self.a3 + self.a4 + self.a5
+
+    @property
+    def has_elbow(self) -> bool:
+        """Whether its branches are the two sides of its elbow: True."""
+        return True
+
+    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
+        """Capsules of all links at joint positions (k, 6)."""
+        ends = place(self, positions).swapaxes(0, 1)
+        return [
+            PlacedCapsule(one.link, one.radius, of_one)
+            for one, of_one in zip(self.capsules, ends, strict=True)
+        ]
+
+    def description(self) -> str:
+        """URDF of the arm, in metres, standing at the origin of its root link."""
+        return urdf(self)
+
+    def files(self) -> dict[str, bytes]:
+        """The same as a file of its name: it names no meshes."""
+        return {"arm.urdf": self.description().encode()}
+
+    def proof_data(self) -> dict[str, Any]:
+        """Subject of a certificate as plain data: the capsules."""
+        return {"capsules": [asdict(one) | {"body": BODIES[one.body]} for one in self.capsules]}
+
+    def forearm(self, extension: ArrayLike) -> FloatArray:
+        """Length from elbow to tool, the paper's a6 = a4 + a5 + q5, [unit]."""
+        return np.asarray(self.a4 + self.a5 + np.asarray(extension, dtype=float))
+
+
+def forward(arm: Arm, positions: FloatArray) -> FloatArray:
+    """Forward kinematics: positions of the tool.
+
+    Paper, stage 6: x6 = sin q1·r, y6 = −cos q1·r, z6 = a1 + a2 + a3·cos q2 + a6·cos(q2 + q3),
+    with r = a3·sin q2 + a6·sin(q2 + q3), a6 = a4 + a5 + q5; the base is added.
+
+    Args:
+        arm: the arm.
+        positions: joint positions, shape (n, 6), [rad], q5 [unit].
+
+    Returns:
+        Tool positions, shape (n, 3), [unit], world.
+    """
+    positions = arguments.numbers("positions", positions, (-1, 6))
+    q1, q2, q3, _, q5, _ = positions.T
+    a6 = arm.forearm(q5)
+    r = arm.a3 * np.sin(q2) + a6 * np.sin(q2 + q3)
+    z = arm.a1 + arm.a2 + arm.a3 * np.cos(q2) + a6 * np.cos(q2 + q3)
+    return np.asarray(arm.base + np.stack([np.sin(q1) * r, -np.cos(q1) * r, z], axis=1))
+
+
+def place(arm: Arm, positions: FloatArray) -> FloatArray:
+    """Ends of the capsules' segments.
+
+    Args:
+        arm: the arm.
+        positions: joint positions, shape (n, 6), [rad], q5 [unit].
+
+    Returns:
+        Shape (n, c, 2, 3), [unit], world; capsules in the order of ``arm.capsules``.
+    """
+    positions = arguments.numbers("positions", positions, (-1, 6))
+    ends = np.empty((len(positions), len(arm.capsules), 2, 3))
+    place_capsules(flat(positions), arm.numbers(), arm.capsule_rows, ends.reshape(-1))
+    return ends
+
+
+def urdf(arm: Arm, scale: float | None = None) -> str:
+    """The arm as URDF text, standing at the origin of its root link ``base_link``.
+
+    Joints q1 to q6 in that order; the last link is the frame ``tool``. A viewer moves the root link
+    to ``arm.base``.
+
+    Args:
+        arm: the arm.
+        scale: length of one [unit] in the text; ``arm.metres`` when not given, as the format asks.
+            1 gives a text for a viewer that draws in the scene's unit.
+
+    Returns:
+        The text; equal link lengths give equal text.
+    """
+    metres = arm.metres if scale is None else scale
+    lengths = [float(length * metres) for length in (arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)]
+    links = arm_links.links(*lengths)
+    heights = arm_links.joint_heights(*lengths)
+    pairs = list(itertools.pairwise(links))
+    joints = []
+    for k, name in enumerate(JOINTS):
+        slides = name == "q5"
+        low, high = (float(limit) * (metres if slides else 1.0) for limit in arm.limits[k])
+        kind: Literal["revolute", "prismatic"] = "prismatic" if slides else "revolute"
+        speed = high - low if slides else math.pi
+        joints.append(joint(name, kind, pairs[k], heights[k], JOINT_AXES[k], (low, high), speed))
+    joints.append(joint("tool_mount", "fixed", pairs[6], heights[6]))
+    comment = "Generated by abi.robot.paper_arm.arm.urdf. Masses, speeds and efforts are nominal."
+    return write("abi", arm_links.COLOURS, links, joints, comment)

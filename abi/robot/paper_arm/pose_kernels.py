@@ -1,0 +1,260 @@
+"""Poses of the paper's arm from its tool's position, and bounds of its links' displacement.
+
+With S the shoulder, E the elbow, T the tool, D = |T - S|, r the tool's distance from the base axis
+and p the elbow's, in the arm's plane |T - E| = a6 gives, with u along the forearm,
+
+    u·dT - u·dE = da6,   dE = a3 dq2 e,   |u·e| = |sin q3|,
+
+so the elbow moves by (u·dT - da6) / sin q3 in the plane, and by p / r of the tool's way around the
+axis across it. Both are orthogonal: |dE| <= L |dT| + |da6| / |sin q3| with
+L = max(1, 1 / |sin q3|, p / r). The other points of a rigid link move as two of its points tell.
+
+Along a straight way of the tool, with a6 fixed, v = T' in the plane and E' = a3 q2' e there, once
+more differentiated,
+
+    a3 q2'' |sin q3| <= |v - E'|²/a6 + |u·v'| + |E'|²/a3,   |v'| <= 1/r,
+
+for u' = (v - E')/a6. The plane turns with abs(f') <= 1/r and abs(f'') <= 1/r², which adds
+p f'² + 2 |p'| |f'| + p |f''| to the elbow's second derivative, and q2' adds |E'|²/a3.
+
+Plain Python that numba compiles with its caller. A capsule is four numbers: its body as in
+``abi.robot.paper_arm.link_capsules``, low and high end, radius.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS
+from abi.obstacles.vector_kernels import Vec3, axpy, sub
+
+CAPSULE = 4
+"""Numbers that describe a capsule."""
+
+_LEAST_SINE = 1e-3  # of q3: nearer to stretched or folded nothing is claimed
+COLUMN, UPPER_ARM, FOREARM = 0, 1, 2
+"""Bodies of capsules; another one slides."""
+
+
+class ArmNumbers(NamedTuple):
+    """An arm, as kernels take it.
+
+    Attributes:
+        x, y, z: of the base, [unit], world.
+        shoulder: height of the shoulder, [unit], world.
+        upper: length of the upper arm, a3, [unit].
+        forearm: shortest length from elbow to tool, a4 + a5, [unit].
+        side: sign of q3.
+        least_cosine_q3, least_cosine_q2: cosines of their limits.
+    """
+
+    x: float
+    y: float
+    z: float
+    shoulder: float
+    upper: float
+    forearm: float
+    side: float
+    least_cosine_q3: float
+    least_cosine_q2: float
+
+
+class ArmTable(NamedTuple):
+    """An arm and its capsules, as kernels take them.
+
+    Attributes:
+        numbers: those of the arm.
+        capsules: rows, flat (4 c,).
+    """
+
+    numbers: ArmNumbers
+    capsules: FloatArray
+
+
+class Pose(NamedTuple):
+    """The arm with its tool at a place.
+
+    Attributes:
+        shoulder, elbow, tool: [unit], world.
+        forearm: length from elbow to tool, a6, [unit].
+        out: the elbow's distance from the base axis, on the tool's side, [unit].
+        across: the tool's, [unit].
+        reach: from shoulder to tool, [unit].
+    """
+
+    shoulder: Vec3
+    elbow: Vec3
+    tool: Vec3
+    forearm: float
+    out: float
+    across: float
+    reach: float
+
+
+class Rates(NamedTuple):
+    """Bounds of how much faster than the tool the elbow moves.
+
+    Attributes:
+        elbow: L, per way of the tool.
+        slide: 1 / |sin q3|, per way of the slide.
+        shortest, longest: forearm's length a6, [unit].
+    """
+
+    elbow: float
+    slide: float
+    shortest: float
+    longest: float
+
+
+NO_NUMBERS = ArmNumbers(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0)
+NO_ARM = ArmTable(NO_NUMBERS, FLOATS)
+"""Examples."""
+NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
+"""Where nothing is bounded."""
+
+
+@jitable(forceinline=True)
+def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
+    """Check if the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
+    x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
+    reach = math.sqrt(x * x + y * y + z * z)
+    low, high = abs(arm.upper - forearm), arm.upper + forearm
+    if not (forearm > 0 and low < reach < high and x * x + y * y > 0):
+        return False
+    cosine = (reach * reach - arm.upper * arm.upper - forearm * forearm) / (2 * arm.upper * forearm)
+    bent: bool = cosine >= arm.least_cosine_q3
+    return bent
+
+
+@jitable(forceinline=True)
+def shoulder_holds(arm: ArmNumbers, pose: Pose) -> bool:
+    """Check whether q2 is within its limit."""
+    holds: bool = pose.elbow[2] - arm.shoulder >= arm.upper * arm.least_cosine_q2
+    return holds
+
+
+@jitable(forceinline=True)
+def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> Pose:
+    """The arm with its tool at a place that it reaches."""
+    x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
+    across = math.sqrt(x * x + y * y)
+    reach = math.sqrt(across * across + z * z)
+    upper = arm.upper
+    along = (upper * upper - forearm * forearm + reach * reach) / (2 * reach)
+    height = arm.side * math.sqrt(max(upper * upper - along * along, 0.0))
+    out = (along * across - height * z) / reach
+    up = (along * z + height * across) / reach
+    elbow = (arm.x + x / across * out, arm.y + y / across * out, arm.shoulder + up)
+    return Pose((arm.x, arm.y, arm.shoulder), elbow, tool, forearm, out, across, reach)
+
+
+@jitable(forceinline=True)
+def rates_near(arm: ArmNumbers, pose: Pose, tool: float, slide: float) -> Rates:
+    """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
+
+    cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator.
+    """
+    upper = arm.upper
+    near, far = pose.reach - tool, pose.reach + tool
+    short, long = pose.forearm - slide, pose.forearm + slide
+    none = Rates(math.inf, math.inf, short, long)
+    if near <= 0 or short <= 0 or pose.across - tool <= 0:
+        return none
+    low = near * near - upper * upper - long * long
+    high = far * far - upper * upper - short * short
+    low /= 2 * upper * (short if low < 0 else long)
+    high /= 2 * upper * (short if high > 0 else long)
+    cosine = max(abs(low), abs(high))
+    if cosine >= 1:
+        return none
+    sine = math.sqrt(1 - cosine * cosine)
+    if sine < _LEAST_SINE:
+        return none
+    out = abs(pose.out) + (tool + slide) / sine
+    rate = max(1.0, 1 / sine, out / (pose.across - tool))
+    return Rates(rate, 1 / sine, short, long)
+
+
+@jitable(forceinline=True)
+def bend_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float) -> float:
+    """Bound of the elbow's second derivative while the tool runs straight near a pose, [1/unit].
+
+    Args:
+        arm: its numbers.
+        pose: the middle one.
+        rates: near it, bounded, with the slide fixed.
+        tool: farthest that the tool is from the pose, [unit].
+    """
+    fast, across = rates.slide, pose.across - tool
+    out = abs(pose.out) + tool * fast
+    turn = fast * ((1 + fast) ** 2 / pose.forearm + 1 / across + fast * fast / arm.upper)
+    bend: float = turn + fast * fast / arm.upper + 2 * out / (across * across) + 2 * fast / across
+    return bend
+
+
+@jitable(forceinline=True)
+def limits_hold_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
+    """Check whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
+    near, long = pose.reach - tool, rates.longest
+    cosine = near * near - arm.upper * arm.upper - long * long
+    cosine /= 2 * arm.upper * (rates.shortest if cosine < 0 else long)
+    lowest = pose.elbow[2] - arm.shoulder - rates.elbow * tool - rates.slide * slide
+    hold: bool = cosine >= arm.least_cosine_q3 and lowest >= arm.upper * arm.least_cosine_q2
+    return hold
+
+
+@jitable(forceinline=True)
+def capsule_ends(arm: ArmNumbers, pose: Pose, capsules: FloatArray, c: int) -> tuple[Vec3, Vec3]:
+    """Both ends of capsule c's segment, [unit], world."""
+    body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+    if body == COLUMN:
+        return (arm.x, arm.y, arm.z + low), (arm.x, arm.y, arm.z + high)
+    if body == UPPER_ARM:
+        way = sub(pose.elbow, pose.shoulder)
+        return axpy(low / arm.upper, way, pose.shoulder), axpy(high / arm.upper, way, pose.shoulder)
+    way = sub(pose.tool, pose.elbow)
+    slide = 0.0 if body == FOREARM else pose.forearm - arm.forearm
+    a, b = (low + slide) / pose.forearm, (high + slide) / pose.forearm
+    return axpy(a, way, pose.elbow), axpy(b, way, pose.elbow)
+
+
+@jitable(forceinline=True)
+def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int) -> float:
+    """Largest part that points of capsule c's segment have in where the elbow is."""
+    body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+    if body == COLUMN:
+        return 0.0
+    if body == UPPER_ARM:
+        share: float = max(abs(low), abs(high)) / arm.upper
+        return share
+    slide = 0.0 if body == FOREARM else forearm - arm.forearm
+    share = max(abs(1 - (low + slide) / forearm), abs(1 - (high + slide) / forearm))
+    return share
+
+
+@jitable(forceinline=True)
+def capsule_rates(
+    arm: ArmNumbers, rates: Rates, capsules: FloatArray, c: int
+) -> tuple[float, float]:
+    """Ways of every point of capsule c's segment, per way of the tool and of the slide."""
+    body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+    if body == COLUMN:
+        return 0.0, 0.0
+    if body == UPPER_ARM:
+        share = max(abs(low), abs(high)) / arm.upper
+        return share * rates.elbow, share * rates.slide
+    slides = body != FOREARM
+    most, slid = 0.0, 0.0
+    for forearm in (rates.shortest, rates.longest):
+        for end in (low, high):
+            at = end + (forearm - arm.forearm if slides else 0.0)
+            behind, ahead = abs(1 - at / forearm), abs(at / forearm)
+            most = max(most, behind * rates.elbow + ahead)
+            by_slide = behind * (rates.slide + 1) if slides else behind * rates.slide + ahead
+            slid = max(slid, by_slide)
+        if rates.shortest == rates.longest:  # nothing slides
+            break
+    return most, slid

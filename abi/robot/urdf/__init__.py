@@ -1,0 +1,1 @@
+"""Strict reader of robots: URDF files with their meshes."""

@@ -1,0 +1,95 @@
+"""Limits of a URDF's joints, in which numbers beyond sense mean none.
+
+The formats: http://wiki.ros.org/urdf/XML/joint and http://wiki.ros.org/pr2_controller_manager/safety_limits.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from abi.robot.urdf.strict_xml import Element
+
+TURN = 2 * math.pi
+_SLIDE = 10.0
+"""Limit of a sliding joint that has none, [m]."""
+_MOST = 1e3
+"""Largest limit of a position that is meant, [rad] or [m]; greater ones mean none."""
+_MOST_RATE = 1e9
+"""The same of a speed, a torque or a force."""
+_RATES = ("velocity", "effort")
+
+
+class Limits(NamedTuple):
+    """Limits of a joint.
+
+    Attributes:
+        low, high: of its position, [rad] or [m].
+        speed: largest, [rad/s] or [m/s]; inf for none.
+        effort: largest torque or force, [N·m] or [N]; inf for none.
+    """
+
+    low: float
+    high: float
+    speed: float
+    effort: float
+
+
+def read_limits(joint: Element, kind: str) -> Limits:
+    """Limits of a joint that moves, with a note where they are not as its ``<limit>`` says.
+
+    Args:
+        joint: its element.
+        kind: ``revolute``, ``continuous`` or ``prismatic``.
+
+    Raises:
+        SceneError: one is NaN or no number.
+    """
+    limit = joint.child("limit")
+    rates = [0.0 if limit is None else limit.bound(name, _MOST_RATE) or 0.0 for name in _RATES]
+    # many files have 0 where they mean no limit, and nothing is made of that
+    speed, effort = (rate if rate > 0 else math.inf for rate in rates)
+    for name, rate in zip(_RATES, rates, strict=True):
+        if rate < 0 or math.isinf(rate):
+            joint.tell(f"Without limit of {name}, as that is negative or beyond sense:")
+    if kind == "continuous":
+        return Limits(-TURN, TURN, speed, effort)
+    sides = [None if limit is None else limit.bound(name, _MOST) for name in ("lower", "upper")]
+    if sides == [None, None] and joint.child("mimic") is None:
+        joint.tell("Stands still, as its <limit> has no lower and upper:")
+    low, high = (side or 0.0 for side in sides)
+    if math.isinf(low) or math.isinf(high):
+        most = TURN if kind == "revolute" else _SLIDE
+        unit = "rad" if kind == "revolute" else "m"
+        joint.tell(f"Without limit, so taken to go as far as {most:.3g} {unit}:")
+        low = min(-most, high - most) if low == -math.inf else low
+        high = max(most, low + most) if high == math.inf else high
+    if not low <= high or math.isinf(low) or math.isinf(high):
+        joint.tell("Stands still at 0, as its lower limit is above the upper:")
+        return Limits(0.0, 0.0, speed, effort)
+    return Limits(*_softened(joint, low, high), speed, effort)
+
+
+def _softened(joint: Element, low: float, high: float) -> tuple[float, float]:
+    """Limits within those of a joint's safety controller."""
+    soft = _soft(joint)
+    if soft is None:
+        return low, high
+    inner = max(low, soft[0]), min(high, soft[1])
+    if inner[0] > inner[1]:
+        joint.tell("Soft limits are not used, as they are outside the others:")
+        return low, high
+    if inner != (low, high):
+        joint.tell("Planned within the soft limits of the <safety_controller>:")
+    return inner
+
+
+def _soft(joint: Element) -> tuple[float, float] | None:
+    """Soft limits of a joint's safety controller; None if it gives none."""
+    safety = joint.child("safety_controller")
+    if safety is None:
+        return None
+    low, high = (safety.bound(f"soft_{side}_limit", _MOST) for side in ("lower", "upper"))
+    # each is 0 by default, and both are where only speeds are limited
+    low, high = low or 0.0, high or 0.0
+    return (low, high) if low < high else None

@@ -1,0 +1,121 @@
+"""Meshes of a robot's archive: found, read once, and counted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+
+from abi.errors import SceneError
+from abi.obstacles.mesh_files import stl
+from abi.obstacles.mesh_files.parts import Parts
+from abi.obstacles.triangle_mesh import mesh_reader
+from abi.robot.urdf.mesh_places import alike, length, places
+
+MAX_TRIANGLES = 500_000
+"""Largest number of triangles of all shapes of a robot; a shape used twice counts twice."""
+_PLAIN = ".plain.stl"
+"""Added to the name of a file that has been turned into an STL."""
+_NOTES = "notes.plain.txt"
+"""Name of the file with the sentences on meshes that have been turned into STL files."""
+_MOST_NOTES = 20
+_SIMPLE = (".stl", ".obj", ".glb")
+
+
+class MeshLookup:
+    """Meshes of an archive, found where the URDF says, or else by the ends of their paths.
+
+    Args:
+        files: content by path.
+        folder: of the URDF.
+    """
+
+    def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
+        self._files, self._folder = files, folder
+        self._read: dict[str, Parts] = {}
+        self._taken: set[str] = set()
+        self._guessed: dict[str, str] = {}
+        self._names = {file.removesuffix(_PLAIN): file for file in files}
+        self._triangles = 0
+        kept = files.get(_NOTES, b"").decode(errors="replace").splitlines()[:_MOST_NOTES]
+        self._left_out = {line[:200]: None for line in kept}
+
+    def __call__(self, name: str) -> Parts:
+        """Vertices, faces and colours of the mesh that a URDF calls ``name``.
+
+        Raises:
+            SceneError: it is not there, not read, or one too many.
+        """
+        found = self.path(name)
+        if found not in self._read:
+            self._read[found] = self._mesh(self._files[found], PurePosixPath(found).name)
+        mesh = self._read[found]
+        if self._triangles + len(mesh.faces) > MAX_TRIANGLES:
+            expected = f"meshes of at most {MAX_TRIANGLES:,} triangles in all"
+            raise SceneError("arm.urdf mesh", name, expected)
+        self._triangles += len(mesh.faces)
+        self._taken.add(found)
+        return mesh
+
+    def plain(self) -> dict[str, bytes]:
+        """Files of the meshes that were used, those that are not simple converted to STL."""
+        plain = {}
+        for path in sorted(self._taken):
+            if is_plain(path):
+                plain[path] = self._files[path]
+            else:
+                plain[path + _PLAIN] = stl.write(*self._read[path])
+        if self._left_out:
+            plain[_NOTES] = "\n".join(self._left_out).encode()
+        return plain
+
+    def path(self, name: str) -> str:
+        """Path in the archive of the mesh that a URDF calls ``name``.
+
+        Raises:
+            SceneError: it is not there, or there are several.
+        """
+        found = next((one for one in places(self._folder, name) if one in self._names), None)
+        if found is None:
+            found = self._most_alike(name)
+        return self._names[found]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on the files that were taken for others, and on what of them is left out."""
+        guessed = (f"Taken for {name}: {file}." for name, file in self._guessed.items())
+        return (*guessed, *self._left_out)
+
+    def _mesh(self, content: bytes, name: str) -> Parts:
+        """A mesh in metres, which a file without a unit has, and in the axes of its file."""
+        suffix = PurePosixPath(name).suffix.lower()
+        if suffix not in mesh_reader.SUFFIXES:
+            expected = f"a mesh that ends in {', '.join(mesh_reader.SUFFIXES)}"
+            raise SceneError("arm.urdf mesh", name, expected)
+        try:
+            file = mesh_reader.read_file(content, name)
+        except SceneError as error:
+            raise SceneError("arm.urdf mesh", error.value, error.expected) from None
+        self._left_out |= {f"{name}: {note}": None for note in file.notes[:_MOST_NOTES]}
+        return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))
+
+    def _most_alike(self, name: str) -> str:
+        """The only file whose path ends most like a name that no file has."""
+        files, count = alike(self._names, name)
+        if len(files) > 1:
+            exact = [file for file in files if file.endswith(PurePosixPath(name).name)]
+            files = tuple(exact) if len(exact) == 1 else files
+        if len(files) != 1:
+            expected = "a file that came with the URDF"
+            if files:
+                expected += f"; of that name there are {', '.join(sorted(files)[:2])}"
+            raise SceneError("arm.urdf mesh", name, expected)
+        (file,) = files
+        if count < length(name) or not file.endswith(PurePosixPath(name).name):
+            self._guessed[name] = file
+        return file
+
+
+def is_plain(path: str) -> bool:
+    """Check whether a file is no mesh that has to be parsed as XML, or otherwise at length."""
+    suffix = PurePosixPath(path).suffix.lower()
+    return suffix in _SIMPLE or suffix not in mesh_reader.SUFFIXES

@@ -1,0 +1,57 @@
+"""Joints of a URDF that follow others, each led back to one that moves by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from abi.arrays import read_only
+from abi.robot.urdf.robot import Joint, Mimic
+from abi.robot.urdf.strict_xml import Element
+
+
+def with_masters(root: Element, joints: Sequence[Joint]) -> tuple[Joint, ...]:
+    """The joints, each that follows another following one that moves by itself.
+
+    What follows a fixed joint, or one that there is not, is fixed at its offset: as if that joint
+    were at 0.
+
+    Raises:
+        SceneError: some follow each other in a ring.
+    """
+    by_name = {joint.name: joint for joint in joints}
+    found = []
+    for joint in joints:
+        if joint.kind != "fixed" and joint.mimic is not None:
+            mimic = _master(root, joint, by_name)
+            if mimic.joint not in by_name or by_name[mimic.joint].kind == "fixed":
+                followed = (
+                    "a fixed joint" if mimic.joint in by_name else "a joint that is not there"
+                )
+                note = f"Fixed, as it follows {followed}:"
+                root.told.setdefault(note, []).append(f"joint {joint.name}")
+                pose = read_only(joint.origin @ joint.motion(mimic.offset))
+                joint = replace(joint, kind="fixed", origin=pose, mimic=None)
+            else:
+                joint = replace(joint, mimic=mimic)
+        found.append(joint)
+    return tuple(found)
+
+
+def _master(root: Element, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:
+    """How a joint follows the first of its chain of masters, which need not be there."""
+    assert joint.mimic is not None
+    name, factor, offset = joint.mimic
+    passed = [joint.name]
+    while True:
+        if name in passed:
+            ring = " follows ".join([*passed, name])
+            raise root.refuse(f"joint {joint.name}, mimic", ring, "one that moves by itself")
+        passed.append(name)
+        master = by_name[name].mimic if name in by_name else None
+        if master is None or by_name[name].kind == "fixed":
+            return Mimic(name, factor, offset)
+        name, factor, offset = (
+            *(master.joint, factor * master.factor),
+            factor * master.offset + offset,
+        )

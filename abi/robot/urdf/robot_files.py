@@ -1,0 +1,256 @@
+"""Sources of robots: shipped arms, files beside the scene, and uploaded archives."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import zipfile
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import PurePosixPath
+
+from abi import assets
+from abi.archive_members import members_of
+from abi.errors import SceneError
+from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.mesh_lookup import MeshLookup, is_plain
+from abi.robot.urdf.mesh_places import places
+from abi.robot.urdf.robot import Robot, require_motion
+from abi.robot.urdf.srdf import read_srdf
+from abi.robot.urdf.urdf_joints import some_of
+from abi.robot.urdf.urdf_meshes import mesh_names
+from abi.robot.urdf.urdf_reader import read_urdf
+
+SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
+"""Usual tip of each arm that comes with the package, by its name."""
+
+_MAX_ARCHIVE, _MAX_UNPACKED, _MAX_FILES = 30_000_000, 100_000_000, 2_000
+_ROOM = 0.9
+"""Part of an archive's size that meshes for looks alone may fill it to."""
+_INSIDE = ".zip/"
+_SRDF = ".srdf"
+_ZIP = b"PK\x03\x04"
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def load_robot(
+    name: str, source: MeshSource, plain: bool = False, srdf: str | None = None
+) -> Robot:
+    """Load a shipped arm by name, or the arm of a ``.urdf`` or ``.zip`` file.
+
+    Args:
+        name: in :data:`SHIPPED`, or of a file.
+        source: of the files.
+        plain: whether to make its archive one that can be read without trimesh.
+        srdf: name of the SRDF that counts, of a file or of one in the arm's archive; None for the
+            one beside the URDF.
+
+    Raises:
+        SceneError: there is no such arm, or its files are refused.
+    """
+    if name in SHIPPED:
+        if srdf is not None:
+            raise SceneError("arm.srdf", srdf, "none, as the shipped arms have no SRDF")
+        return _shipped(name)
+    content = archive_of(name, source)
+    if srdf is not None:
+        content = _with_one_srdf(content, source, srdf)
+    return robot_from_archive(_plain(content) if plain else content)
+
+
+def archive_of(name: str, source: MeshSource) -> bytes:
+    """Content of a ``.zip`` file, or a ``.urdf`` file packed with the meshes that it names.
+
+    ``ROBOTS.zip/URDF`` is the archive with that one of its URDF files alone. Meshes are not read.
+
+    Raises:
+        SceneError: the file has another ending, or one that it needs is missing.
+    """
+    ending = PurePosixPath(name).suffix.lower()
+    if ending not in (".zip", ".urdf"):
+        expected = f"one of {', '.join(SHIPPED)}, or a file that ends in .urdf or .zip"
+        raise SceneError("arm.urdf", name, expected)
+    if name not in source.files and (archive := file_of(name)) != name:
+        return _with_one(_content(source, archive), name.removeprefix(f"{archive}/"))
+    content = _content(source, name)
+    # an arm that a scene has read already is kept as an archive, whatever it was
+    packed = ending == ".zip" or content.startswith(_ZIP)
+    return content if packed else _packed(source, name)
+
+
+def file_of(name: str) -> str:
+    """Name of the file that an arm is in: ``robots.zip`` for ``robots.zip/ur5.urdf``."""
+    archive, slash, _ = name.partition(_INSIDE)
+    return archive + _INSIDE.rstrip("/") if slash else name
+
+
+@lru_cache(maxsize=8)
+def robot_from_archive(content: bytes) -> Robot:
+    """Read the robot in a zip archive of one URDF, its meshes and optionally an SRDF.
+
+    Raises:
+        SceneError: it is no such file, it is too large packed or unpacked,
+            :func:`abi.robot.urdf.urdf_reader.read_urdf` refuses it, or nothing of it can move.
+    """
+    robot = _read(content)[0]
+    require_motion(robot)
+    return robot
+
+
+def packed(files: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
+    """Files by their paths as a zip, the same for the same files."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        for name, data in files.items():
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, compression)
+    return content.getvalue()
+
+
+def unpacked(content: bytes) -> dict[str, bytes]:
+    """Files of an archive by their paths, no more of each than it says beforehand.
+
+    Raises:
+        SceneError: it is damaged, or too large.
+    """
+    if len(content) > _MAX_ARCHIVE:
+        expected = f"an archive of at most {_MAX_ARCHIVE // 10**6} MB"
+        raise SceneError("arm.urdf", f"{len(content):,} bytes", expected)
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            members = members_of(archive)
+            size = sum(member.file_size for member in members.values())
+            if len(members) <= _MAX_FILES and size <= _MAX_UNPACKED:
+                return {name: archive.read(member) for name, member in members.items()}
+    except DAMAGED_ZIP as error:
+        expected = "a whole zip archive without a password"
+        raise SceneError("arm.urdf", str(error)[:60], expected) from None
+    value = f"{len(members)} files of {size:,} bytes"
+    expected = f"at most {_MAX_FILES:,} files of {_MAX_UNPACKED // 10**6} MB in all"
+    raise SceneError("arm.urdf", value, expected)
+
+
+def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
+    """A robot, and its files with each mesh in a format that needs no trimesh."""
+    files = unpacked(content)
+    found = sorted(name for name in files if name.lower().endswith(".urdf"))
+    if len(found) != 1:
+        names = some_of(found) or "none"
+        expected = "one file that ends in .urdf in the archive"
+        if found:
+            expected += f", or one of them named after it, such as robots.zip/{found[0]}"
+        raise SceneError("arm.urdf", names, expected)
+    lookup = MeshLookup(files, PurePosixPath(found[0]).parent)
+    robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
+    robot = replace(robot, archive=content, notes=(*robot.notes, *lookup.notes))
+    texts = {name: files[name] for name in files if name.lower().endswith((".urdf", ".srdf"))}
+    return _with_srdf(robot, files, PurePosixPath(found[0]).stem), texts | lookup.plain()
+
+
+def _with_one(content: bytes, name: str) -> bytes:
+    """An archive with only one of its URDF files, whose path ends in a name."""
+    files = unpacked(content)
+    urdfs = [file for file in files if file.lower().endswith(".urdf")]
+    found = [file for file in urdfs if f"/{file}".endswith(f"/{name}")]
+    if name in urdfs:
+        found = [name]
+    if len(found) != 1:
+        raise SceneError("arm.urdf", name, f"one of {some_of(sorted(urdfs), 6) or 'no URDF files'}")
+    return packed({file: files[file] for file in files if file not in urdfs or file in found})
+
+
+def _with_one_srdf(content: bytes, source: MeshSource, name: str) -> bytes:
+    """An archive with one SRDF alone: a file of the source, or that of its name in the archive."""
+    files = unpacked(content)
+    inside = [file for file in files if f"/{file}".endswith(f"/{PurePosixPath(name).name}")]
+    others = {file: files[file] for file in files if not file.lower().endswith(_SRDF)}
+    if not name.lower().endswith(_SRDF):
+        raise SceneError("arm.srdf", name, f"a file that ends in {_SRDF}")
+    try:
+        found = source.content(name)
+    except SceneError as error:
+        if len(inside) != 1:
+            raise SceneError("arm.srdf", error.value, error.expected) from None
+        found = files[inside[0]]
+    return packed({**others, PurePosixPath(name).name: found})
+
+
+def _plain(content: bytes) -> bytes:
+    """An archive without meshes that trimesh reads: an STL each, or nothing where it cannot."""
+    if all(is_plain(name) for name in unpacked(content)):
+        return content
+    return packed(_read(content)[1])
+
+
+def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
+    """The robot with what its SRDF says: the only one among its files, or that of its name.
+
+    Without an SRDF more is checked than need be, so a choice among others is not made.
+    """
+    found = [name for name in files if name.lower().endswith(".srdf")]
+    if len(found) > 1:
+        own = [name for name in found if PurePosixPath(name).stem == stem]
+        if len(own) != 1:
+            note = f"No SRDF is used, as none of several is called {stem}.srdf."
+            return replace(robot, notes=(*robot.notes, note))
+        found = own
+    if not found:
+        return robot
+    srdf = read_srdf(files[found[0]], PurePosixPath(found[0]).name, robot)
+    notes = [*robot.notes]
+    if srdf.may_touch:
+        count = len(srdf.may_touch)
+        notes.append(
+            f"{count} pairs of links are not checked against each other: its SRDF says so."
+        )
+    if srdf.states:
+        names = some_of([one.name for one in srdf.states], 6)
+        notes.append(f"Named states of its SRDF: {names}.")
+    return replace(robot, **srdf._asdict(), notes=(*notes,))
+
+
+@lru_cache(maxsize=8)
+def _shipped(name: str) -> Robot:
+    return robot_from_archive(_packed(MeshSource(folder=assets.path("urdf", name)), f"{name}.urdf"))
+
+
+def _packed(source: MeshSource, urdf: str) -> bytes:
+    """A URDF and the meshes that it names as a zip, the same for the same files.
+
+    Meshes that are for looks alone come along where they are there and there is room.
+    """
+    text, folder = _content(source, urdf), PurePosixPath(urdf).parent
+    needed, looks = mesh_names(text, PurePosixPath(urdf).name)
+    files = {urdf: text}
+    for name in needed:
+        path, mesh = _mesh_of(source, folder, name)
+        files[path] = mesh
+    for name in looks[: _MAX_FILES // 2]:
+        with contextlib.suppress(SceneError):
+            path, mesh = _mesh_of(source, folder, name)
+            if sum(map(len, files.values())) + len(mesh) < _ROOM * _MAX_ARCHIVE:
+                files[path] = mesh
+    with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
+        beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
+        files[beside] = source.content(beside)
+    return packed(files, zipfile.ZIP_STORED)
+
+
+def _mesh_of(source: MeshSource, folder: PurePosixPath, name: str) -> tuple[str, bytes]:
+    """Path and content of a mesh that a URDF in a folder names: of the first place that has one."""
+    fault = SceneError("arm.urdf mesh", name, "a file inside the scene's folder")
+    for number, path in enumerate(places(folder, name)):
+        try:
+            return path, source.content(path)
+        except SceneError as error:
+            if number == 0:
+                fault = SceneError("arm.urdf", error.value, error.expected)
+    raise fault
+
+
+def _content(source: MeshSource, name: str) -> bytes:
+    try:
+        return source.content(name)
+    except SceneError as error:
+        raise SceneError("arm.urdf", error.value, error.expected) from None

@@ -1,0 +1,98 @@
+"""Strict reader of SRDF files: pairs of links that may touch, groups of joints and named states.
+
+The format: http://wiki.ros.org/srdf. What of it the robot does not have is ignored.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from abi.robot.urdf.robot import NamedState, Robot
+from abi.robot.urdf.strict_xml import Element, parse
+
+
+class Srdf(NamedTuple):
+    """Content of an SRDF.
+
+    Attributes:
+        may_touch: pairs of links that are excluded from collision checks.
+        groups: names of the joints that move in each group, by its name.
+        states: positions of a group's joints that have a name.
+    """
+
+    may_touch: frozenset[frozenset[str]]
+    groups: Mapping[str, tuple[str, ...]]
+    states: tuple[NamedState, ...]
+
+
+def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
+    """Read an SRDF of a robot.
+
+    Args:
+        content: of the file.
+        name: of the file, for the sentences.
+        robot: the robot.
+
+    Raises:
+        SceneError: it is no SRDF, it is truncated, or a state has a position that is no number.
+    """
+    root = Element(parse(content, name), name, "robot")
+    groups: dict[str, tuple[str, ...]] = {}
+    for group in root.all("group"):
+        if group.text("name"):  # one inside another is a reference to one before
+            groups[group.text("name")] = _joints(group, robot, groups)
+    return Srdf(_may_touch(root, robot), MappingProxyType(groups), _states(root, robot))
+
+
+def _may_touch(root: Element, robot: Robot) -> frozenset[frozenset[str]]:
+    """Pairs of links whose collisions are disabled, one by one or all of a link."""
+    links = robot.links.keys()
+    pairs = {_pair(one) for one in root.all("disable_collisions")}
+    for one in root.all("disable_default_collisions"):
+        pairs |= {frozenset((one.text("link"), other)) for other in links}
+    pairs -= {_pair(one) for one in root.all("enable_collisions")}
+    return frozenset(pair for pair in pairs if len(pair) == 2 and pair <= links)
+
+
+def _pair(element: Element) -> frozenset[str]:
+    return frozenset((element.text("link1"), element.text("link2")))
+
+
+def _joints(group: Element, robot: Robot, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """Names of a group's joints that can move, in the order of the robot."""
+    named = {one.text("name") for one in group.all("joint")}
+    links = {one.text("name") for one in group.all("link")}
+    by_child = {joint.child: joint for joint in robot.joints}
+    for chain in group.all("chain"):
+        base, link = chain.text("base_link"), chain.text("tip_link")
+        while link != base and link in by_child:
+            links.add(link)
+            link = by_child[link].parent
+    for one in group.all("group"):
+        named |= {*known.get(one.text("name"), ())}
+    return tuple(
+        joint.name
+        for joint in robot.joints
+        if joint.kind != "fixed" and (joint.name in named or joint.child in links)
+    )
+
+
+def _states(root: Element, robot: Robot) -> tuple[NamedState, ...]:
+    """Named states, each with the positions of joints that the robot has, within their limits."""
+    limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
+    found = []
+    for element in root.all("group_state"):
+        positions = {}
+        for joint in element.all("joint"):
+            name = joint.text("name")
+            if name not in limits or len(joint.text("value").split()) != 1:
+                continue
+            position, (low, high) = joint.number("value", None, -math.inf, math.inf), limits[name]
+            positions[name] = min(max(position, low), high)
+        if element.text("name") and positions:
+            state = element.text("name"), element.text("group"), MappingProxyType(positions)
+            found.append(NamedState(*state))
+    return tuple(found)

@@ -1,0 +1,30 @@
+"""Elements of a URDF that planning does not use, named once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from abi.robot.urdf.strict_xml import Element
+from abi.robot.urdf.urdf_joints import some_of
+
+_USED: Mapping[str, frozenset[str]] = {
+    "robot": frozenset(("link", "joint", "material")),
+    "link": frozenset(("inertial", "visual", "collision")),
+    "joint": frozenset(
+        ("origin", "parent", "child", "axis", "limit", "mimic", "safety_controller")
+    ),
+}
+"""Names of the elements that are read, by that of the one that they are in."""
+_NAMED = 6
+
+
+def unused(root: Element) -> tuple[str, ...]:
+    """A sentence on the elements of a robot, its links and its joints that are not used, if any."""
+    found: dict[str, None] = {}
+    for parent in (root, *root.all("link"), *root.all("joint")):
+        for element in parent.xml:
+            if element.tag not in _USED[str(parent.xml.tag)]:
+                found[str(element.tag)] = None
+    if not found:
+        return ()
+    return (f"Not used: {some_of([*found], _NAMED)}.",)

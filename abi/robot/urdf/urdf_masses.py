@@ -1,0 +1,61 @@
+"""Masses and inertias of a URDF's links, which only torques need."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray, read_only
+from abi.errors import SceneError
+from abi.robot.urdf.strict_xml import Element
+
+_ROUNDING = 1e-9
+"""Negative moment of inertia that counts as 0, over 1 kg·m²."""
+
+
+class Inertial(NamedTuple):
+    """Mass of a link, its centre (3,), and its inertia about that along the link's axes (3, 3)."""
+
+    mass: float
+    centre: FloatArray
+    inertia: FloatArray
+
+
+WEIGHTLESS = Inertial(0.0, read_only(np.zeros(3)), read_only(np.zeros((3, 3))))
+
+
+def read_inertial(link: Element) -> Inertial:
+    """Read the mass of a link and its inertia; none where the file gives none.
+
+    Raises:
+        SceneError: one of the numbers makes no sense, or is missing.
+    """
+    inertial = link.child("inertial")
+    if inertial is None:
+        return WEIGHTLESS
+    mass = inertial.needed("mass").number("value", None, 0, 1e5)
+    if mass == 0:
+        return WEIGHTLESS
+    pose = inertial.origin()
+    turn = pose[:3, :3]
+    inertia = turn @ _tensor(inertial) @ turn.T
+    return Inertial(mass, read_only(pose[:3, 3].copy()), read_only(inertia))
+
+
+def has_sense(link: Element) -> bool:
+    """Check whether a link's masses can be read."""
+    try:
+        read_inertial(link)
+    except SceneError:
+        return False
+    return True
+
+
+def _tensor(inertial: Element) -> FloatArray:
+    part = inertial.needed("inertia")
+    xx, yy, zz = (
+        max(part.number(name, None, -_ROUNDING, 1e6), 0.0) for name in ("ixx", "iyy", "izz")
+    )
+    xy, xz, yz = (part.number(name, 0.0, -1e6, 1e6) for name in ("ixy", "ixz", "iyz"))
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -1,0 +1,59 @@
+"""Strict reader of URDF files, from bytes alone.
+
+Nothing that a file names is opened: meshes come from the same folder or upload. A file that is
+damaged, ambiguous or too large is refused with one sentence.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from abi.errors import Missing
+from abi.robot.urdf.mimic import with_masters
+from abi.robot.urdf.robot import Link, Robot
+from abi.robot.urdf.strict_xml import Element, parse
+from abi.robot.urdf.unused_elements import unused
+from abi.robot.urdf.urdf_joints import in_order, read_joint, some_of
+from abi.robot.urdf.urdf_links import Meshes, add_colours, add_visuals, read_link
+from abi.robot.urdf.urdf_masses import has_sense
+
+MAX_LINKS = 150
+
+
+def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
+    """Read the robot of a URDF's content.
+
+    Args:
+        content: of the file.
+        name: of the file, for the sentences.
+        meshes: source of the mesh files that it names, by their names in the file.
+
+    Raises:
+        SceneError: it is no URDF, truncated, not a single tree, or has a number without sense.
+    """
+    root = Element(parse(content, name), name, "robot")
+    elements = [element.called() for element in root.all("link")]
+    weightless = [one.text("name") for one in elements if not has_sense(one)]
+    links: dict[str, Link] = {}
+    for element in elements:
+        link = read_link(element, meshes, not weightless)
+        if link.name in links:
+            raise element.refuse("name", link.name, "a name that no link before it has")
+        links[link.name] = link
+    if not links:
+        raise root.refuse("link", Missing(), "one or more, as a file without links holds no robot")
+    if len(links) > MAX_LINKS:
+        raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
+    joints = [read_joint(element.called()) for element in root.all("joint")]
+    ordered, base = in_order(root, links, joints)
+    ordered = with_masters(root, ordered)
+    notes = [*add_visuals(root, links, meshes)]
+    notes += [f"{note} {some_of(named)}." for note, named in root.told.items()]
+    if weightless:
+        notes.append(f"No torques, as masses make no sense: {some_of(weightless)}.")
+    if not any(link.shapes for link in links.values()):
+        notes.append("No link has a shape: lines from joint to joint stand for them.")
+    notes += unused(root)
+    add_colours(root, links)
+    title = root.text("name", "robot")
+    return Robot(title, base, MappingProxyType(links), ordered, tuple(notes))

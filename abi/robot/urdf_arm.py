@@ -1,0 +1,277 @@
+"""An arm that a URDF describes, in the scene's unit, as the stages use it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from operator import itemgetter
+from typing import Any, Literal
+
+import numpy as np
+
+from abi import arguments
+from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
+from abi.robot.any_arm import PlacedCapsule
+from abi.robot.bodies.allowed_contacts import AllowedContact, LinkPairs, Other, link_pairs
+from abi.robot.bodies.capsule_table import Bodies
+from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, lever, pair_lever, place
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.urdf_files import description_of, files_of
+
+_STARTS = 48
+"""Random poses from which the first pose of a motion is sought."""
+TRIED = 8
+"""Largest number of start poses whose motions are compared."""
+_ALIKE = 0.3
+"""Poses nearer to each other than this in every joint are one, [rad] or [m]."""
+REACHED = 1e-6
+"""Error, as a fraction of the arm's reach, up to which a point counts as reached."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UrdfArm(ShortRepr):
+    """An arm that a URDF describes: a robot's chain in a scene.
+
+    Attributes:
+        chain: in [m].
+        tip: name of the link that is the tool.
+        base: where its base link stands, shape (3,), [unit], world.
+        wxyz: how its base link is turned, as a quaternion.
+        unit: of the scene's lengths.
+        limits: lowest and highest position of each joint, shape (n, 2), [rad] or [unit].
+        capsules: around the links, those that stand still first.
+        held: positions of joints beside the chain that do not rest nearest to 0, [rad] or [m].
+        asked: links, each with another or the number of an obstacle, that the scene lets touch.
+    """
+
+    chain: Chain
+    tip: str
+    base: FloatArray
+    wxyz: Quaternion
+    unit: Literal["m", "cm", "mm"]
+    limits: FloatArray
+    capsules: tuple[ChainCapsule, ...]
+    held: Mapping[str, float]
+    asked: tuple[tuple[str, Other], ...] = ()
+
+    @property
+    def root(self) -> str:
+        """Name of the link that stands at its base."""
+        return self.chain.robot.root
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the n joints."""
+        return self.chain.names
+
+    @property
+    def metres(self) -> float:
+        """One [unit] in metres."""
+        return METRES[self.unit]
+
+    @property
+    def reach(self) -> float:
+        """Length of the chain stretched out, [unit]."""
+        return self.chain.table.reach / self.metres
+
+    @cached_property
+    def scales(self) -> FloatArray:
+        """Factors from positions in [rad] or [m] to [rad] or [unit], (n,)."""
+        slides = np.array(self.chain.slides)
+        return read_only(np.where(slides, 1 / self.metres, 1.0))
+
+    @cached_property
+    def radii(self) -> FloatArray:
+        """Radius of each capsule, (c,), [unit]."""
+        return read_only(np.array([one.radius for one in self.capsules]) / self.metres)
+
+    @cached_property
+    def levers(self) -> FloatArray:
+        """Bound of a capsule's motion per unit of each coordinate, (c, n), [unit]."""
+        rows = [lever(self.chain, one, -1) for one in self.capsules]
+        return read_only(np.stack(rows) / self.metres / self.scales)
+
+    @cached_property
+    def pair_levers(self) -> FloatArray:
+        """Bound of the motion of each pair's capsules beside each other, (p, n), [unit]."""
+        capsules, chain = self.capsules, self.chain
+        rows = [pair_lever(chain, capsules[i], capsules[j]) for i, j in self.pairs]
+        levers = np.array(rows).reshape(len(rows), len(self.joints))
+        return read_only(levers / self.metres / self.scales)
+
+    @cached_property
+    def pairs(self) -> IntArray:
+        """Pairs of capsules (k, 2) that must keep apart."""
+        return self._link_pairs.apart
+
+    @property
+    def allowed(self) -> tuple[AllowedContact, ...]:
+        """Pairs of links that may touch."""
+        return self._link_pairs.allowed
+
+    @cached_property
+    def _link_pairs(self) -> LinkPairs:
+        asked = frozenset(frozenset(pair) for pair in self.asked)
+        return link_pairs(self.chain.robot, self.tip, tuple(self.held.items()), asked)
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        """Capsules in the format of the kernels, for coordinates in [rad] and [m]."""
+        frames = np.array([one.frame for one in self.capsules], dtype=np.int32)
+        return Bodies(
+            frames=read_only(frames),
+            ends=flat(np.stack([one.ends for one in self.capsules])),
+            radii=self.radii,
+            levers=flat(self.levers * self.scales),
+            pairs=read_only(np.ascontiguousarray(self.pairs).reshape(-1)),
+            pair_levers=flat(self.pair_levers * self.scales),
+            scale=1 / self.metres,
+        )
+
+    def place(self, positions: FloatArray) -> FloatArray:
+        """Ends of the capsules' segments at joint positions (k, n), shape (k, c, 2, 3), [unit]."""
+        positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
+        poses = self.chain.poses(positions / self.scales)
+        return place(self.capsules, poses) / self.metres
+
+    @property
+    def has_elbow(self) -> bool:
+        """Whether it has an elbow: False, its branches are poses with the tool at the start."""
+        return False
+
+    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
+        """Capsules of all links at joint positions (k, n)."""
+        ends = self.place(positions).swapaxes(0, 1)
+        return [
+            PlacedCapsule(one.link, radius, of_one)
+            for one, radius, of_one in zip(self.capsules, self.radii.tolist(), ends, strict=True)
+        ]
+
+    def description(self) -> str:
+        """URDF of the arm, in metres, standing at the origin of its root link."""
+        return description_of(self.chain.robot)
+
+    def files(self) -> dict[str, bytes]:
+        """The same as a file of its name, and the meshes that it names, by their paths."""
+        return files_of(self.chain.robot)
+
+    def proof_data(self) -> dict[str, Any]:
+        """Subject of a certificate as plain data: the capsules, and pairs of them."""
+        capsules = [
+            {"link": one.link, "joint": one.frame, "radius": radius}
+            | dict(zip(("from", "to"), (one.ends / self.metres).tolist(), strict=True))
+            for one, radius in zip(self.capsules, self.radii.tolist(), strict=True)
+        ]
+        return {"capsules": capsules, "pairs": self.pairs.tolist()}
+
+    def tool(self, positions: FloatArray) -> FloatArray:
+        """Position of the tip at joint positions (k, n), shape (k, 3), [unit], world."""
+        positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
+        return np.asarray(self.chain.poses(positions / self.scales)[:, -1, :, 3] / self.metres)
+
+    @property
+    def is_redundant(self) -> bool:
+        """Whether it has more joints than its task needs."""
+        return len(self.joints) > (5 if self.chain.table.aims else 3)
+
+    def first_poses(self, point: FloatArray, most: int = TRIED) -> tuple[FloatArray, ...]:
+        """At most ``most`` different joint positions (n,) with the tip at ``point`` (3,).
+
+        Poses in the middle of the joints' limits come first. If none reaches the point, the result
+        is one that comes near it. Equal calls give equal poses, and the latest are remembered.
+        """
+        point = arguments.numbers("point", point, (3,))
+        return _first_poses(self, tuple(point.tolist()))[:most]
+
+    def follow(
+        self, start: FloatArray, points: FloatArray, home: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Joint positions that move the tip along points, starting from a pose at the first one.
+
+        Args:
+            start: joint positions, (n,), [rad] or [unit].
+            points: shape (k, 3), [unit], world.
+            home: joint positions that redundant joints drift to, (n,); ``start`` by default.
+
+        Returns:
+            Positions (k, n), and the distance by which each point is missed, (k,), [unit]; if the
+            tip's direction is off by more, that angle times the arm's reach.
+        """
+        start = arguments.numbers("start", start, self.scales.shape)
+        points = arguments.points("points", points)
+        if home is not None:
+            home = arguments.numbers("home", home, self.scales.shape)
+        positions, errors = self.chain.follow(
+            start / self.scales,
+            points * self.metres,
+            None if home is None else home / self.scales,
+        )
+        return positions * self.scales, errors * self.reach
+
+
+@lru_cache(maxsize=16)
+def _first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
+    """All of :meth:`UrdfArm.first_poses`, kept: they take a tenth of a plan to find."""
+    random = np.random.default_rng(0)
+    low, high = arm.chain.usual_range().T
+    target = np.array(point)[None] * arm.metres
+    starts = [(low + high) / 2, *random.uniform(low, high, (_STARTS, len(low)))]
+    solved = [arm.chain.follow(start, target) for start in starts]
+    found = [(pose[0], float(error[0])) for pose, error in solved]
+    reached = [pose for pose, error in found if error <= REACHED]
+    if not reached:
+        return (read_only(min(found, key=itemgetter(1))[0] * arm.scales),)
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-9)
+    reached.sort(key=lambda pose: float(np.abs((pose - middle) / half).max()))
+    kept: list[FloatArray] = []
+    for pose in reached:
+        if all(np.abs(pose - other).max() > _ALIKE for other in kept):
+            kept.append(pose)
+    return tuple(read_only(pose * arm.scales) for pose in kept)
+
+
+def urdf_arm(
+    robot: Robot,
+    tip: str,
+    base: Vec3,
+    axis: Vec3 | None = None,
+    unit: Literal["m", "cm", "mm"] = "m",
+    wxyz: Quaternion = UNTURNED,
+    held: Mapping[str, float] = NOT_HELD,
+    asked: tuple[tuple[str, Other], ...] = (),
+) -> UrdfArm:
+    """Build the arm of a robot that stands at ``base``, [unit].
+
+    Args:
+        robot: the robot.
+        tip: name of the link whose origin is the tool.
+        base: where its root link stands, [unit], world.
+        axis: direction that the tip's z axis is held to, world; None for any.
+        unit: of the scene's lengths.
+        wxyz: how its root link is turned, as a quaternion.
+        held: positions of joints beside the chain, by name, [rad] or [unit].
+        asked: links, each with another or the number of an obstacle, that may touch.
+
+    Raises:
+        SceneError: there is no such tip, no joint moves it, or a joint cannot be held there.
+    """
+    metres = METRES[unit]
+    x, y, z = base
+    in_metres = held_in_metres(robot, held, metres)
+    chain = Chain.of(robot, tip, (x * metres, y * metres, z * metres), axis, wxyz, in_metres)
+    scales = np.where(np.array(chain.slides), 1 / metres, 1.0)
+    return UrdfArm(
+        chain=chain,
+        tip=tip,
+        base=read_only(np.array(base, dtype=float)),
+        wxyz=wxyz,
+        unit=unit,
+        limits=read_only(chain.limits * scales[:, None]),
+        capsules=chain_capsules(chain),
+        held=in_metres,
+        asked=asked,
+    )

@@ -1,0 +1,48 @@
+"""Tightening of a path among obstacles of any shape, by the signed distance and its gradient."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from abi.arrays import FloatArray, flat, read_only
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.search.taut.tighten_near_meshes_kernels import Surroundings, tightened
+
+
+def tighten_near_meshes(
+    points: FloatArray, obstacles: ObstacleSet, limits: FloatArray
+) -> FloatArray:
+    """Pull a path taut: never longer, and every new segment clear.
+
+    It drops vertices that are not needed, then moves each in turn towards the chord of its
+    neighbours, straight and in the plane across the gradient of the distance, then cuts corners.
+
+    Args:
+        points: (k, 3) the path, [unit], world.
+        obstacles: the solids, convex or not.
+        limits: (4,) distance that a segment keeps, [unit]: in general, from the first point, to the
+            last, from the first to the last.
+
+    Returns:
+        (m, 3) the new path; the ends stay.
+    """
+    return _tightened(flat(points).tobytes(), obstacles, flat(limits).tobytes())
+
+
+@lru_cache(maxsize=4)
+def _tightened(points: bytes, obstacles: ObstacleSet, limits: bytes) -> FloatArray:
+    """The new path: the arm's plan often begins with one that the tool's plan has tightened."""
+    path = tightened(flat(np.frombuffer(points)), _surroundings(obstacles, np.frombuffer(limits)))
+    return read_only(path)
+
+
+def clear_of(obstacles: ObstacleSet, margin: float) -> Surroundings:
+    """The obstacles in the format of the kernels, with one margin for all segments, [unit]."""
+    return _surroundings(obstacles, np.full(4, margin))
+
+
+def _surroundings(obstacles: ObstacleSet, limits: FloatArray) -> Surroundings:
+    margins = flat(np.repeat(limits, len(obstacles.primitives)))
+    return Surroundings(obstacles.packed, margins, obstacles.surfaces, flat(limits))

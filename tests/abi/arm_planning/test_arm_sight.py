@@ -1,0 +1,81 @@
+"""Places at which the arm touches something, beside distances measured singly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.arm_planning.branch.arm_sight import ArmSight
+from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.link_capsules import COLUMN
+from abi.scene.settings import Elbow
+from tests.random_arms import arm_scene
+
+_SLACK = 0.006
+_ROUNDING = 1e-6
+_SAMPLES = 60
+"""Along each capsule, at most 0.1 apart."""
+
+
+@pytest.mark.parametrize("elbow", ["up", "down"])
+@pytest.mark.parametrize("seed", range(4))
+def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow) -> None:
+    scene = arm_scene(seed)
+    arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
+    sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
+    points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
+    points = points[sight.reached(points)]
+    found = solve(arm, points, np.zeros(len(points)), elbow, np.zeros_like(points))
+    joints = np.zeros((len(points), 6))
+    joints[:, 0], joints[:, 1], joints[:, 2] = found.q1, found.q2, found.q3
+    ends = place(arm, joints)
+    moving = [k for k, capsule in enumerate(arm.capsules) if capsule.body != COLUMN]
+    shares = np.linspace(0, 1, _SAMPLES)
+    for number, obstacle in enumerate(obstacles):
+        touching = sight.touching(points, number, np.ones(len(points), dtype=bool))
+        away = np.full(len(points), np.inf)
+        for k in moving:
+            low, high = ends[:, k, 0], ends[:, k, 1]
+            rows = low[None] + shares[:, None, None] * (high - low)[None]
+            distances = ObstacleSet((obstacle,)).signed_distance(rows.reshape(-1, 3))
+            nearest = distances.reshape(_SAMPLES, -1).min(axis=0) - arm.capsules[k].radius
+            away = np.minimum(away, nearest)
+        assert touching[away < _SLACK - _ROUNDING].all()
+        assert not touching[away > _SLACK + 0.05 + _ROUNDING].any()
+
+
+@pytest.mark.parametrize("elbow", ["up", "down"])
+def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> None:
+    scene = arm_scene(1)
+    arm = Arm.from_settings(scene.arm)
+    surroundings = arm_surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
+    sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
+    reach = arm.a3 + arm.a4 + arm.a5
+    points = arm.shoulder + np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3)) * reach
+    reasons = set()
+    for point in points:
+        fault = sight.leg_refutation(point[None])
+        unreached = sight.unreached(point)
+        if fault is not None and fault.capsule >= 0:
+            continue
+        assert (unreached is None) == (fault is None)
+        if unreached is None:
+            continue
+        distance = float(np.linalg.norm(point - arm.shoulder))
+        if unreached.shortfall:
+            nearest = abs(arm.a3 - arm.a4 - arm.a5)
+            edge = reach if unreached.shortfall > 0 else nearest
+            assert unreached.shortfall == pytest.approx(distance - edge, abs=1e-9)
+            assert "out of reach by" in unreached.words
+        else:
+            found = solve(arm, point[None], np.zeros(1), elbow, np.zeros((1, 3)))
+            value = float({"q2": found.q2, "q3": found.q3}[unreached.joint][0])
+            assert unreached.value == pytest.approx(value)
+            assert abs(value) > abs(unreached.limit) - 0.011
+            assert f"{unreached.joint} at {np.degrees(value):.1f}°" in unreached.words
+        reasons.add(unreached.joint or "distance")
+    assert reasons >= {"distance"} | ({"q2"} if elbow == "down" else set())

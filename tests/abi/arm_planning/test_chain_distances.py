@@ -1,0 +1,94 @@
+"""Distances of a URDF arm's links over a motion, against those of all capsules one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.arm_planning.world.chain_distances import obstacle_distances, own_distances
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.primitives import Box
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.robot.bodies.chain_capsules import segment_distances
+from abi.robot.urdf.robot_files import SHIPPED, load_robot
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
+from tests.abi import meshes
+from tests.abi.shape_distances import segment_distance
+from tests.random_geometry import random_obstacle
+
+seeds = st.integers(0, 2**31)
+
+
+def some_arm(name: str) -> UrdfArm:
+    return urdf_arm(load_robot(name, MeshSource()), SHIPPED[name], (3.0, 3.0, 0.0))
+
+
+def around(one: UrdfArm, random: np.random.Generator) -> ObstacleSet:
+    """One to a hundred obstacles within reach, with none, some or only meshes among them."""
+    share, count = random.choice([0.0, 0.3, 1.0]), random.choice([1, 7, 40, 100])
+    spread, size = random.choice([0.5, 1.0, 5.0]), random.uniform(0.02, 0.4)
+    shapes: list[Obstacle] = []
+    for _ in range(count):
+        place = tuple((one.base + random.normal(0, spread, 3)).tolist())
+        if random.random() < share:
+            shapes.append(MeshShape.of(clean(*meshes.box((size, size, 0.2))), position=place))
+        elif size < 0.2:
+            shapes.append(Box(size=(size, 0.1, size), position=place))
+        else:
+            shapes.append(random_obstacle(random).model_copy(update={"position": place}))
+    return ObstacleSet(tuple(shapes))
+
+
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(list(SHIPPED)), seeds)
+def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
+    name: str, seed: int
+) -> None:
+    one, random = some_arm(name), np.random.default_rng(seed)
+    obstacles = around(one, random)
+    ends = random.uniform(one.limits[:, 0], one.limits[:, 1], (2, len(one.limits)))
+    ends[1] = ends[0] + random.choice([0.02, 0.3, 1.0]) * (ends[1] - ends[0])
+    positions = ends[0] + np.linspace(0, 1, 50)[:, None] * (ends[1] - ends[0])
+    enough = random.choice([0.05, np.inf])
+    placed = one.place(positions)
+    distance, number = obstacle_distances(one, obstacles, placed, enough)
+    lengths = np.linalg.norm(placed[:, :, 1] - placed[:, :, 0], axis=2)
+    p, q = placed[:, :, 0].reshape(-1, 3), placed[:, :, 1].reshape(-1, 3)
+    of_each = [segment_distance(shape, p, q).reshape(distance.shape) for shape in obstacles]
+    each = np.stack(of_each) - one.radii
+    least = each.min(axis=0)
+    found = np.isfinite(distance)
+    assert np.array_equal(found, number >= 0)
+    picked = np.take_along_axis(each, np.maximum(number, 0)[None], axis=0)[0]
+    assert distance[found] == pytest.approx(picked[found], abs=1e-9)
+    # of a mesh that is entered it is a bound
+    assert (np.abs(distance - least) <= lengths / 64 + 1e-9)[found].all()
+    outside = found & (least > -one.radii)
+    assert distance[outside] == pytest.approx(least[outside], abs=1e-9)
+    assert found[least < -1e-9].all()
+    nearest = least.min(axis=1)
+    told = nearest < enough - 1e-9
+    assert distance.min(axis=1)[told] == pytest.approx(nearest[told], abs=1e-9)
+
+
+def test_without_obstacles_nothing_is_near() -> None:
+    one = some_arm("ur5e")
+    distance, number = obstacle_distances(one, ObstacleSet(), one.place(one.limits.T))
+    assert np.isinf(distance).all()
+    assert (number == -1).all()
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.sampled_from(list(SHIPPED)), seeds)
+def test_links_are_as_far_from_each_other_as_their_segments(name: str, seed: int) -> None:
+    one, random = some_arm(name), np.random.default_rng(seed)
+    low, high = one.limits.T
+    ends = one.place(random.uniform(low, high, (7, len(low))))
+    first, second = (ends[:, one.pairs[:, side]].reshape(-1, 2, 3) for side in (0, 1))
+    apart = segment_distances(first, second).reshape(7, -1) - one.radii[one.pairs].sum(axis=1)
+    assert own_distances(one, ends) == pytest.approx(apart, abs=1e-9 / one.metres)

@@ -1,0 +1,83 @@
+"""The surfaces of a URDF arm's shadow and reach part the places as other tests of the arm do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.arm_planning.exclusion.chain_regions import (
+    chain_reach,
+    chain_shadow,
+    reach_box,
+    stances_in,
+)
+from abi.arm_planning.exclusion.stances import Stances
+from abi.arm_planning.world.chain_distances import obstacle_distances
+from abi.arm_planning.world.surroundings import chain_surroundings
+from abi.arrays import BoolArray, FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
+from abi.scene.scene import Scene, load_scene
+from tests.abi.arm_planning.test_regions import _winding, solid
+
+
+def arm_of(scene: Scene) -> UrdfArm:
+    arm = scene.arm
+    return urdf_arm(arm.robot, arm.tool, arm.base, arm.axis, scene.unit)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return load_scene("kitchen-ur5e")
+
+
+@pytest.fixture(scope="module")
+def arm(scene: Scene) -> UrdfArm:
+    return arm_of(scene)
+
+
+def stances_of(scene: Scene, arm: UrdfArm, whole: bool) -> Stances:
+    start = np.array(scene.start, dtype=float)
+    box = reach_box(arm, 0.0) if whole else (scene.workspace.min, scene.workspace.max)
+    return stances_in(arm, arm.first_poses(start)[0], start, box)
+
+
+def is_inside(triangles: FloatArray, points: FloatArray) -> BoolArray:
+    return _winding(triangles, points) > 0.5
+
+
+@pytest.mark.slow
+def test_the_shadow_is_where_a_link_is_in_an_obstacle(scene: Scene, arm: UrdfArm) -> None:
+    stances, obstacles = stances_of(scene, arm, whole=False), ObstacleSet(scene.obstacles)
+    surroundings = chain_surroundings(arm, obstacles, scene.workspace.min[2])
+    triangles = chain_shadow(arm, stances, surroundings)
+    assert solid(triangles).is_watertight
+    places = np.flatnonzero(stances.reached)[::4]
+    ends = arm.place(stances.positions[places])
+    gaps = obstacle_distances(arm, obstacles, ends)[0].min(axis=1)
+    clear_cut = np.abs(gaps) > 1e-6
+    found = is_inside(triangles, stances.mesh.points[places])
+    assert 0.1 < found.mean() < 0.9
+    assert (found == (gaps < 0))[clear_cut].all()
+
+    nothing = chain_surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
+    assert len(chain_shadow(arm, stances, nothing)) == 0
+
+
+@pytest.mark.slow
+def test_the_tool_gets_to_places_inside_the_reach(scene: Scene, arm: UrdfArm) -> None:
+    stances = stances_of(scene, arm, whole=True)
+    triangles = chain_reach(stances)
+    mesh = solid(triangles)
+    assert mesh.is_watertight
+    low, high = mesh.bounds
+    points = np.random.default_rng(0).uniform(low, high, (120, 3))
+    inside = is_inside(triangles, points)
+    deep = inside & (np.abs(mesh.nearest.on_surface(points)[1]) > stances.mesh.pitch)
+    assert deep.sum() > 5
+    for point in points[deep][:8]:
+        poses = np.stack(arm.first_poses(point))
+        missed = np.linalg.norm(arm.tool(poses) - point, axis=1)
+        assert missed.min() < 1e-4 * arm.reach
+    middle = arm.chain.table.origins[9:12] / arm.metres
+    assert np.linalg.norm(triangles - middle, axis=2).max() < arm.reach + 2 * stances.mesh.pitch

@@ -1,0 +1,82 @@
+"""Legs of the tool that are said to be clear for the arm are, and how the elbow bends."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from abi.arm_planning.branch.arm_sight import ArmSight
+from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arrays import FloatArray
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.pose_kernels import bend_near, pose_of, rates_near, reaches
+from abi.scene.settings import ArmSettings
+from tests.abi import meshes
+from tests.random_geometry import random_obstacle
+
+BOX = clean(*meshes.box((0.7, 0.8, 0.6)))
+KNOT = clean(*meshes.knot(600))
+SEED = st.integers(0, 2**32 - 1)
+
+
+def random_arm(random: np.random.Generator) -> Arm:
+    base = (float(random.uniform(1, 5)), float(random.uniform(-4, -1)), 0.0)
+    lengths = dict(zip(("a3", "a4", "a5"), random.uniform(2, 6, 3).tolist(), strict=True))
+    return Arm.from_settings(ArmSettings(base=base, **lengths))
+
+
+@settings(max_examples=60, deadline=None)
+@given(SEED)
+def test_the_elbow_bends_no_more_than_its_bound(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    arm = random_arm(random)
+    numbers = arm.numbers("up" if random.random() < 0.5 else "down")
+    forearm = arm.a4 + arm.a5
+    middle, way = random.uniform(0.5, 5.5, 3), random.normal(size=3)
+    way /= np.linalg.norm(way)
+    half = float(random.uniform(0.01, 0.5))
+    assume(reaches(numbers, tuple(middle.tolist()), forearm))
+    pose = pose_of(numbers, tuple(middle.tolist()), forearm)
+    rates = rates_near(numbers, pose, half, 0.0)
+    assume(np.isfinite(rates.elbow))
+    steps = np.linspace(-half, half, 81)
+    elbows = np.array(
+        [pose_of(numbers, tuple((middle + t * way).tolist()), forearm).elbow for t in steps]
+    )
+    second = np.diff(elbows, 2, axis=0) / (steps[1] - steps[0]) ** 2
+    bound = bend_near(numbers, pose, rates, half)
+    assert np.linalg.norm(second, axis=1).max() <= bound * (1 + 1e-6) + 1e-7
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEED)
+def test_legs_are_clear_where_they_have_a_certificate_and_no_place_that_touches(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    arm = random_arm(random)
+    obstacles = [random_obstacle(random) for _ in range(int(random.integers(0, 4)))]
+    if random.random() < 0.3:
+        place = tuple(random.uniform(1, 6, 3).tolist())
+        surface = BOX if random.random() < 0.5 else KNOT
+        obstacles.append(MeshShape.of(surface, position=place))
+    surroundings = arm_surroundings(arm, ObstacleSet(tuple(obstacles)), 0.0)
+    slides = (0.0, float(random.choice([0.0, 0.2])))
+    sight = ArmSight(arm, "up", surroundings, slides, 0.05, 0.0)
+    points = random.uniform(0.5, 5.5, (12, 3))
+    clear = sight.clear_legs(points)
+    for k in range(len(clear)):
+        fault = sight.leg_refutation(points[k : k + 2])
+        assert clear[k] or fault is not None
+        if clear[k]:
+            assert fault is None or not fault.decided
+            assert _poses_clear(sight, points[k], points[k + 1])
+
+
+def _poses_clear(sight: ArmSight, a: FloatArray, b: FloatArray) -> bool:
+    """Check whether no place of many on a leg is found not to be clear."""
+    places = a + np.linspace(0, 1, 50)[:, None] * (b - a)
+    faults = (sight.leg_refutation(place[None]) for place in places)
+    return not any(fault is not None and fault.decided for fault in faults)

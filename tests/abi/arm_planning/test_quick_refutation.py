@@ -1,0 +1,48 @@
+"""Tests of a few poses that spare a motion, against the proof of the whole motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.arm_planning.models import model_of
+from abi.arm_planning.motion.arm_clearance import is_clear
+from abi.arm_planning.motion_law import motion_law
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.planner import SAMPLES, Planner
+from abi.scene.scene import load_scene
+
+
+@pytest.mark.parametrize("law", ["three_phase", "slowed", "time_optimal"])
+@pytest.mark.parametrize("name", ["kitchen-ur5e", "arm-in-the-way", "wrong-elbow"])
+def test_what_a_few_poses_refute_is_never_proven_clear(name: str, law: str) -> None:
+    random = np.random.default_rng(0)
+    scene = load_scene(name).replace(arm={"avoid": False}, motion={"law": law})
+    extent = np.array(scene.workspace.max) - scene.workspace.min
+    planner = Planner()
+    seen = set()
+    for trial in range(16):
+        moves = (0.03, 0.6)[trial % 2] * extent
+        places = [np.array(one.position) + random.normal(0, moves) for one in scene.obstacles]
+        moved = scene.replace(
+            obstacles=[
+                one.model_copy(update={"position": tuple(place.tolist())})
+                for one, place in zip(scene.obstacles, places, strict=True)
+            ]
+        )
+        made = planner(moved)
+        if made.motion is None:
+            continue
+        model, obstacles = model_of(moved.arm, moved.unit), ObstacleSet(moved.obstacles)
+        surroundings = model.surroundings(obstacles, moved.workspace.min[2])
+        arc = made.bspline_arc if made.followed == "bspline" else made.quadratic_arc
+        assert arc is not None
+        required = moved.arm.clearance
+        for course in model.courses(made.motion.curve, arc, moved.arm, obstacles, surroundings):
+            profile = motion_law(course, moved.motion)
+            motion = course.motion(profile, SAMPLES)
+            clear = is_clear(motion, course.clearance(motion, obstacles, surroundings, required))
+            refuted = course.is_refuted(profile, surroundings, required)
+            assert not (refuted and clear)
+            seen.add((refuted, clear))
+    assert {(True, False), (False, True)} <= seen

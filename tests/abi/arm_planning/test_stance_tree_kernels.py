@@ -1,0 +1,99 @@
+"""Stances decided many at once: as one by one, for all arms and obstacles of all shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.arm_planning.branch.chain_sight import ChainSight
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_stances
+from abi.arm_planning.exclusion.stance_tree_kernels import bound_stances, stances_touching
+from abi.arm_planning.exclusion.stances import Stances
+from abi.arm_planning.world.surroundings import chain_surroundings
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.robot.urdf_arm import UrdfArm
+from abi.scene.settings import MeshSettings, Workspace
+from abi.tet_mesh.tet_mesh import tetrahedralise
+from tests.abi import meshes
+from tests.abi.arm_planning.test_chain_certificate import ARMS, some_arm
+
+
+def some_stances(arm: UrdfArm, random: np.random.Generator, wide: float) -> Stances:
+    """Stances that change at random over a mesh; at a tenth of its nodes there is none."""
+    mesh = tetrahedralise(Workspace(min=(0, 0, 0), max=(1, 1, 1)), MeshSettings(pitch=0.15))
+    low, high = np.clip(arm.limits / arm.scales[:, None], -np.pi, np.pi).T
+    at = mesh.points @ random.normal(size=(3, len(low)))
+    shares = np.abs((wide * at + random.random(len(low))) % 2 - 1)
+    positions = (low + shares * (high - low)) * arm.scales
+    reached = random.random(len(positions)) < 0.9
+    return Stances(arm, mesh, mesh.points[0], positions[0], positions[0], positions, reached)
+
+
+def obstacles_near(stances: Stances, random: np.random.Generator) -> ObstacleSet:
+    """Obstacles of all shapes at places of the arm, some small and some as large as the arm."""
+    arm = stances.arm
+    ends = arm.place(stances.positions[stances.reached]).reshape(-1, 3)
+    shapes: list[Obstacle] = []
+    for k in range(12):
+        a = arm.reach * float(random.choice([0.02, 0.2, 0.8]))
+        at = tuple((ends[random.integers(len(ends))] + a * random.normal(size=3) / 4).tolist())
+        turn = tuple(random.normal(size=4).tolist())
+        vertices, faces = (meshes.knot(96), meshes.soup(20), meshes.sphere(1))[k % 3]
+        mesh = clean(vertices * (a / float(np.ptp(vertices))), faces)
+        shapes.append(
+            (
+                Box(size=(a, 0.7 * a, 0.4 * a), position=at, wxyz=turn),
+                Sphere(radius=a / 2, position=at),
+                Cylinder(radius=a / 3, height=a, position=at, wxyz=turn),
+                Capsule(radius=a / 5, height=a, position=at, wxyz=turn),
+                MeshShape.of(mesh, position=at, wxyz=turn),
+                Box(size=(30 * arm.reach, a / 9, a / 9), position=at, wxyz=turn),
+            )[k % 6]
+        )
+    return ObstacleSet(tuple(shapes))
+
+
+@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("wide", [0.0, 0.3, 3.0])
+def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
+    for kernel in (touching_stances, bound_stances, stances_touching):
+        kernel.compile()
+    arm, random = some_arm(name), np.random.default_rng(int(10 * wide))
+    stances = some_stances(arm, random, wide)
+    obstacles = obstacles_near(stances, random)
+    surroundings = chain_surroundings(arm, obstacles, 0.0)
+    sight = ChainSight(arm, "", surroundings, stances, 0.01 * arm.reach, 0.002 * arm.reach)
+    table, coordinates, bodies = arm.chain.table, stances.coordinates, arm.bodies
+    some = 0
+    for number in range(len(obstacles)):
+        asked = stances.reached & (random.random(len(stances.reached)) < 0.8)
+        expected = np.zeros(len(asked), dtype=np.bool_)
+        alone = surroundings.only(surroundings.numbers == number).beyond(
+            sight.clearance + sight.slack
+        )
+        touching_stances(table, bodies, coordinates, alone, -1.0, asked, expected)
+        found = sight.touching(stances.mesh.points, number, asked)
+        np.testing.assert_array_equal(found, expected, strict=True)
+        some += 0 < expected.sum() < asked.sum()
+    assert some > 1 or wide == 0
+
+
+def test_boxes_hold_the_capsules_of_all_their_stances() -> None:
+    bound_stances.compile()
+    arm, random = some_arm("ur5e"), np.random.default_rng(0)
+    stances = some_stances(arm, random, 0.5)
+    tree, inner = stances.tree, len(stances.tree.leaves) - 2
+    boxes = tree.boxes.reshape(-1, len(arm.capsules), 2, 3)
+    ends = arm.place(stances.positions)
+    for branch in range(len(boxes)):
+        first = last = branch
+        while first < inner:
+            first, last = 2 * first + 1, 2 * last + 2
+        held = tree.order[tree.leaves[first - inner] : tree.leaves[last - inner + 1]]
+        held = held[stances.reached[held]]
+        low, high = ends[held].min(axis=(0, 2)), ends[held].max(axis=(0, 2))
+        np.testing.assert_allclose(boxes[branch, :, 0], low, atol=1e-12)
+        np.testing.assert_allclose(boxes[branch, :, 1], high, atol=1e-12)

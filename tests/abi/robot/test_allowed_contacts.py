@@ -1,0 +1,170 @@
+"""Each pair of an arm's links is kept apart or allowed by a rule; so is what the arm stands on."""
+
+from __future__ import annotations
+
+import itertools
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.arm_planning.world.chain_distances import obstacle_distances
+from abi.arm_planning.world.mount import mounts
+from abi.arm_planning.world.surroundings import chain_surroundings
+from abi.errors import SceneError
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.primitives import Box
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.planner.planner import Planner
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
+from abi.scene.scene import Scene, load_scene
+from abi.verify.plan_obstacles import obstacles_of
+from abi.verify.plumb_line import is_beneath
+from abi.verify.verify import verify
+from tests.abi import meshes
+from tests.abi.robot.robots import OWN, packed
+from tests.random_geometry import random_obstacle
+
+seeds = st.integers(0, 2**31)
+
+
+def some_arm(name: str, **options: object) -> UrdfArm:
+    if name in SHIPPED:
+        robot, tip = load_robot(name, MeshSource()), SHIPPED[name]
+    else:
+        robot, tip = robot_from_archive(packed({"a.urdf": OWN[name]})), "d"
+    return urdf_arm(robot, tip, (0.0, 0.0, 0.0), **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *OWN])
+def test_two_links_are_kept_apart_as_wholes_or_allowed_to_touch(name: str) -> None:
+    one = some_arm(name)
+    apart = {frozenset(pair) for pair in one.pairs.tolist()}
+    allowed = [frozenset((link, str(other))) for link, other, _ in one.allowed]
+    links = {capsule.link for capsule in one.capsules}
+    assert len(allowed) == len(set(allowed))
+    for first, second in itertools.combinations(links, 2):
+        numbers = [
+            [k for k, capsule in enumerate(one.capsules) if capsule.link == link]
+            for link in (first, second)
+        ]
+        kept = [frozenset(pair) in apart for pair in itertools.product(*numbers)]
+        assert all(kept) or not any(kept)
+        assert any(kept) != (frozenset((first, second)) in allowed)
+
+
+def test_a_pair_that_the_scene_names_may_touch() -> None:
+    plain = some_arm("ur5e")
+    one = some_arm("ur5e", asked=(("wrist_3_link", "shoulder_link"), ("shoulder_link", 0)))
+    found = {*one.allowed} - {*plain.allowed}
+    assert [(frozenset((link, other)), why) for link, other, why in found] == [
+        (frozenset(("shoulder_link", "wrist_3_link")), "asked")
+    ]
+    assert len(one.pairs) == len(plain.pairs) - 1
+    boxes = ObstacleSet((Box(size=(0.1, 0.1, 0.1), position=(0.5, 0.5, 0.5)),))
+    around = chain_surroundings(one, boxes, 0.0).allowed
+    assert ("shoulder_link", 0, "asked") in around
+
+
+@settings(deadline=None)
+@given(seeds)
+def test_an_arm_stands_on_what_the_verifier_finds_beneath_it(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    obstacles: list[Obstacle] = []
+    for _ in range(6):
+        place = tuple(random.normal(0, (0.15, 0.15, 0.2)).tolist())
+        if random.random() < 0.4:
+            surface = clean(*meshes.box((0.4, 0.5, 0.1)))
+            obstacles.append(MeshShape.of(surface, position=place, wxyz=(1, 0.1, 0.2, 0)))
+        else:
+            obstacles.append(random_obstacle(random).model_copy(update={"position": place}))
+    wxyz = tuple(random.normal(size=4).tolist())
+    base = tuple(random.normal(0, 0.1, 3).tolist())
+    one = urdf_arm(load_robot("ur5e", MeshSource()), "tool0", base, wxyz=wxyz)
+    files = {shape.file: shape.surface for shape in obstacles if isinstance(shape, MeshShape)}
+    data = {"version": 1, "obstacles": [shape.model_dump(mode="json") for shape in obstacles]}
+    exact = obstacles_of(data, Scene.from_dict(data, MeshSource(files)))
+    beneath = [is_beneath(solid, np.array(base), wxyz, 1.0) for solid in exact]
+    assert list(mounts(one, ObstacleSet(tuple(obstacles)))) == np.flatnonzero(beneath).tolist()
+
+
+@pytest.mark.parametrize("top", [-0.06, 0.0, 0.01])
+def test_a_table_is_stood_on_and_a_box_at_the_side_is_not(top: float) -> None:
+    one = some_arm("panda")
+    table = Box(size=(2, 2, 0.1), position=(0, 0, top - 0.05))
+    beside = Box(size=(0.2, 0.2, 0.2), position=(0.17, 0, 0.1))
+    over = Box(size=(0.3, 0.3, 0.3), position=(0, 0, 0.12))
+    assert mounts(one, ObstacleSet((table, beside, over))) == (0,)
+
+
+def test_distances_leave_out_what_a_link_may_touch() -> None:
+    one, random = some_arm("xarm7", asked=(("link5", 2), ("link7", 2))), np.random.default_rng(3)
+    table = Box(size=(2, 2, 0.1), position=(0, 0, -0.06))
+    others = [random_obstacle(random) for _ in range(4)]
+    near = [shape.model_copy(update={"position": (0.3, 0.2 * k, 0.4)}) for k, shape in
+            enumerate(others)]  # fmt: skip
+    obstacles = ObstacleSet((table, *near))
+    allowed = chain_surroundings(one, obstacles, 0.0).allowed
+    ends = one.place(random.uniform(one.limits[:, 0], one.limits[:, 1], (40, 7)))
+    distance, number = obstacle_distances(one, obstacles, ends, allowed=allowed)
+    for k, capsule in enumerate(one.capsules):
+        free = [
+            j for j in range(5) if not any((capsule.link, j) == (of, it) for of, it, _ in allowed)
+        ]
+        assert np.isin(number[:, k], [-1, *free]).all()
+        rest = ObstacleSet(tuple(obstacles[j] for j in free))
+        least = rest.polyline_clearances(ends[:, k]) - one.radii[k]
+        touching = least < 0
+        np.testing.assert_allclose(distance[touching, k], least[touching], atol=1e-9)
+        assert (distance[~touching, k] > 0).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SHIPPED)
+def test_an_arm_on_its_table_is_planned_and_its_proof_holds(name: str) -> None:
+    table = {"shape": "box", "size": [1.6, 1.6, 0.05], "position": [0, 0, -0.085]}
+    box = {"shape": "box", "size": [0.1, 0.1, 0.3], "position": [0.45, 0, 0.2]}
+    scene = Scene.from_dict({
+        "version": 1,
+        "unit": "m",
+        "workspace": {"min": [-0.2, -0.6, 0.05], "max": [0.7, 0.6, 0.9]},
+        "start": [0.35, -0.35, 0.3],
+        "goal": [0.35, 0.35, 0.3],
+        "obstacles": [table, box],
+        "mesh": {"pitch": 0.1},
+        "spline": {"clearance": 0.02},
+        "arm": {"model": "urdf", "urdf": name, "base": [0, 0, 0]},
+    })  # fmt: skip
+    plan = Planner()(scene)
+    assert plan.error is None
+    data = json.loads(json.dumps(plan.to_dict()))
+    allowed = [(one["link"], one["other"], one["reason"]) for one in data["arm"]["allowed"]]
+    root = next(link for link, other, _ in allowed if other == "floor")
+    assert (root, 0, "mount") in allowed
+    assert not [one for one in allowed if one[1] == 1]
+    verdict = verify(data)[-1]
+    assert verdict.proven, verdict.reason
+    assert "mount" in verdict.reason
+
+
+@pytest.mark.parametrize(
+    ("allowed", "value"),
+    [
+        ([["base_link"]], r"\['base_link'\]"),
+        ([["nowhere", "base_link"]], "nowhere"),
+        ([["base_link", 2]], "2"),
+        ([["base_link", True]], "True"),
+        ([[0, "base_link"]], "0"),
+    ],
+)
+def test_pairs_that_are_none_are_refused(allowed: object, value: str) -> None:
+    scene = load_scene("kitchen-ur5e")
+    fewer = scene.replace(obstacles=scene.obstacles[:2])
+    with pytest.raises(SceneError, match=rf"arm\.allowed.*{value}"):
+        fewer.replace(arm={"allowed": allowed})
+    assert fewer.replace(arm={"allowed": [["base_link", 1]]}).arm.allowed == (("base_link", 1),)
