@@ -22,6 +22,7 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
 from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
+from abi.planner.branch import AnyFit, CurveName
 from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
@@ -30,8 +31,6 @@ from abi.search.taut.lower_bound import Bound
 from abi.search.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 from abi.tet_mesh.tet_mesh import TetMesh
-
-AnyFit = Fit[BSpline] | Fit[Quadratic]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +78,7 @@ class Plan(ReadOnlyCopies):
     bspline_arc: ArcLength | None = None
     quadratic: Fit[Quadratic] | None = None
     quadratic_arc: ArcLength | None = None
-    followed: str | None = None
+    followed: CurveName | None = None
     profile: PathProfile | None = None
     arm: AnyArm | None = None
     motion: ArmMotion | None = None

@@ -6,47 +6,21 @@ downstream of it.
 
 from __future__ import annotations
 
-import operator
 import threading
 import time
-from collections.abc import Sequence
 from types import MappingProxyType
-from typing import Any
 
 from abi import compiling, progress
-from abi.arm_planning.arm_model import Course
-from abi.arm_planning.models import model_of
-from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
-from abi.arm_planning.motion.trajectory import ArmMotion
-from abi.arm_planning.motion_law import motion_law
-from abi.arm_planning.world.surroundings import Surroundings
 from abi.compiled import interpreted_calls
-from abi.curves import fit_bspline, fit_quadratic
-from abi.curves.bspline import BSpline
-from abi.curves.curve import arc_length
-from abi.curves.fit import Fit
-from abi.curves.quadratic import Quadratic
-from abi.curves.timed_profile import PathProfile
-from abi.errors import ArmNotClear, ClearanceNotHeld, StageError
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_aware import ArmAware, ArmTask
+from abi.errors import ArmNotClear, StageError
+from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
-from abi.planner.exclusion_cache import ExclusionCache
+from abi.planner.branch import BranchResults, TimedMotion
+from abi.planner.pipeline import find_path, fit_curves, move_arm
 from abi.planner.plan import Plan
-from abi.planner.shared_mesh import shared_mesh
-from abi.planner.stage import Stage
+from abi.planner.tool_branch import ToolBranch, ToolStages
 from abi.scene.scene import Scene, require_scene
-from abi.scene.settings import MotionSettings
-from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
-from abi.search.taut.lower_bound import lower_bound
-from abi.search.taut.taut_path import taut as pull_taut
-
-SAMPLES = 401
-"""Samples of the arm's motion, uniform in time."""
-
-_BRANCHES = 2
-"""Branches of an arm, at most, that follow the tool's own curve."""
 
 _MANY_NODES, _MANY_OBSTACLES = 30_000, 300
 """Sizes above which waiting for the compiler takes less time than planning without it."""
@@ -83,29 +57,7 @@ class Planner:
         """
         self._compile, self._planned = compile, False
         self._turn = threading.Lock()
-        self._obstacles = Stage(ObstacleSet)
-        self._mesh = Stage(shared_mesh)
-        self._exclude = Stage(ExclusionCache())
-        self._graph = Stage(build_graph)
-        # compared with each other: what else the machine did meanwhile is not theirs
-        clock = time.thread_time
-        self._searches = {name: Stage(search, clock) for name, search in SEARCHES.items()}
-        self._path_clearance = Stage(ObstacleSet.polyline_clearance)
-        self._taut = Stage(pull_taut)
-        self._optimum = Stage(lower_bound)
-        self._bspline = Stage(fit_bspline.fit)
-        self._bspline_arc = Stage(arc_length)
-        self._quadratic = Stage(fit_quadratic.fit)
-        self._quadratic_arc = Stage(arc_length)
-        self._profiles = Stage(_profiles)
-        self._arm = Stage(model_of)
-        # methods of any arm, and their arguments
-        self._surroundings: Stage[..., Surroundings] = Stage(operator.call)
-        self._courses: Stage[..., Sequence[Course]] = Stage(operator.call)
-        self._motion: list[Stage[..., ArmMotion]]
-        self._motion = [Stage(operator.call) for _ in range(_BRANCHES)]
-        self._arm_clearance: list[Stage[..., ArmClearance]]
-        self._arm_clearance = [Stage(operator.call) for _ in range(_BRANCHES)]
+        self._stages = ToolStages()
         self._arm_aware, self._arm_aware_ms, self._arm_aware_interpreted = ArmAware(), 0.0, False
 
     def skip_first(self) -> None:
@@ -140,172 +92,100 @@ class Planner:
             compiling.wait_for_loading()
         _wait_for_compiler(scene)
         begin = time.perf_counter()
-        results: dict[str, Any] = {}
         self._arm_aware_ms, self._arm_aware_interpreted = 0.0, False
+        searches = (scene.search.algorithm,) if chosen_only else tuple(SEARCHES)
+        tool = ToolBranch.of(scene, searches, self._stages)
+        results, fault = BranchResults(), None
         try:
-            self._run(scene, chosen_only, results)
+            results = self._run(tool, results)
         except StageError as error:
             # a copy: the stage remembers its error for scenes in another unit
-            results["error"] = error.in_unit(scene.unit)
+            fault = error.in_unit(scene.unit)
         total = 1e3 * (time.perf_counter() - begin)
         self._planned = True
         if self._compile:
             compiling.begin()
         return Plan(
-            scene,
-            **results,
+            scene=scene,
+            mesh=None if results.free is None else results.free.mesh,
+            free=results.free,
+            graph=results.graph,
+            searches=results.searches,
+            path=results.path,
+            path_clearance=results.path_clearance,
+            taut=results.taut,
+            optimum=results.optimum,
+            bspline=results.bspline,
+            bspline_arc=results.bspline_arc,
+            quadratic=results.quadratic,
+            quadratic_arc=results.quadratic_arc,
+            followed=results.followed,
+            profile=results.profile,
+            arm=tool.task.model.arm,
+            motion=results.motion,
+            arm_clearance=results.arm_clearance,
+            tool_only=results.tool_only,
+            error=fault,
             ms=MappingProxyType(self._times()),
             interpreted=self._interpreted(),
             total_ms=total,
         )
 
-    def _run(self, scene: Scene, chosen_only: bool, results: dict[str, Any]) -> None:
-        """Run the six stages of the method: each puts its result into ``results`` or raises."""
-        workspace, clearance, search = scene.workspace, scene.spline.clearance, scene.search
-        margin = clearance + workspace.slack
-        progress.tell("reading obstacles and arm")
-        obstacles = self._obstacles(scene.obstacles)
-        # the arm stands there even when no path is found
-        model = self._arm(scene.arm, scene.unit)
-        results["arm"] = model.arm
+    def _run(self, tool: ToolBranch, results: BranchResults) -> BranchResults:
+        """Plan for the tool alone and, if the arm is not clear along that, for the whole arm.
 
-        progress.tell("making the mesh")
-        results["mesh"] = mesh = self._mesh(workspace, scene.mesh)
-        results["free"] = free = self._exclude(mesh, obstacles, margin)
+        Args:
+            tool: the branch of the tool alone.
+            results: gets its results, as far as it comes.
 
-        progress.tell("testing the mesh's edges")
-        results["graph"] = graph = self._graph(
-            free, obstacles, margin, scene.start, scene.goal, clearance
-        )
+        Returns:
+            Results of the branch that counts.
 
-        progress.tell("searching")
-        names: list[str] = [search.algorithm] if chosen_only else list(SEARCHES)
-        searches = {name: self._searches[name](graph, search.weight) for name in names}
-        results["searches"] = tuple(searches.values())
-        results["path"] = path = searches[search.algorithm]
-        results["path_clearance"] = self._path_clearance(obstacles, path.points)
+        Raises:
+            StageError: there is no path or no curve for the tool, or no motion for the arm.
+        """
+        path = find_path(tool, results)
+        results.optimum = tool.optimum()
+        curve = fit_curves(tool, path, results)
+        scene = tool.task.scene
+        if not scene.arm.avoid:
+            if (error := move_arm(tool, curve, results).motion.error) is not None:
+                raise error
+            return results
+        refuted = tool.is_refuted(curve)
+        if not refuted and move_arm(tool, curve, results).is_clear:
+            return results
+        try:
+            return self._avoid(tool, results)
+        except ArmNotClear as fault:
+            moved = move_arm(tool, curve, results)
+            raise moved.motion.error or _with_contact(fault, moved, scene) from None
 
-        vertices, away = path.points, results["path_clearance"]
-        if search.taut:
-            results["taut"] = taut = self._taut(graph, obstacles, margin, path)
-            vertices, away = taut.points, taut.clearance
-        results["optimum"] = self._optimum(scene.start, scene.goal, obstacles, clearance, workspace)
+    def _avoid(self, tool: ToolBranch, results: BranchResults) -> BranchResults:
+        """Results on the branch of the arm whose motion is clear and shortest.
 
-        progress.tell("fitting curves")
-        results["bspline"] = bspline = self._bspline(
-            vertices, scene.spline.degree, obstacles, clearance, search.taut, away
-        )
-        results["bspline_arc"] = bspline_arc = self._bspline_arc(bspline.curve)
-
-        results["quadratic"] = quadratic = self._quadratic(
-            bspline, bspline_arc, obstacles, clearance, scene.quadratic.mode
-        )
-        results["quadratic_arc"] = self._quadratic_arc(quadratic.curve)
-        results["followed"] = followed = _followed(scene, bspline, quadratic)
-        curve, arc = results[followed].curve, results[f"{followed}_arc"]
-
-        progress.tell("moving the arm")
-        surroundings = self._surroundings(model.surroundings, obstacles, workspace.min[2])
-        courses = self._courses(model.courses, curve, arc, scene.arm, obstacles, surroundings)
-        task = ArmTask(
-            scene, model, obstacles, surroundings, free, results.get("taut"), margin, SAMPLES
-        )
-        self._move(task, courses, names, results)
-
-    def _move(
-        self, task: ArmTask, courses: Sequence[Course], names: list[str], results: dict[str, Any]
-    ) -> None:
-        """Stage 6: follow the tool alone, or a curve that the whole arm is clear along."""
-        avoid = task.scene.arm.avoid
-        paths = [*zip(courses, self._profiles(courses, task.scene.motion), strict=True)]
-        refuted = avoid and _are_refuted(paths, task.scene, task.surroundings)
-        if not refuted:
-            self._follow(task, paths, results)
-        else:  # stages that do not run take no time
-            for stage in self._on_branches:
-                stage.ms = 0.0
-        if refuted or (avoid and not is_clear(results["motion"], results["arm_clearance"])):
-            try:
-                self._avoid(task, names, results)
-            except ArmNotClear as fault:
-                if refuted:
-                    self._follow(task, paths, results)
-                raise results["motion"].error or _with_contact(fault, results, task.scene) from None
-        elif results["motion"].error is not None:
-            raise results["motion"].error
-
-    def _follow(
-        self, task: ArmTask, paths: Sequence[tuple[Course, PathProfile]], results: dict[str, Any]
-    ) -> None:
-        """Stage 6 along the tool's own curve: the first branch that is clear, or else the first."""
-        for k, (course, profile) in enumerate(paths):
-            motion = self._motion[k](course.motion, profile, SAMPLES)
-            clear = self._arm_clearance[k](
-                *(course.clearance, motion, task.obstacles, task.surroundings),
-                task.scene.arm.clearance,
-            )
-            found = {"profile": profile, "motion": motion, "arm_clearance": clear}
-            if k == 0 or is_clear(motion, clear):
-                results.update(found)
-
-    def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
-        """Replace results by those of a motion whose whole arm is clear, or raise."""
+        Raises:
+            ArmNotClear: there is none.
+        """
         progress.tell("avoiding with the whole arm")
         begin, before = time.perf_counter(), interpreted_calls()
         try:
-            aware = self._arm_aware(task, names)
+            return self._arm_aware(tool.task, tool.surroundings, results)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before
-        results["tool_only"] = results[results["followed"]]
-        results.update(aware)
-
-    @property
-    def _on_branches(self) -> list[Stage[..., Any]]:
-        """Stages that run once for each branch."""
-        return [*self._motion, *self._arm_clearance]
 
     def _times(self) -> dict[str, float]:
         """Time of each stage when it last ran, [ms]."""
-        times = {name: sum(one.ms for one in parts) for name, parts in self._parts().items()}
+        parts = self._stages.parts.items()
+        times = {name: sum(one.ms for one in stages) for name, stages in parts}
         return times | {"arm_aware": self._arm_aware_ms}
 
     def _interpreted(self) -> frozenset[str]:
         """Stages in which inner loops ran as Python when they last ran."""
-        parts = self._parts().items()
+        parts = self._stages.parts.items()
         names = {name for name, stages in parts if any(stage.interpreted for stage in stages)}
         return frozenset(names | {"arm_aware"} if self._arm_aware_interpreted else names)
-
-    def _parts(self) -> dict[str, Sequence[Stage[..., Any]]]:
-        """Parts of each stage that is told of."""
-        return {
-            "mesh": (self._mesh, self._exclude),
-            "graph": (self._graph,),
-            **{name: (search,) for name, search in self._searches.items()},
-            "path_clearance": (self._path_clearance,),
-            "taut": (self._taut,),
-            "optimum": (self._optimum,),
-            "bspline": (self._bspline, self._bspline_arc),
-            "quadratic": (self._quadratic, self._quadratic_arc),
-            "timing": (self._profiles,),
-            "arm": (self._arm, self._surroundings, self._courses, *self._on_branches),
-        }
-
-
-def _profiles(courses: Sequence[Course], asked: MotionSettings) -> tuple[PathProfile, ...]:
-    """Motion along each of the courses by the law that is asked for."""
-    return tuple(motion_law(course, asked) for course in courses)
-
-
-def _are_refuted(
-    paths: Sequence[tuple[Course, PathProfile]], scene: Scene, surroundings: Surroundings
-) -> bool:
-    """Check if it shows at once that no branch of the arm is clear along the tool's own curve.
-
-    Only then need the motion along it not be sampled and measured, which takes longer.
-    """
-    required = scene.arm.clearance
-    return all(course.is_refuted(profile, surroundings, required) for course, profile in paths)
 
 
 def _wait_for_compiler(scene: Scene) -> None:
@@ -318,25 +198,10 @@ def _wait_for_compiler(scene: Scene) -> None:
         compiling.compile()
 
 
-def _with_contact(fault: ArmNotClear, results: dict[str, Any], scene: Scene) -> ArmNotClear:
+def _with_contact(fault: ArmNotClear, moved: TimedMotion, scene: Scene) -> ArmNotClear:
     """The fault, with link and obstacle where it names none: those of the tool's own curve."""
-    contacts = results["arm_clearance"].contacts
+    contacts = moved.clearance.contacts
     if fault.where in ("start", "goal") or not contacts:
         return fault
     sentence = contact_sentence(contacts[0], scene.unit)
     return fault.along_tool(sentence[:1].lower() + sentence[1:])
-
-
-def _followed(scene: Scene, bspline: Fit[BSpline], quadratic: Fit[Quadratic]) -> str:
-    """Name of the curve that the arm executes.
-
-    Raises:
-        ClearanceNotHeld: the scene leaves the choice open and neither curve keeps the clearance.
-    """
-    if scene.motion.curve != "auto":
-        return scene.motion.curve
-    if quadratic.holds:
-        return "quadratic"
-    if bspline.holds:
-        return "bspline"
-    raise ClearanceNotHeld(scene.spline.clearance, bspline.clearance.distance)

@@ -8,7 +8,8 @@ import math
 from abi.curves.timed_profile import TimedProfile
 from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
-from abi.planner.plan import AnyFit, Plan
+from abi.planner.branch import AnyFit
+from abi.planner.plan import Plan
 from app.shared.once_a_plan import once_a_plan
 from app.ui import style
 from app.ui.numbers import distance_to_show, format_length, format_lower_bound, format_setting

@@ -9,7 +9,8 @@ from abi.arm_planning.models import model_of
 from abi.arm_planning.motion.arm_clearance import is_clear
 from abi.arm_planning.motion_law import motion_law
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.planner import SAMPLES, Planner
+from abi.planner.planner import Planner
+from abi.planner.planning_task import SAMPLES
 from abi.scene.scene import load_scene
 
 

@@ -15,7 +15,8 @@ from abi.arm_planning.arm_model import Course
 from abi.arm_planning.motion_law import motion_law
 from abi.curves import fit_bspline
 from abi.curves.timed_profile import PathProfile
-from abi.planner import planner
+from abi.errors import StageError
+from abi.planner import planner, tool_branch
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from abi.scene.settings import MotionSettings
@@ -53,7 +54,7 @@ def test_what_the_machine_does_meanwhile_is_not_a_searchs_time(
         threading.Event().wait(kept_from_it)
         return SEARCHES["a_star"](*args, **named)
 
-    monkeypatch.setattr(planner, "SEARCHES", {**SEARCHES, "a_star": search})
+    monkeypatch.setattr(tool_branch, "SEARCHES", {**SEARCHES, "a_star": search})
     plan = Planner()(load_scene("paper"))
     assert plan.error is None
     assert plan.ms["a_star"] < 1e3 * kept_from_it
@@ -98,7 +99,7 @@ def test_the_time_of_the_timing_is_that_of_the_law_that_made_it(
         threading.Event().wait(took if asked.law == "slowed" else 0.0)
         return motion_law(course, asked)
 
-    monkeypatch.setattr(planner, "motion_law", slow_law)
+    monkeypatch.setattr(tool_branch, "motion_law", slow_law)
     made, scene = Planner(), load_scene("paper")
     slowed = scene.replace(motion={"law": "slowed"})
     assert made(slowed).ms["timing"] >= 1e3 * took
@@ -128,7 +129,12 @@ def test_the_first_plan_of_a_urdf_arm_waits_for_kept_kernels(
     calls: list[str] = []
     for name in ("begin", "wait_for_loading"):
         monkeypatch.setattr(compiling, name, partial(calls.append, name))
-    monkeypatch.setattr(Planner, "_run", lambda *_: calls.append("run"))
+
+    def find_path(*_: object) -> None:
+        calls.append("run")
+        raise StageError("search", "no_path", "None.", "None.")
+
+    monkeypatch.setattr(planner, "find_path", find_path)
     scene = load_scene("paper")
     Planner()(scene)
     assert calls == ["wait_for_loading", "run", "begin"]

@@ -1,0 +1,248 @@
+"""The branch of the tool alone: the arm follows, and may touch something on the way."""
+
+from __future__ import annotations
+
+import operator
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from abi import progress
+from abi.arm_planning.arm_model import Course
+from abi.arm_planning.models import model_of
+from abi.arm_planning.motion.arm_clearance import ArmClearance
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.motion_law import motion_law
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.curves import fit_bspline, fit_quadratic
+from abi.curves.curve import arc_length
+from abi.curves.timed_profile import PathProfile
+from abi.errors import ClearanceNotHeld
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.branch import (
+    CurveName,
+    QuadraticOnSpline,
+    ShortestPath,
+    SplineOnPath,
+    TimedMotion,
+)
+from abi.planner.exclusion_cache import ExclusionCache
+from abi.planner.planning_task import SAMPLES, PlanningTask
+from abi.planner.shared_mesh import shared_mesh
+from abi.planner.stage import Stage
+from abi.scene.scene import Scene
+from abi.scene.settings import MotionSettings
+from abi.search.build_graph import build_graph
+from abi.search.graph import Graph
+from abi.search.search import SEARCHES, SearchResult
+from abi.search.taut.lower_bound import Bound, lower_bound
+from abi.search.taut.taut_path import taut as pull_taut
+from abi.tet_mesh.exclusion import FreeMesh
+
+_COURSES = 2
+"""Ways of an arm, at most, to follow the tool's own curve."""
+
+
+class ToolStages:
+    """What the tool's stages call, each of which remembers its last result."""
+
+    def __init__(self) -> None:
+        self.obstacles = Stage(ObstacleSet)
+        self.mesh = Stage(shared_mesh)
+        self.exclude = Stage(ExclusionCache())
+        self.graph = Stage(build_graph)
+        # compared with each other: what else the machine did meanwhile is not theirs
+        clock = time.thread_time
+        self.searches = {name: Stage(search, clock) for name, search in SEARCHES.items()}
+        self.path_clearance = Stage(ObstacleSet.polyline_clearance)
+        self.taut = Stage(pull_taut)
+        self.optimum = Stage(lower_bound)
+        self.bspline = Stage(fit_bspline.fit)
+        self.bspline_arc = Stage(arc_length)
+        self.quadratic = Stage(fit_quadratic.fit)
+        self.quadratic_arc = Stage(arc_length)
+        self.profiles = Stage(_profiles)
+        self.model = Stage(model_of)
+        # methods of any arm, and their arguments
+        self.surroundings: Stage[..., Surroundings] = Stage(operator.call)
+        self.courses: Stage[..., Sequence[Course]] = Stage(operator.call)
+        self.motions: list[Stage[..., ArmMotion]]
+        self.motions = [Stage(operator.call) for _ in range(_COURSES)]
+        self.arm_clearances: list[Stage[..., ArmClearance]]
+        self.arm_clearances = [Stage(operator.call) for _ in range(_COURSES)]
+
+    @property
+    def parts(self) -> dict[str, Sequence[Stage[..., Any]]]:
+        """Parts of each stage of which a plan tells the time."""
+        return {
+            "mesh": (self.mesh, self.exclude),
+            "graph": (self.graph,),
+            **{name: (search,) for name, search in self.searches.items()},
+            "path_clearance": (self.path_clearance,),
+            "taut": (self.taut,),
+            "optimum": (self.optimum,),
+            "bspline": (self.bspline, self.bspline_arc),
+            "quadratic": (self.quadratic, self.quadratic_arc),
+            "timing": (self.profiles,),
+            "arm": (self.model, self.surroundings, self.courses, *self.along_courses),
+        }
+
+    @property
+    def along_courses(self) -> tuple[Stage[..., Any], ...]:
+        """Stages that run once for each course."""
+        return (*self.motions, *self.arm_clearances)
+
+
+@dataclass(frozen=True, eq=False)
+class ToolBranch:
+    """The tool alone as a :class:`abi.planner.branch.Branch`: stages that remember their results.
+
+    Attributes:
+        task: what to plan.
+        stages: the stages.
+    """
+
+    task: PlanningTask
+    stages: ToolStages
+
+    @classmethod
+    def of(cls, scene: Scene, searches: tuple[str, ...], stages: ToolStages) -> ToolBranch:
+        """The tool alone in a scene, and the names of the searches to run."""
+        progress.tell("reading obstacles and arm")
+        obstacles, model = stages.obstacles(scene.obstacles), stages.model(scene.arm, scene.unit)
+        return cls(PlanningTask(scene, obstacles, model, searches), stages)
+
+    def free_mesh(self) -> FreeMesh:
+        """Stage 1: the mesh without the nodes and edges that the obstacles exclude."""
+        progress.tell("making the mesh")
+        mesh = self.stages.mesh(self.task.scene.workspace, self.task.scene.mesh)
+        return self.stages.exclude(mesh, self.task.obstacles, self.task.margin)
+
+    def graph(self, free: FreeMesh) -> Graph:
+        """Stage 2: start and goal joined to the mesh.
+
+        Raises:
+            StageError: start or goal is blocked, or they are the same point.
+        """
+        progress.tell("testing the mesh's edges")
+        scene, obstacles, margin = self.task.scene, self.task.obstacles, self.task.margin
+        return self.stages.graph(
+            free, obstacles, margin, scene.start, scene.goal, scene.spline.clearance
+        )
+
+    def shortest(self, graph: Graph) -> ShortestPath:
+        """Stage 3: the shortest path, by the search that the scene chooses.
+
+        Raises:
+            NoPath: there is none.
+        """
+        progress.tell("searching")
+        chosen = self.task.scene.search
+        path = self.stages.searches[chosen.algorithm](graph, chosen.weight)
+        return ShortestPath(
+            graph, path, self.stages.path_clearance(self.task.obstacles, path.points)
+        )
+
+    def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
+        """Stage 3: all searches that are asked for."""
+        searches, weight = self.stages.searches, self.task.scene.search.weight
+        return tuple(searches[name](shortest.graph, weight) for name in self.task.searches)
+
+    def optimum(self) -> Bound:
+        """Lower bound of the length of any curve."""
+        scene = self.task.scene
+        ends = scene.start, scene.goal
+        return self.stages.optimum(
+            *ends, self.task.obstacles, scene.spline.clearance, scene.workspace
+        )
+
+    def bspline(self, shortest: ShortestPath) -> SplineOnPath:
+        """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it."""
+        task, stages, wanted = self.task, self.stages, self.task.scene.spline
+        graph, path, away = shortest
+        points, taut = path.points, None
+        if task.scene.search.taut:
+            taut = stages.taut(graph, task.obstacles, task.margin, path)
+            points, away = taut.points, taut.clearance
+        progress.tell("fitting curves")
+        fit = stages.bspline(
+            points, wanted.degree, task.obstacles, wanted.clearance, taut is not None, away
+        )
+        return SplineOnPath(taut, fit, stages.bspline_arc(fit.curve))
+
+    def quadratic(self, bspline: SplineOnPath) -> QuadraticOnSpline:
+        """Stage 5: the quadratic nearest to the B-spline."""
+        scene, obstacles = self.task.scene, self.task.obstacles
+        fit = self.stages.quadratic(
+            bspline.fit, bspline.arc, obstacles, scene.spline.clearance, scene.quadratic.mode
+        )
+        return QuadraticOnSpline(fit, self.stages.quadratic_arc(fit.curve))
+
+    def followed(self, bspline: SplineOnPath, quadratic: QuadraticOnSpline) -> CurveName:
+        """Name of the curve that the arm follows.
+
+        Raises:
+            ClearanceNotHeld: the scene leaves the choice open and neither keeps the clearance.
+        """
+        scene = self.task.scene
+        if scene.motion.curve != "auto":
+            return scene.motion.curve
+        if quadratic.fit.holds:
+            return "quadratic"
+        if bspline.fit.holds:
+            return "bspline"
+        raise ClearanceNotHeld(scene.spline.clearance, bspline.fit.clearance.distance)
+
+    def is_refuted(self, followed: SplineOnPath | QuadraticOnSpline) -> bool:
+        """Check if it shows at once that the arm is not clear along the curve on any course.
+
+        Only then need the motion along it not be sampled and measured, which takes longer.
+        """
+        required, surroundings = self.task.scene.arm.clearance, self.surroundings
+        refuted = all(
+            course.is_refuted(profile, surroundings, required)
+            for course, profile in self._courses(followed)
+        )
+        if refuted:  # stages that do not run take no time
+            for stage in self.stages.along_courses:
+                stage.ms = 0.0
+        return refuted
+
+    def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
+        """Stage 6: the motion on the last course that is clear, or else on the first."""
+        moved = [self._moved(k, *path) for k, path in enumerate(self._courses(followed))]
+        return next((one for one in reversed(moved) if one.is_clear), moved[0])
+
+    def _moved(self, number: int, course: Course, profile: PathProfile) -> TimedMotion:
+        """The motion on one course, with the memory of its number."""
+        stages, required = self.stages, self.task.scene.arm.clearance
+        motion = stages.motions[number](course.motion, profile, SAMPLES)
+        clearance = stages.arm_clearances[number](
+            course.clearance, motion, self.task.obstacles, self.surroundings, required
+        )
+        return TimedMotion(profile, motion, clearance)
+
+    @cached_property
+    def surroundings(self) -> Surroundings:
+        """Everything around the arm."""
+        lowest = self.task.scene.workspace.min[2]
+        return self.stages.surroundings(self.task.model.surroundings, self.task.obstacles, lowest)
+
+    def _courses(
+        self, followed: SplineOnPath | QuadraticOnSpline
+    ) -> list[tuple[Course, PathProfile]]:
+        """Joints along the curve on each of the ways to follow it, and the motion along each."""
+        progress.tell("moving the arm")
+        task, curve = self.task, followed.fit.curve
+        courses = self.stages.courses(
+            *(task.model.courses, curve, followed.arc, task.scene.arm, task.obstacles),
+            self.surroundings,
+        )
+        return [*zip(courses, self.stages.profiles(courses, task.scene.motion), strict=True)]
+
+
+def _profiles(courses: Sequence[Course], asked: MotionSettings) -> tuple[PathProfile, ...]:
+    """Motion along each of the courses by the law that is asked for."""
+    return tuple(motion_law(course, asked) for course in courses)

@@ -1,0 +1,203 @@
+"""The branch of an arm on one side of its elbow, or from one start pose: all of it keeps clear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
+
+import numpy as np
+
+from abi.arm_planning.arm_model import Sight, Unreached
+from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
+from abi.arm_planning.branch.arm_path import fit_clear, pull_clear, search_clear
+from abi.arm_planning.certificates.arm_certificate import ArmRefutation
+from abi.arm_planning.motion.arm_clearance import named
+from abi.arm_planning.motion_law import motion_law
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.curves import fit_quadratic
+from abi.curves.curve import arc_length
+from abi.curves.quadratic import Quadratic
+from abi.errors import ArmNotClear, NoPath
+from abi.planner.branch import (
+    CurveName,
+    QuadraticOnSpline,
+    ShortestPath,
+    SplineOnPath,
+    TimedMotion,
+)
+from abi.planner.planning_task import SAMPLES, PlanningTask
+from abi.robot.any_arm import AnyArm
+from abi.search.build_graph import build_graph
+from abi.search.graph import Graph
+from abi.search.search import SearchResult, search
+from abi.search.taut.taut_path import TautPath
+from abi.tet_mesh.exclusion import FreeMesh
+
+_ROOMS = (1.0, 4.0, 16.0)
+"""Multiples of the slack with which a path is pulled taut, until there is a curve near it."""
+
+
+@dataclass(frozen=True, eq=False)
+class WholeArmBranch:
+    """An arm on one of its branches as a :class:`abi.planner.branch.Branch`.
+
+    Attributes:
+        task: what to plan.
+        surroundings: everything around the arm.
+        of_tool: the mesh that the tool may use.
+        taut_of_tool: the path of the tool alone pulled taut; None if the scene does not ask for it.
+        sight: what the arm allows on this branch.
+        exclude: memory of what the arm excludes from the mesh.
+    """
+
+    task: PlanningTask
+    surroundings: Surroundings
+    of_tool: FreeMesh
+    taut_of_tool: TautPath | None
+    sight: Sight
+    exclude: ArmExclusionCache
+
+    def free_mesh(self) -> FreeMesh:
+        """Stage 1: the tool's mesh without the nodes at which the arm is not clear.
+
+        Raises:
+            ArmNotClear: it is not clear at start or goal.
+        """
+        scene = self.task.scene
+        for which, point in (("start", scene.start), ("goal", scene.goal)):
+            fault = self.sight.leg_refutation(np.array([point]))
+            if fault is not None:
+                link, obstacle = _named(fault, self.task.model.arm)
+                unreached = self.sight.unreached(np.array(point)) if obstacle is None else None
+                raise self._not_clear(which, link, obstacle, unreached)
+        return self.exclude(self.of_tool, self.sight, self.task.obstacles)
+
+    def graph(self, free: FreeMesh) -> Graph:
+        """Stage 2: start and goal joined to the mesh."""
+        scene, obstacles, margin = self.task.scene, self.task.obstacles, self.task.margin
+        return build_graph(free, obstacles, margin, scene.start, scene.goal, scene.spline.clearance)
+
+    def shortest(self, graph: Graph) -> ShortestPath:
+        """Stage 3: the shortest path whose edges are all clear for the arm.
+
+        Raises:
+            ArmNotClear: there is none.
+        """
+        chosen = self.task.scene.search
+        find = partial(search, chosen.algorithm, weight=chosen.weight)
+        try:
+            found = search_clear(graph, self.sight, find)
+        except NoPath:
+            found = None
+        if found is None:
+            raise self._not_clear("path")
+        away = self.task.obstacles.polyline_clearance(found.path.points)
+        return ShortestPath(found.graph, found.path, away)
+
+    def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
+        """Stage 3: all searches that are asked for, on the edges that are left."""
+        chosen, graph = self.task.scene.search, shortest.graph
+        return tuple(
+            shortest.path if name == chosen.algorithm else search(name, graph, chosen.weight)
+            for name in self.task.searches
+        )
+
+    def bspline(self, shortest: ShortestPath) -> SplineOnPath:
+        """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it.
+
+        Where no curve near the taut path is proven clear, it is pulled with more room to round its
+        corners, which makes it a little longer.
+
+        Raises:
+            ArmNotClear: there is no curve.
+        """
+        obstacles, wanted = self.task.obstacles, self.task.scene.spline
+        for times in _ROOMS if self.taut_of_tool is not None else _ROOMS[:1]:
+            points, away, taut = shortest.path.points, shortest.clearance, None
+            if self.taut_of_tool is not None:
+                roomy = self.sight.scaled(slack=times)
+                taut = pull_clear(
+                    self.taut_of_tool, obstacles, self.task.margin, shortest.path, roomy
+                )
+                points, away = taut.points, taut.clearance
+            fit = fit_clear(points, wanted.degree, obstacles, wanted.clearance, away, self.sight)
+            if fit is not None:
+                return SplineOnPath(taut, fit, arc_length(fit.curve))
+        raise self._not_clear("curve")
+
+    def quadratic(self, bspline: SplineOnPath) -> QuadraticOnSpline:
+        """Stage 5: the quadratic nearest to the B-spline, if possible one that is clear."""
+        scene, obstacles = self.task.scene, self.task.obstacles
+        fit = fit_quadratic.fit(
+            *(bspline.fit, bspline.arc, obstacles, scene.spline.clearance, scene.quadratic.mode),
+            self._is_clear_along,
+        )
+        fault = self._refutation(fit.curve) if fit.holds else None
+        if fault is not None:
+            fit = replace(fit, note=_note(fault, self.task.model.arm))
+        return QuadraticOnSpline(fit, arc_length(fit.curve))
+
+    def followed(self, bspline: SplineOnPath, quadratic: QuadraticOnSpline) -> CurveName:
+        """Name of the curve that the arm follows: the quadratic only if it is clear along it."""
+        asked = self.task.scene.motion.curve
+        if asked != "auto":
+            return asked
+        is_clear = quadratic.fit.holds and self._is_clear_along(quadratic.fit.curve)
+        return "quadratic" if is_clear else "bspline"
+
+    def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
+        """Stage 6: the motion along the curve.
+
+        Raises:
+            ArmNotClear: the arm is not proven clear along it.
+        """
+        scene = self.task.scene
+        course = self.sight.course(followed.fit.curve, followed.arc)
+        profile = motion_law(course, scene.motion)
+        motion = course.motion(profile, SAMPLES)
+        clearance = course.clearance(
+            motion, self.task.obstacles, self.surroundings, scene.arm.clearance
+        )
+        moved = TimedMotion(profile, motion, clearance)
+        if not moved.is_clear:
+            raise self._not_clear("curve")
+        return moved
+
+    def _is_clear_along(self, curve: Quadratic) -> bool:
+        """Check whether the arm is proven clear along a curve."""
+        return self._refutation(curve) is None
+
+    @cached_property
+    def _refutation(self) -> Callable[[Quadratic], ArmRefutation | None]:
+        """Where the arm is not clear along a curve; those asked about already are remembered."""
+        return lru_cache(self.sight.refutation)
+
+    def _not_clear(
+        self,
+        where: str,
+        link: str = "",
+        obstacle: int | str | None = None,
+        unreached: Unreached | None = None,
+    ) -> ArmNotClear:
+        has_elbow, branch = self.task.model.arm.has_elbow, self.sight.branch
+        if unreached is None:
+            return ArmNotClear(branch, where, link, obstacle, has_elbow=has_elbow)
+        return ArmNotClear(branch, where, has_elbow=has_elbow, why=unreached.words)
+
+
+def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:
+    """Link and obstacle of a fault; the obstacle is None where the place is out of reach."""
+    if fault.capsule < 0:
+        return "", None
+    return arm.capsules[fault.capsule].link, named(fault.obstacle, arm)
+
+
+def _note(fault: ArmRefutation, arm: AnyArm) -> str:
+    link, obstacle = _named(fault, arm)
+    if obstacle is None:
+        why = "the arm would pass its reach or a joint limit"
+        return f"On this curve {why}, so it follows the B-spline."
+    name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
+    why = f"the {link.replace('_', ' ')} may touch {name}"
+    return f"On this curve {why}, so the arm follows the B-spline."
