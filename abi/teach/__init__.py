@@ -1,5 +1,6 @@
-"""Exercises: students write one function of the method, and have it checked on hidden scenes.
+"""Exercises and questions for students.
 
+Students write one function of the method, and have it checked on hidden scenes.
 :func:`exercises` lists them, :func:`check` checks a function::
 
     import math, abi.teach
@@ -8,6 +9,8 @@
         return math.dist(node, goal)
 
     abi.teach.check("heuristic", heuristic)
+
+:func:`question` makes a question of a template for any seed, with its answer.
 """
 
 from __future__ import annotations
@@ -18,18 +21,33 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from abi.teach.catalogue import exercises
     from abi.teach.exercise import Exercise
+    from abi.teach.quiz.question import Question
+    from abi.teach.quiz.templates import question, templates
     from abi.teach.student_process import Limits
     from abi.teach.verdict import Counterexample, Verdict, check
 
-__all__ = ["Counterexample", "Exercise", "Limits", "Verdict", "check", "exercises"]
+__all__ = [
+    "Counterexample",
+    "Exercise",
+    "Limits",
+    "Question",
+    "Verdict",
+    "check",
+    "exercises",
+    "question",
+    "templates",
+]
 
 _MODULES = {
     "Counterexample": "abi.teach.verdict",
     "Exercise": "abi.teach.exercise",
     "Limits": "abi.teach.student_process",
+    "Question": "abi.teach.quiz.question",
     "Verdict": "abi.teach.verdict",
     "check": "abi.teach.verdict",
     "exercises": "abi.teach.catalogue",
+    "question": "abi.teach.quiz.templates",
+    "templates": "abi.teach.quiz.templates",
 }
 
 
