@@ -28,6 +28,7 @@ from app.panels.teach.figures import FiguresPanel
 from app.panels.teach.lecture import Lecture
 from app.panels.teach.lesson_mark import LessonMark
 from app.panels.teach.lessons import LessonPanel
+from app.panels.teach.practice import PracticePanel
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.teach.sheet import ABOUT, KEYS, Sheet
 from app.panels.teach.tour import Tour
@@ -83,6 +84,7 @@ class AllPanels:
         self.history = History(client.gui, self.step(scene), wake)
         with self.layout.learn:
             self.lessons = LessonPanel(client, library, wake)
+            self.practice = PracticePanel(client.gui, wake)
             self.figures = FiguresPanel(client.gui, wake)
         mark = LessonMark(self.layout, self.lessons)
         self.messages = Messages(self.layout, self.stages.bases, mark, self.share, wake)
@@ -114,6 +116,7 @@ class AllPanels:
             self.comparison,
             self.pitch_study,
             self.lessons,
+            self.practice,
             self.figures,
             self.share,
             self.keys,
@@ -240,7 +243,7 @@ class AllPanels:
 
     def cue(self, scene: Scene) -> Cue | None:
         """Setting of a lesson or a figure now, starting from ``scene``; None for none."""
-        return self.lessons.cue(scene) or self.figures.cue(scene)
+        return self.lessons.cue(scene) or self.figures.cue(scene) or self.practice.cue()
 
     def follow(self, cue: Cue) -> None:
         """Show the cue's scene, layers and search."""
@@ -252,8 +255,8 @@ class AllPanels:
 
     def left(self) -> bool:
         """Check whether a lesson or the figures were left since the last call."""
-        lessons, figures = self.lessons.left(), self.figures.left()
-        return lessons or figures
+        left = [self.lessons.left(), self.figures.left(), self.practice.left()]
+        return any(left)
 
     def go_back(self, state: TabState) -> None:
         """Show the scene, layers and search that a lesson or a figure replaced."""
@@ -269,6 +272,7 @@ class AllPanels:
         self.layer_switches.restore(state.shown, state.dark)
         self.lessons.restore(state.lessons)
         self.theatre.restore(state.theatre)
+        self.practice.restore(state.practice)
         if state.challenge != self.share.kept:
             challenge = parsed(state.challenge)
             if challenge is not None and not challenge.scene:

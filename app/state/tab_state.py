@@ -46,6 +46,7 @@ class TabState:
         dark: whether the page is dark; None for as the system has it.
         challenge: what is to be reached, as JSON; empty for nothing.
         lessons: where the student is in which lesson, as the player writes it; empty for nowhere.
+        practice: what is practised, as its panel writes it; empty for nothing.
         theatre: the search that is stepped through, as its panel writes it; empty for none.
         missing: names of mesh files that this server has not; the scene is without them.
         faults: sentences on what else is left out, because it is damaged.
@@ -64,6 +65,7 @@ class TabState:
     lessons: str = ""
     challenge: str = ""
     theatre: str = ""
+    practice: str = ""
     missing: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
     before: TabState | None = None
@@ -90,6 +92,7 @@ class TabState:
             "lessons": self.lessons,
             "challenge": self.challenge,
             "theatre": self.theatre,
+            **({"practice": self.practice} if self.practice else {}),
             **({"figure": self.figure} if self.figure else {}),
         }
 
@@ -193,6 +196,7 @@ def _state(data: dict[str, Any], meshes: MeshSource) -> TabState:
         lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
         challenge=str(data.get("challenge", ""))[:MAX_PROGRESS],
         theatre=str(data.get("theatre", ""))[:MAX_PROGRESS],
+        practice=str(data.get("practice", ""))[:MAX_PROGRESS],
     )
 
 

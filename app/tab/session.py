@@ -265,7 +265,7 @@ class Session:
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
-        self.panels.share.share(self._state, self.frame)
+        self.panels.share.share(self._state, self.frame, self.panels.practice.quiz_link())
         if self.panels.exports.requested():
             self._export()
         self.panels.bug_report.send_if_requested(self.frame, self._fault)

@@ -229,7 +229,7 @@ class TabView:
         self._before = self._before or before
         self.panels.follow(cue)
         setting = cue.setting
-        if setting.scene is not None:
+        if setting.scene is not None or cue.look:
             self.look_at(cue.scene, setting.camera is None)
         if setting.camera is not None:
             camera = setting.camera
@@ -273,6 +273,7 @@ class TabView:
             lessons=self.panels.lessons.progress,
             challenge=self.panels.share.kept,
             theatre=self.panels.theatre.kept,
+            practice=self.panels.practice.kept,
             before=self._before,
             figure=self.panels.figures.number,
         )

@@ -15,7 +15,9 @@ class Cue:
     Attributes:
         setting: layers, camera, search and time.
         scene: to be planned.
+        look: whether the camera turns to the scene, though the setting names none.
     """
 
     setting: Setting
     scene: Scene
+    look: bool = False

@@ -66,10 +66,18 @@ class SharePanel:
         """The challenge as a text to keep; empty for none."""
         return "" if self.challenge is None else self.challenge.model_dump_json()
 
-    def share(self, state: Callable[[], TabState], frame: Frame) -> None:
-        """Do what was asked for since the last call, with the tab's ``state()``."""
+    def share(self, state: Callable[[], TabState], frame: Frame, quiz: str = "") -> None:
+        """Do what was asked for since the last call, with the tab's ``state()``.
+
+        Args:
+            state: of the tab.
+            frame: what is drawn.
+            quiz: of a link that was asked for; empty for none.
+        """
+        if quiz:
+            self._copy(replace(state(), practice=quiz, challenge="", lessons=""))
         if pressed(self.link):
-            self._copy(state())
+            self._copy(replace(state(), practice=""))
         if pressed(self.challenge_link):
             challenge = challenge_of(self.goal.value, frame)
             words = ""
@@ -80,7 +88,7 @@ class SharePanel:
             if challenge is None or words:
                 notices.notify_refusal(self._client, "No challenge", words)
             else:
-                self._copy(replace(state(), challenge=challenge.model_dump_json()))
+                self._copy(replace(state(), practice="", challenge=challenge.model_dump_json()))
         if pressed(self.picture):
             self._take_picture(file_stem(state().name))
 
@@ -110,6 +118,8 @@ class SharePanel:
         told, seconds = "Paste it where you like: it opens what you see now.", 5.0
         if state.challenge:
             told = "Paste it where you like: who opens it sees the challenge over this scene."
+        if state.practice:
+            told = "Paste it where you like: who opens it is asked these questions, without end."
         if state.scene.meshes.files:
             names = ", ".join(state.scene.meshes.files)
             seconds = 12.0

@@ -110,7 +110,7 @@ class ClassroomPanel:
             self._classroom.ask(self.question.value, tuple(box.value for box in self.choices))
         once = pressed(self.send)
         if once or self.lead.value:
-            view = replace(state.alone(), dark=None, challenge="")
+            view = replace(state.alone(), dark=None, challenge="", practice="")
             if once or view != self._published:
                 self._published = view
                 self._classroom.show(view)

@@ -58,7 +58,7 @@ class ExercisePanel:
         self._shown = case
         self._theatre.compare(case.scene, case.steps, case.right_steps)
         search = SearchCue(on=bool(case.steps), step=case.parting + 1 if case.steps else None)
-        return Cue(Setting(shown=_SHOWN, search=search), case.scene)
+        return Cue(Setting(shown=_SHOWN, search=search), case.scene, look=True)
 
     def left(self) -> bool:
         """Check whether the counterexample was left since the last call."""
