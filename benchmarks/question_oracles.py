@@ -48,7 +48,7 @@ def _graph(facts: Facts) -> networkx.Graph:
 
 
 def _last(facts: Facts) -> int:
-    return max(max(a, b) for a, b, _ in facts["edges"])
+    return int(max(max(a, b) for a, b, _ in facts["edges"]))
 
 
 def _shortest_length(facts: Facts) -> int:
@@ -86,13 +86,14 @@ def _next_node(facts: Facts) -> str:
         "greedy best-first search": lambda g, h: h,
     }
     priority = sums[facts["search"]]
-    return min(facts["numbers"], key=lambda place: priority(*facts["numbers"][place]))
+    numbers: dict[str, tuple[float, float]] = facts["numbers"]
+    return min(numbers, key=lambda place: priority(*numbers[place]))
 
 
 def _priority_of_node(facts: Facts) -> float:
     node, parent, goal = facts["places"]
-    g, h = facts["before"] + math.dist(node, parent), math.dist(node, goal)
-    return {"g": g, "h": h, "f": g + h}[facts["asked"]]
+    g, h = float(facts["before"]) + math.dist(node, parent), math.dist(node, goal)
+    return {"g": g, "h": h, "f": g + h}[str(facts["asked"])]
 
 
 def _edge_passes(facts: Facts) -> str:
@@ -170,7 +171,7 @@ def _point_of_curve(facts: Facts) -> list[float]:
 
 def _fastest(facts: Facts) -> tuple[float, float]:
     """Duration and peak of the fastest motion, by trying peaks."""
-    length, up, down = facts["length"], facts["up"], facts["down"]
+    length, up, down = (float(facts[name]) for name in ("length", "up", "down"))
 
     def duration(peak: float) -> float:
         ramps = peak * peak / 2 * (1 / up + 1 / down)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Any
 
 from abi.length_text import with_minus
@@ -14,7 +14,7 @@ def text(value: float) -> str:
     return with_minus(f"{value + 0.0:.4g}")
 
 
-def point(place: Sequence[float]) -> str:
+def point(place: Iterable[float]) -> str:
     """A point in brackets."""
     return f"({', '.join(map(text, place))})"
 

@@ -173,17 +173,17 @@ def consistent(random: np.random.Generator) -> Question:
     h = np.stack([first, first - falls], axis=1).round(2)
     lengths = lengths.round(3)
     found = [k for k in range(3) if h[k, 0] - h[k, 1] > lengths[k]]
-    names = "PQ", "RS", "TU"
+    names = ("P", "Q"), ("R", "S"), ("T", "U")
     rows = "; ".join(
         f"{a}{b} is {text(length)} long, h({a}) = {before:.2f}, h({b}) = {after:.2f}"
         for (a, b), length, (before, after) in zip(names, lengths, h, strict=True)
     )
-    choices = (*(f"Not along {name}" for name in names), "Along all three it is.")
+    choices = (*(f"Not along {a}{b}" for a, b in names), "Along all three it is.")
     right = found[0] if found else 3
     why = "Along none does h fall by more than the edge is long."
     if found:
         fall = text(h[right, 0] - h[right, 1])
-        why = f"Along {names[right]} h falls by {fall}, and it is only {text(lengths[right])} long."
+        why = f"Along {''.join(names[right])} h falls by {fall}, and it is only {text(lengths[right])} long."
     return fixed(
         f"Three edges of a graph: {rows}. Is h consistent along them?",
         choices,

@@ -106,12 +106,13 @@ def test_a_tab_asks_and_its_memory_brings_the_question_back() -> None:
         assert "Right" in panel._reply.content
 
         fake.set(panel.look, True)
-        assert asked.scene is not None
-        until(lambda: session._scene.obstacles == asked.scene.obstacles)
+        shown = asked.scene
+        assert shown is not None
+        until(lambda: session._scene.obstacles == shown.obstacles)
         kept = session._state()
         assert decoded(kept.practice) == panel.practice
         fake.set(panel.back, True)
-        until(lambda: len(session._scene.obstacles) == 1 and session._scene != asked.scene)
+        until(lambda: len(session._scene.obstacles) == 1 and session._scene != shown)
 
         other, second = opened(server)
         second.panels.practice.restore(kept.practice)
