@@ -182,8 +182,9 @@ def consistent(random: np.random.Generator) -> Question:
     right = found[0] if found else 3
     why = "Along none does h fall by more than the edge is long."
     if found:
-        fall = text(h[right, 0] - h[right, 1])
-        why = f"Along {''.join(names[right])} h falls by {fall}, and it is only {text(lengths[right])} long."
+        fall, length = text(h[right, 0] - h[right, 1]), text(lengths[right])
+        edge = "".join(names[right])
+        why = f"Along {edge} h falls by {fall}, and it is only {length} long."
     return fixed(
         f"Three edges of a graph: {rows}. Is h consistent along them?",
         choices,
