@@ -110,7 +110,7 @@ def _largest_gap(robot: Robot, other: robot_readers.PosesAt, states: int) -> flo
     """Largest difference of any link's pose at random states, over the largest coordinate."""
     random, worst = np.random.default_rng(len(robot.links)), 0.0
     free = [one for one in robot.joints if one.kind != "fixed" and one.mimic is None]
-    for _ in range(states):
+    for _ in range(states if free else 1):
         state = {one.name: float(random.uniform(one.low, one.high)) for one in free}
         ours, theirs = robot_readers.poses_of(robot, state), other(state)
         size = max(1.0, *(float(np.abs(pose).max()) for pose in ours.values()))
