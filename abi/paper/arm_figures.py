@@ -48,7 +48,7 @@ def of_kinematics(scene: Scene) -> Iterator[Comparison]:
     yield Comparison(
         section,
         "forward after inverse kinematics",
-        "gives the tool's place back",
+        "gives the tool tip's place back",
         f"within {error:.0e} in {_POSES:,} poses",
         "holds",
     )

@@ -216,7 +216,7 @@ def _check_ends(motion: _Motion, scene: Scene) -> None:
     for name, row, point in zip(("start", "goal"), rows, points, strict=True):
         place, _ = chain.place(row)[-1].place(zero)
         if max(map(abs, sub(place, vector(point)))) > _REACHED * length:
-            raise Fault(f"the tool is not at the {name}")
+            raise Fault(f"the tool tip is not at the {name}")
 
 
 def _check_outside(

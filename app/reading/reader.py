@@ -42,6 +42,18 @@ class StoppedError(Exception):
     """Raised where a file is not wanted any more."""
 
 
+class SeveralRobotsError(Exception):
+    """Raised where an archive has several robots, and none is named.
+
+    Attributes:
+        choices: paths of their URDF files.
+    """
+
+    def __init__(self, choices: tuple[str, ...]) -> None:
+        super().__init__(", ".join(choices))
+        self.choices = choices
+
+
 class Reader:
     """Reader of files from outside.
 
@@ -87,12 +99,17 @@ class Reader:
     ) -> Robot:
         """The arm of a URDF, or of a zip with one and its meshes; arguments as for :meth:`mesh`.
 
+        ``ROBOTS.zip/URDF`` as name is that one of the URDF files of the zip.
+
         Raises:
+            SeveralRobotsError: it is a zip with several URDF files, and none is named.
             SceneError: it is refused, or took too long or too much.
             StoppedError: ``stopped`` was set.
         """
-        archive = self.read(Job("arm", name, content), stopped, delayed).archives[name]
-        return load_robot(name, MeshSource({name: archive}))
+        answer = self.read(Job("arm", name, content), stopped, delayed)
+        if answer.choices:
+            raise SeveralRobotsError(answer.choices)
+        return load_robot(name, MeshSource({name: answer.archives[name]}))
 
     def scene(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore

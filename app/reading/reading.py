@@ -20,7 +20,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.bounding_capsules import bounding_capsules
 from abi.robot.urdf.robot import Robot
-from abi.robot.urdf.robot_files import file_of, load_robot, robot_from_archive
+from abi.robot.urdf.robot_files import file_of, load_robot, robot_from_archive, robots_in
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 from app.reading import sample_meshes
@@ -83,6 +83,7 @@ class Answer(msgspec.Struct):
         data: plain data of a scene, as JSON.
         surfaces: repaired meshes, by their names.
         archives: arms with their meshes as zips, by their names.
+        choices: URDF files of an archive with several, of which one is to be named.
     """
 
     refusal: Refusal | None = None
@@ -90,6 +91,7 @@ class Answer(msgspec.Struct):
     data: bytes = b""
     surfaces: dict[str, Triangles] = {}
     archives: dict[str, bytes] = {}
+    choices: tuple[str, ...] = ()
 
 
 def read(job: Job) -> Answer:
@@ -134,7 +136,9 @@ def _mesh(name: str, content: bytes) -> Answer:
 
 
 def _arm(name: str, content: bytes) -> Answer:
-    return Answer(archives={name: _whole(name, {name: content}).archive})
+    if file_of(name) == name and len(choices := robots_in(content)) > 1:
+        return Answer(choices=choices)
+    return Answer(archives={name: _whole(name, {file_of(name): content}).archive})
 
 
 def _scene(name: str, content: bytes) -> Answer:

@@ -80,7 +80,7 @@ def held_in_metres(robot: Robot, held: Mapping[str, float], metres: float) -> di
 
 
 def planned_sentence(robot: Robot, tip: str, wanted: Mapping[str, float]) -> str:
-    """A sentence on the link that is the tool, the joints that move it, and those that are held.
+    """A sentence on the link whose origin is the tool tip, the joints that move it, and those that are held.
 
     Args:
         robot: the robot.
@@ -95,5 +95,5 @@ def planned_sentence(robot: Robot, tip: str, wanted: Mapping[str, float]) -> str
         for joint in robot.joints
         if joint.name in still and joint.mimic is None
     ]
-    text = f"The tool is {tip}; {some_of(planned, MOST_JOINTS)} are planned"
+    text = f"The tool tip is {tip}; {some_of(planned, MOST_JOINTS)} are planned"
     return f"{text}, held: {some_of(held, 6)}." if held else f"{text}."

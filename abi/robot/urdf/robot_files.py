@@ -86,6 +86,17 @@ def file_of(name: str) -> str:
     return archive + _INSIDE.rstrip("/") if slash else name
 
 
+def robots_in(content: bytes) -> tuple[str, ...]:
+    """Paths of the URDF files in a zip, sorted; none for content that is no zip.
+
+    Raises:
+        SceneError: it is damaged, or too large.
+    """
+    if not content.startswith(_ZIP):
+        return ()
+    return tuple(sorted(name for name in unpacked(content) if name.lower().endswith(".urdf")))
+
+
 @lru_cache(maxsize=8)
 def robot_from_archive(content: bytes) -> Robot:
     """Read the robot in a zip archive of one URDF, its meshes and optionally an SRDF.

@@ -13,7 +13,7 @@ import queue
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import viser
 
@@ -80,19 +80,33 @@ class Dealing(Generic[_T]):
         self._tell(News(self.name, result, done=False))
 
 
+Deal = Callable[[bytes, Dealing[_T]], _T]
+"""What comes of the content of a file; may raise SceneError and StoppedError."""
+
+
 @dataclass(frozen=True)
 class FileKind(Generic[_T]):
     """Treatment of files of a kind.
 
     Attributes:
-        deal: what comes of the content of one; may raise SceneError and StoppedError.
+        deal: what comes of the content of one.
         named: its name on the page, of the one that it was sent with.
         several: whether the page lets several be chosen at once.
     """
 
-    deal: Callable[[bytes, Dealing[_T]], _T]
+    deal: Deal[_T]
     named: Callable[[str], str]
     several: bool = False
+
+
+@dataclass(frozen=True)
+class _Waiting(Generic[_T]):
+    """A file that waits for its turn: None for an empty one, and the event that it came with."""
+
+    name: str
+    file: StoredUpload | None
+    event: object
+    deal: Deal[_T]
 
 
 class FileUploads(Generic[_T]):
@@ -109,11 +123,13 @@ class FileUploads(Generic[_T]):
         self._bar = gui.add_progress_bar(0.0, visible=False)
         self._stop = gui.add_button("Stop reading", visible=False)
         self._kind, self._wake = kind, wake
-        self._waiting: queue.SimpleQueue[tuple[str, StoredUpload | None, Any]] = queue.SimpleQueue()
+        self._waiting: queue.SimpleQueue[_Waiting[_T]] = queue.SimpleQueue()
         self._news: queue.SimpleQueue[News[_T]] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._pending = 0
+        self._last: object = None
+        """Event that the last file came with: it wakes the tab once more when one is read again."""
         self._arrived = page.on_arrival(gui, button, self._announce, _new_upload)
         button.on_upload(self._receive)
         self._stop.on_click(self._cancel)
@@ -152,8 +168,22 @@ class FileUploads(Generic[_T]):
         page.forget_file(event.target)
         if event.client is not None and self._kind.several:
             page.call(event.client, "next")
+        self._last = event
+        self._queue(_Waiting(self._kind.named(name), file, event, self._kind.deal))
+
+    def again(self, name: str, file: StoredUpload, deal: Deal[_T]) -> None:
+        """Deal once more with a file that has arrived, in another way.
+
+        Args:
+            name: of the file, as it is shown.
+            file: its content.
+            deal: what comes of it.
+        """
+        self._queue(_Waiting(name, file, self._last, deal))
+
+    def _queue(self, waiting: _Waiting[_T]) -> None:
         with self._lock:
-            self._waiting.put((name, file, event))
+            self._waiting.put(waiting)
             self._pending += 1
             if self._pending == 1:
                 self._stopped.clear()
@@ -167,10 +197,10 @@ class FileUploads(Generic[_T]):
     def _work(self) -> None:
         """Deal with files until none is left: the thread."""
         while True:
-            name, file, event = self._waiting.get()
-            name = self._kind.named(name)
-            result = None if self._stopped.is_set() else self._deal(file, name, event)
-            del file  # its room is for the next
+            waiting = self._waiting.get()
+            name, event = waiting.name, waiting.event
+            result = None if self._stopped.is_set() else self._deal(waiting)
+            del waiting  # its room is for the next
             with self._lock:
                 self._pending -= 1
                 last = self._pending == 0
@@ -181,15 +211,15 @@ class FileUploads(Generic[_T]):
             if last:
                 return
 
-    def _deal(self, file: StoredUpload | None, name: str, event: Any) -> _T | SceneError | None:
-        """Deal with one file, None for an empty one; None where it was stopped."""
+    def _deal(self, waiting: _Waiting[_T]) -> _T | SceneError | None:
+        """Deal with one file; None where it was stopped."""
+        file, name = waiting.file, waiting.name
         if file is not None and file.lost:
             return SceneError("file", name, file.lost)
-        dealing = Dealing(
-            name, self._stopped, self._tell_step, functools.partial(self._tell, event)
-        )
+        tell = functools.partial(self._tell, waiting.event)
+        dealing = Dealing(name, self._stopped, self._tell_step, tell)
         try:
-            return self._kind.deal(b"" if file is None else file.content(), dealing)
+            return waiting.deal(b"" if file is None else file.content(), dealing)
         except SceneError as error:
             return error
         except StoppedError:

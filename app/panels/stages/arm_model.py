@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -16,8 +18,10 @@ from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from app.panels.files.file_uploads import Dealing, FileKind, FileUploads, shown_name
+from app.panels.stages.gripper import GripperPanel
 from app.panels.widgets import Wake
-from app.reading.reader import READER
+from app.reading.reader import READER, SeveralRobotsError
+from app.reading.stored_upload import ROOM, StoredUpload
 from app.ui import notices
 from app.ui.arm_size import size_note
 
@@ -42,8 +46,20 @@ _MOUNTS: dict[str, Quaternion] = {
     "on a wall, along −y": (_HALF, _HALF, 0.0, 0.0),
 }
 _OTHER = "as in the scene"
-_OF_ONE_ARM: Mapping[str, Any] = {"gripper": {}, "srdf": None, "allowed": ()}
+_OF_ONE_ARM: Mapping[str, Any] = {"srdf": None, "allowed": ()}
 """Fields that hold for one arm with one tip only, as they are for another."""
+_NONE = "choose one…"
+
+
+@dataclass(frozen=True)
+class SeveralRobots:
+    """A file that has several robots: the paths of their URDF files, and its content."""
+
+    choices: tuple[str, ...]
+    file: StoredUpload
+
+
+_Read = Robot | SeveralRobots
 
 
 class ArmModelPanel:
@@ -64,6 +80,12 @@ class ArmModelPanel:
             "Add an arm…", mime_type=".zip,.urdf", hint="A URDF file, or a zip with its meshes."
         )
         self.uploads = FileUploads(gui, self.upload, FileKind(_read, shown_name), wake)
+        self.robot = gui.add_dropdown(
+            "robot in the file", (_NONE,), hint="The URDF file to take.", visible=False
+        )
+        self.robot.on_update(wake)
+        self._several: SeveralRobots | None = None
+        self._chosen = _NONE
         self.tip = gui.add_dropdown(
             "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
         )
@@ -85,6 +107,7 @@ class ArmModelPanel:
             hint="How the base is turned: up is its z axis.",
             visible=False,
         )
+        self.gripper = GripperPanel(gui, wake)
         self._kept = _OF_ONE_ARM
         self._kept_of: tuple[str, str, str] | None = None
         self._scene_axis: tuple[float, float, float] | None = None
@@ -107,11 +130,16 @@ class ArmModelPanel:
     def read(self) -> dict[str, Any]:
         """Read the fields of the section ``arm`` as typed."""
         for one in self.uploads.news():
-            if isinstance(one.result, Robot):
+            if isinstance(one.result, SeveralRobots):
+                self._offer(one.result)
+            elif isinstance(one.result, Robot):
+                if one.name != _zip_of(self._chosen):
+                    self._offer(None)
                 self._take(one.name, one.result)
             elif one.result is not None:
                 title = f"{one.name} is not added"
                 notices.notify_refused_file(self._client, title, one.result.message)
+        self._read_chosen()
         name = self._name()
         if name is None:
             self._take_size_back()
@@ -127,6 +155,10 @@ class ArmModelPanel:
         mount = _MOUNTS.get(self.mount.value, self._scene_mount)
         # what a scene leaves to be found stays so, or it would be another scene
         tip, base = self.tip.value, self.base_link.value
+        if (name, tip, base) != self._kept_of:
+            # joints of another arm, or those that another tip moves, cannot be held there
+            self._show_gripper(name, {})
+            self._kept = _OF_ONE_ARM
         return {
             "model": "urdf",
             "urdf": name,
@@ -134,8 +166,8 @@ class ArmModelPanel:
             "base_link": None if base == self._unnamed_base else base,
             "axis": axis,
             "base_wxyz": mount,
-            # joints of another arm, or those that another tip moves, cannot be held there
-            **(self._kept if (name, tip, base) == self._kept_of else _OF_ONE_ARM),
+            **self._kept,
+            "gripper": self.gripper.read(),
         }
 
     def write(self, scene: Scene) -> None:
@@ -159,8 +191,8 @@ class ArmModelPanel:
         self._list_tips(arm.urdf, arm.tip, arm.base_link)
         self._list_bases(arm.urdf, arm.base_link)
         self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz
+        self._show_gripper(arm.urdf, arm.gripper)
         self._kept = {name: getattr(arm, name) for name in _OF_ONE_ARM}
-        self._kept_of = arm.urdf, self.tip.value, self.base_link.value
         _choose(self.axis, _AXES, arm.axis)
         _choose(self.mount, _MOUNTS, arm.base_wxyz)
 
@@ -171,9 +203,23 @@ class ArmModelPanel:
         # a page may send anything: only listed arms are taken
         return chosen if chosen in SHIPPED or chosen in self.files else None
 
+    def _offer(self, several: SeveralRobots | None) -> None:
+        """Offer the robots of a file that has several; None for no such file."""
+        self._several, self._chosen = several, _NONE
+        self.robot.visible = several is not None
+        self.robot.options = (_NONE, *(several.choices if several else ()))
+        self.robot.value = _NONE
+
+    def _read_chosen(self) -> None:
+        """Have the robot read that was chosen of several."""
+        several, chosen = self._several, self.robot.value
+        if several is not None and chosen in several.choices and chosen != self._chosen:
+            self._chosen = chosen
+            self.uploads.again(_zip_of(chosen), several.file, partial(_read_one, chosen))
+
     def _take(self, name: str, robot: Robot) -> None:
         """Choose an arm that was read."""
-        name = f"{PurePosixPath(name).stem}.zip"
+        name = _zip_of(name)
         self._add(name, robot.archive)
         self.model.value = name
         self._list_tips(name, None)
@@ -194,6 +240,7 @@ class ArmModelPanel:
         """Show or hide what only a URDF has."""
         for handle in self._of_urdf:
             handle.visible = shown
+        self.gripper.show(shown)
 
     def _list_tips(self, name: str, tip: str | None, base: str | None = None) -> None:
         """List the links of an arm that may be its tip, and choose one, else its usual one."""
@@ -213,6 +260,13 @@ class ArmModelPanel:
         self._unnamed_base = None if base else robot.root
         self._bases_of = name, self.tip.value
 
+    def _show_gripper(self, name: str, held: Mapping[str, float]) -> None:
+        """Show the joints beside an arm, held where a scene says."""
+        tip, base = self.tip.value, self.base_link.value
+        robot = part_from(load_robot(name, MeshSource(self.files)), base)
+        self.gripper.write(robot, tip, held, self._unit)
+        self._kept_of = name, tip, base
+
     def _compare_size(self, name: str) -> None:
         """Notify of an arm whose size is not that of the workspace."""
         self._take_size_back()
@@ -228,10 +282,26 @@ class ArmModelPanel:
             self._size_notice = None
 
 
-def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:
-    """Read the file of an arm."""
+def _zip_of(file: str) -> str:
+    """Name under which the robot of a file is listed."""
+    return f"{PurePosixPath(file).stem}.zip"
+
+
+def _read(content: bytes, dealing: Dealing[_Read]) -> _Read:
+    """Read the file of an arm, or keep it where it has several."""
     dealing.step("reading", 0.5)
-    return READER.arm(content, dealing.name, dealing.stopped, dealing.wait)
+    try:
+        return READER.arm(content, dealing.name, dealing.stopped, dealing.wait)
+    except SeveralRobotsError as error:
+        file = StoredUpload(ROOM)
+        file[0] = content
+        return SeveralRobots(error.choices, file)
+
+
+def _read_one(robot: str, content: bytes, dealing: Dealing[_Read]) -> _Read:
+    """Read one of the robots of an archive."""
+    dealing.step("reading", 0.5)
+    return READER.arm(content, f"robots.zip/{robot}", dealing.stopped, dealing.wait)
 
 
 def _choose(box: viser.GuiDropdownHandle[str], values: Mapping[str, object], value: object) -> None:

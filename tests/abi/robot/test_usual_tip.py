@@ -50,7 +50,7 @@ def test_a_gripper_is_not_planned(gripper: str) -> None:
     source = MeshSource({"a.zip": robot.archive})
     scene = Scene.from_dict({"version": 1, "arm": section}, source)
     (note,) = scene.notes
-    assert note.startswith("a.zip: The tool is hand; j1, j2, j3 are planned, held: ")
+    assert note.startswith("a.zip: The tool tip is hand; j1, j2, j3 are planned, held: ")
     held = [one.name for one in robot.joints if one.name[0] != "j" or "jaw" in one.name]
     masters = [k for k in held if k not in ("flange", "right_0")] or ["right_0"]
     assert all(f"{name} at 0" in note for name in masters)

@@ -127,6 +127,60 @@ def test_an_upload_is_an_arm_or_a_sentence(
 
 
 @pytest.mark.slow
+def test_one_of_several_robots_in_a_file_is_chosen_by_name(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    told = notified(monkeypatch, session)
+    other = arm(('type="prismatic"', 'type="revolute"'))
+    files: dict[str, str | bytes] = {"p/urdf/one.urdf": arm(), "p/urdf/two.urdf": other}
+    upload(session, "package.zip", packed(files))
+    model = panel(session).model
+    until(lambda: model.robot.visible)
+    assert model.robot.options[1:] == ("p/urdf/one.urdf", "p/urdf/two.urdf")
+    assert isinstance(planned_arm(session), Arm)
+    for name in ("two", "one"):
+        fake.set(model.robot, f"p/urdf/{name}.urdf")
+        until(lambda: session.plan.scene.arm.urdf == f"{name}.zip")  # type: ignore[union-attr]  # noqa: B023
+        until(lambda: session.resting)
+        assert model.robot.visible
+        assert session.plan is not None
+        kinds = [joint.kind for joint in session.plan.scene.arm.robot.joints]
+        assert kinds[2] == ("revolute" if name == "two" else "prismatic")
+    upload(session, "single.urdf", arm().encode())
+    until(lambda: session.plan.scene.arm.urdf == "single.zip")  # type: ignore[union-attr]
+    assert not model.robot.visible
+    assert not [sentence for title, sentence in told if "not added" in title]
+
+
+@pytest.mark.slow
+def test_a_grippers_joints_are_held_where_their_sliders_are(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    fake.set(panel(session).model.model, "Franka Panda")
+    until(lambda: session.plan.scene.arm.urdf == "panda")  # type: ignore[union-attr]
+    until(lambda: session.resting)
+    gripper = panel(session).model.gripper
+    (finger,) = gripper.sliders.values()  # the other follows it
+    assert (finger.min, finger.max) == pytest.approx((0, 4))  # in cm, as the scene
+    fake.set(finger, 3.0)
+    until(lambda: session.plan.scene.arm.gripper == {"panda_finger_joint1": 3.0})  # type: ignore[union-attr]
+    made = planned_arm(session)
+    assert isinstance(made, UrdfArm)
+    assert made.chain.held["panda_finger_joint1"] == pytest.approx(0.03)
+
+    assert session.plan is not None
+    closed = session.plan.scene.replace(arm={"gripper": {"panda_finger_joint1": 0.5}})
+    panel(session).write(closed)
+    assert finger.value == pytest.approx(0.5)
+    assert session.panels.read(closed) == closed
+    fake.set(panel(session).model.tip, "panda_leftfinger")
+    until(lambda: session.plan.scene.arm.tip == "panda_leftfinger")  # type: ignore[union-attr]
+    assert not gripper.sliders
+    assert session.plan.scene.arm.gripper == {}
+
+
+@pytest.mark.slow
 def test_a_scene_that_is_opened_tells_what_is_left_out_of_its_arm(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -139,7 +193,7 @@ def test_a_scene_that_is_opened_tells_what_is_left_out_of_its_arm(
     for _ in range(2):  # once for an arm
         panel(session).model.write(scene)
         assert [sentence for _, sentence in told] == [
-            "The tool is d; p, q, s are planned.",
+            "The tool tip is d; p, q, s are planned.",
             "Drawn by collision shapes, as visuals cannot be read: a.",
         ]
 

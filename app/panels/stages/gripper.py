@@ -1,0 +1,85 @@
+"""Positions at which the joints beside the arm are held, such as those of a gripper."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import viser
+
+from abi.obstacles.pose import METRES
+from abi.robot.held_joints import held_in_metres, planned_joints, positions_held
+from abi.robot.robot import Joint, Robot
+from app.panels.widgets import Wake, range_hint
+
+_MOST = 12
+"""Joints that have a slider; a hand of more of them is held by its scene file."""
+_STEPS = 200
+
+
+class GripperPanel:
+    """A slider for each joint that is held and follows no other."""
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        self._gui, self._wake = gui, wake
+        self._folder = gui.add_folder("Gripper", visible=False)
+        self.sliders: dict[str, viser.GuiSliderHandle[float]] = {}
+        self._of: tuple[tuple[str, float, float], ...] = ()
+        self._held: dict[str, float] = {}
+        self._shown: dict[str, float] = {}
+
+    def read(self) -> dict[str, float]:
+        """Positions of the joints that the scene named or a hand moved, [rad] or [unit]."""
+        for name, slider in self.sliders.items():
+            if slider.value != self._shown[name]:
+                self._held[name] = self._shown[name] = slider.value
+        return dict(self._held)
+
+    def write(self, robot: Robot, tip: str, held: Mapping[str, float], unit: str) -> None:
+        """Show the joints of a robot that do not move its tip.
+
+        Args:
+            robot: from its base link on.
+            tip: name of the link.
+            held: positions that the scene names, [rad] or [unit].
+            unit: of the scene.
+        """
+        planned, metres = planned_joints(robot, tip), METRES[unit]
+        still = positions_held(robot, planned, held_in_metres(robot, held, metres))
+        scales = {
+            joint.name: metres if joint.kind == "prismatic" else 1.0
+            for joint in robot.joints
+            if joint.name in still and joint.mimic is None and joint.low < joint.high
+        }
+        joints = [joint for joint in robot.joints if joint.name in scales][:_MOST]
+        rows = tuple(
+            (one.name, one.low / scales[one.name], one.high / scales[one.name]) for one in joints
+        )
+        if rows != self._of:
+            self._of = rows
+            self._add(joints, scales, unit)
+        self._held = dict(held)
+        for name, slider in self.sliders.items():
+            slider.value = self._shown[name] = still[name] / scales[name]
+        self.show(True)
+
+    def show(self, shown: bool) -> None:
+        """Show or hide it; without such joints it stays hidden."""
+        self._folder.visible = shown and bool(self.sliders)
+
+    def _add(self, joints: list[Joint], scales: Mapping[str, float], unit: str) -> None:
+        for old in self.sliders.values():
+            old.remove()
+        self.sliders = {}
+        with self._folder:
+            for one in joints:
+                low, high = one.low / scales[one.name], one.high / scales[one.name]
+                kind = unit if one.kind == "prismatic" else "rad"
+                self.sliders[one.name] = self._gui.add_slider(
+                    one.name,
+                    min=low,
+                    max=high,
+                    step=(high - low) / _STEPS,
+                    initial_value=low,
+                    hint=range_hint("Held here while the arm moves.", low, high, kind),
+                )
+                self.sliders[one.name].on_update(self._wake)
