@@ -80,7 +80,7 @@ def held_in_metres(robot: Robot, held: Mapping[str, float], metres: float) -> di
 
 
 def planned_sentence(robot: Robot, tip: str, wanted: Mapping[str, float]) -> str:
-    """A sentence on the link whose origin is the tool tip, the joints that move it, and those that are held.
+    """A sentence on the link of the tool tip, the joints that move it, and those that are held.
 
     Args:
         robot: the robot.

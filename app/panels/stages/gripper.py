@@ -14,14 +14,25 @@ from app.panels.widgets import Wake, range_hint
 _MOST = 12
 """Joints that have a slider; a hand of more of them is held by its scene file."""
 _STEPS = 200
+_BY_JOINT = "by its joints"
+_LOWEST, _HIGHEST = "at its lower limits", "at its upper limits"
 
 
 class GripperPanel:
-    """A slider for each joint that is held and follows no other."""
+    """A slider for each joint that is held and follows no other, and a choice of named states."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self._gui, self._wake = gui, wake
         self._folder = gui.add_folder("Gripper", visible=False)
+        with self._folder:
+            self.state = gui.add_dropdown(
+                "state",
+                (_BY_JOINT,),
+                hint="Positions that the arm's SRDF names, such as open and closed, or limits.",
+            )
+        self.state.on_update(wake)
+        self._states: dict[str, dict[str, float]] = {}
+        self._chosen = _BY_JOINT
         self.sliders: dict[str, viser.GuiSliderHandle[float]] = {}
         self._of: tuple[tuple[str, float, float], ...] = ()
         self._held: dict[str, float] = {}
@@ -29,9 +40,14 @@ class GripperPanel:
 
     def read(self) -> dict[str, float]:
         """Positions of the joints that the scene named or a hand moved, [rad] or [unit]."""
+        if self.state.value != self._chosen:
+            self._chosen = self.state.value
+            for name, at in self._states.get(self._chosen, {}).items():
+                self.sliders[name].value = self._held[name] = self._shown[name] = at
         for name, slider in self.sliders.items():
             if slider.value != self._shown[name]:
                 self._held[name] = self._shown[name] = slider.value
+                self.state.value = self._chosen = _BY_JOINT
         return dict(self._held)
 
     def write(self, robot: Robot, tip: str, held: Mapping[str, float], unit: str) -> None:
@@ -57,6 +73,7 @@ class GripperPanel:
         if rows != self._of:
             self._of = rows
             self._add(joints, scales, unit)
+        self._list_states(robot, scales)
         self._held = dict(held)
         for name, slider in self.sliders.items():
             slider.value = self._shown[name] = still[name] / scales[name]
@@ -65,6 +82,19 @@ class GripperPanel:
     def show(self, shown: bool) -> None:
         """Show or hide it; without such joints it stays hidden."""
         self._folder.visible = shown and bool(self.sliders)
+
+    def _list_states(self, robot: Robot, scales: Mapping[str, float]) -> None:
+        """List the positions that have a name, of which none is chosen."""
+        named = {
+            one.name: {name: at / scales[name] for name, at in one.positions.items()}
+            for one in robot.states
+            if one.positions and one.positions.keys() <= self.sliders.keys()
+        }
+        lowest = {name: slider.min for name, slider in self.sliders.items()}
+        highest = {name: slider.max for name, slider in self.sliders.items()}
+        self._states = {**named, _LOWEST: lowest, _HIGHEST: highest}
+        self.state.options = (_BY_JOINT, *self._states)
+        self.state.value = self._chosen = _BY_JOINT
 
     def _add(self, joints: list[Joint], scales: Mapping[str, float], unit: str) -> None:
         for old in self.sliders.values():

@@ -32,6 +32,7 @@ from app.layers.arm.urdf_arm import _muted, joint_origin, joint_values
 from app.layers.arm.urdf_poses import end_pose, other_poses, poses_at
 from app.panels.stages.arm import ArmPanel
 from app.tab.session import Session
+from tests.abi.robot import robots
 from tests.abi.robot.robots import OWN, arm, packed
 from tests.abi.robot.test_visuals import dae, looking
 from tests.app.fake_tab import FakeTab, heard, layer, notified, send_file, until
@@ -154,6 +155,36 @@ def test_one_of_several_robots_in_a_file_is_chosen_by_name(
 
 
 @pytest.mark.slow
+def test_a_gripper_takes_the_states_that_its_srdf_names(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    hand = robots.urdf(
+        *map(robots.link, "abcde"),
+        robots.joint("p", "a", "b"),
+        robots.joint("q", "b", "c", axis="1 0 0"),
+        robots.joint("left", "c", "d", axis="1 0 0"),
+        robots.joint("right", "c", "e", axis="1 0 0"),
+    )
+    states = "".join(
+        f'<group_state name="{name}" group="hand"><joint name="left" value="{at}"/>'
+        f'<joint name="right" value="{-at}"/></group_state>'
+        for name, at in (("open", 0.7), ("closed", 0.1))
+    )
+    group = '<group name="hand"><joint name="left"/><joint name="right"/></group>'
+    srdf = f'<robot name="r">{group}{states}</robot>'
+    upload(session, "hand.zip", packed({"hand.urdf": hand, "hand.srdf": srdf}))
+    until(lambda: session.plan.scene.arm.urdf == "hand.zip")  # type: ignore[union-attr]
+    assert panel(session).model.tip.value == "c"
+    gripper = panel(session).model.gripper
+    assert gripper.state.options[1:3] == ("open", "closed")
+    fake.set(gripper.state, "open")
+    until(lambda: session.plan.scene.arm.gripper == {"left": 0.7, "right": -0.7})  # type: ignore[union-attr]
+    fake.set(gripper.sliders["left"], 0.3)
+    until(lambda: session.plan.scene.arm.gripper == {"left": 0.3, "right": -0.7})  # type: ignore[union-attr]
+    assert gripper.state.value == "by its joints"
+
+
+@pytest.mark.slow
 def test_a_grippers_joints_are_held_where_their_sliders_are(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     until(lambda: session.resting)
@@ -168,6 +199,10 @@ def test_a_grippers_joints_are_held_where_their_sliders_are(tab: tuple[FakeTab, 
     made = planned_arm(session)
     assert isinstance(made, UrdfArm)
     assert made.chain.held["panda_finger_joint1"] == pytest.approx(0.03)
+
+    fake.set(gripper.state, "at its lower limits")
+    until(lambda: session.plan.scene.arm.gripper == {"panda_finger_joint1": 0.0})  # type: ignore[union-attr]
+    assert finger.value == 0
 
     assert session.plan is not None
     closed = session.plan.scene.replace(arm={"gripper": {"panda_finger_joint1": 0.5}})
