@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import viser
 
 from abi.obstacles.pose import METRES
-from abi.robot.held_joints import held_in_metres, planned_joints, positions_held
-from abi.robot.robot import Joint, Robot
+from abi.robot.urdf.held_joints import held_in_metres, planned_joints, positions_held
+from abi.robot.urdf.robot import Joint, Robot
 from app.panels.widgets import Wake, range_hint
 
 _MOST = 12
