@@ -54,11 +54,11 @@ if hasattr(os, "register_at_fork"):
     )
 
 
-class _OfThread(threading.local):
+class _ThreadWork(threading.local):
     interpreted = 0
 
 
-_of_thread = _OfThread()
+_of_thread = _ThreadWork()
 
 
 class Kernel(Generic[_P, _R]):

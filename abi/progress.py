@@ -32,15 +32,15 @@ class Watch(Protocol):
         """Hear what is done now, as ``searching``."""
 
 
-class _OfThread(threading.local):
+class _ThreadWatch(threading.local):
     watch: Watch | None = None
 
 
-_of_thread = _OfThread()
+_of_thread = _ThreadWatch()
 
 
 @dataclass(frozen=True)
-class Question:
+class QuietWatch:
     """A watch that asks a function whether the result is not wanted any more, and tells nobody."""
 
     asks: Callable[[], bool]

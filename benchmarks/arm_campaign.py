@@ -25,7 +25,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
 from benchmarks.arm_lattice import Poses, lattice_motion
@@ -51,7 +51,7 @@ def record(seed: int) -> Record:
     found: Record = {"seed": seed, "ms": ms, "length": _length(plan)}
     found["error"] = None if plan.error is None else plan.error.kind
     found["avoided"] = plan.tool_only is not None or found["error"] == "arm_not_clear"
-    assert isinstance(plan.arm, Arm)
+    assert isinstance(plan.arm, PaperArm)
     is_clear = found["error"] is None
     if is_clear:
         assert plan.motion is not None
@@ -180,7 +180,7 @@ def _is_proven(data: Any, meshes: MeshSource) -> bool:
     return next(one for one in verify(data, meshes) if one.curve == "arm").proven
 
 
-def _beside_ompl(scene: Scene, arm: Arm) -> Record:
+def _beside_ompl(scene: Scene, arm: PaperArm) -> Record:
     """Runs of OMPL's planners, where it is installed, and of a plan on a coarse mesh."""
     if importlib.util.find_spec("ompl") is None:
         return {}

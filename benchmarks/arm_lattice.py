@@ -18,7 +18,7 @@ import scipy
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Capsule
-from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.arm import PaperArm, place
 from abi.robot.paper_arm.link_capsules import COLUMN
 from abi.scene.scene import Scene
 
@@ -37,7 +37,7 @@ class Poses:
     """Poses of an arm by tool place and branch, tried without margins."""
 
     scene: Scene
-    arm: Arm
+    arm: PaperArm
 
     @cached_property
     def obstacles(self) -> ObstacleSet:
@@ -146,7 +146,7 @@ class Poses:
         return joints, within & (q3 >= limits[2, 0]) & (q3 <= limits[2, 1])
 
 
-def lattice_motion(scene: Scene, arm: Arm, nodes: int = NODES) -> float | None:
+def lattice_motion(scene: Scene, arm: PaperArm, nodes: int = NODES) -> float | None:
     """Length of the tool's path along a lattice's edges, [unit]; None where there is none.
 
     Args:

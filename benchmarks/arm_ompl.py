@@ -24,7 +24,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.primitives import Capsule
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.link_capsules import COLUMN, UPPER_ARM
 from abi.scene.scene import Scene
 
@@ -56,7 +56,11 @@ PLANNERS = (
 
 
 def solve(
-    planner: JointPlanner, scene: Scene, arm: Arm, poses: tuple[FloatArray, FloatArray], ms: float
+    planner: JointPlanner,
+    scene: Scene,
+    arm: PaperArm,
+    poses: tuple[FloatArray, FloatArray],
+    ms: float,
 ) -> tuple[float | None, float]:
     """Plan within about so many milliseconds.
 
@@ -89,7 +93,7 @@ def solve(
 
 
 def _setup(
-    planner: JointPlanner, scene: Scene, arm: Arm, poses: tuple[FloatArray, FloatArray]
+    planner: JointPlanner, scene: Scene, arm: PaperArm, poses: tuple[FloatArray, FloatArray]
 ) -> Any:
     starts, goals = poses
     nearest = math.remainder(goals[0, 0] - starts[0, 0], 2 * math.pi)
@@ -141,7 +145,7 @@ def _joints(state: Any) -> tuple[float, float, float]:
 class _ArmCheck(base.MotionValidator):  # type: ignore[misc]
     """Check that tool and arm are clear all along a motion."""
 
-    def __init__(self, information: Any, scene: Scene, arm: Arm) -> None:
+    def __init__(self, information: Any, scene: Scene, arm: PaperArm) -> None:
         super().__init__(information)
         obstacles = ObstacleSet(scene.obstacles)
         self._numbers = _numbers(scene, arm)
@@ -171,7 +175,7 @@ class _ArmCheck(base.MotionValidator):  # type: ignore[misc]
         return self.checkMotion(a, a)
 
 
-def _numbers(scene: Scene, arm: Arm) -> FloatArray:
+def _numbers(scene: Scene, arm: PaperArm) -> FloatArray:
     """Shoulder, both lengths, floor, clearances of tool and links, workspace, limits."""
     floor = min(float(arm.base[2]), scene.workspace.min[2])
     return np.array(
@@ -184,7 +188,7 @@ def _numbers(scene: Scene, arm: Arm) -> FloatArray:
     )
 
 
-def _column(arm: Arm) -> FloatArray:
+def _column(arm: PaperArm) -> FloatArray:
     x, y, z = arm.base.tolist()
     return pack(
         tuple(

@@ -27,7 +27,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.arm import Arm, urdf
+from abi.robot.paper_arm.arm import PaperArm, urdf
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import scene_names
 from app.server.address import Address
@@ -67,7 +67,7 @@ def _links(plan: Plan, arm: AnyArm, time: float) -> Poses:
             name += f"/joint{number}"
             found[name] = _pose(pose[:, :3], pose[:, 3] / arm.metres)
         return found
-    assert isinstance(arm, Arm)
+    assert isinstance(arm, PaperArm)
     model = yourdfpy.URDF.load(io.BytesIO(urdf(arm, 1.0).encode()))
     model.update_cfg(positions)
     name, found, base = "/arm/links", dict[str, FloatArray](), _pose(np.eye(3), arm.base)
@@ -84,7 +84,7 @@ def _positions(plan: Plan, arm: AnyArm, time: float) -> FloatArray:
         return np.array([np.interp(time, plan.motion.time, column) for column in columns])
     if isinstance(arm, UrdfArm):
         return np.asarray(arm.first_poses(np.array(plan.scene.start))[0])
-    assert isinstance(arm, Arm)
+    assert isinstance(arm, PaperArm)
     return np.asarray(rest_pose(arm, plan.scene.arm, plan.scene.start))
 
 

@@ -13,12 +13,12 @@ import numpy as np
 import scipy.interpolate
 import scipy.optimize
 
-from abi.teach.quiz.question import Question
+from abi.teach.quiz.question import QuizQuestion
 
 Facts = Mapping[str, Any]
 
 
-def answer(template: str, question: Question) -> int:
+def answer(template: str, question: QuizQuestion) -> int:
     """Number of the choice that is right; -1 where none is, or more than one."""
     right = _ORACLES[template](question.facts)
     found = [k for k, choice in enumerate(question.choices) if _is(choice, right)]

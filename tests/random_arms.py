@@ -12,7 +12,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.surroundings import arm_surroundings
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.arm import PaperArm, place
 from abi.scene.scene import Scene
 from tests.random_scenes import mesh_source
 
@@ -59,7 +59,7 @@ def free_branches(scene: Scene, ends: FloatArray) -> Sequence[str]:
     obstacles = ObstacleSet(scene.obstacles)
     if obstacles.signed_distance(ends).min() < scene.spline.clearance + 0.02:
         return []
-    arm = Arm.from_settings(scene.arm)
+    arm = PaperArm.from_settings(scene.arm)
     surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
     branches = []
     for elbow in scene.arm.branches:
@@ -69,7 +69,7 @@ def free_branches(scene: Scene, ends: FloatArray) -> Sequence[str]:
     return branches
 
 
-def dense_clearance(arm: Arm, motion: ArmMotion, obstacles: ObstacleSet) -> float:
+def dense_clearance(arm: PaperArm, motion: ArmMotion, obstacles: ObstacleSet) -> float:
     """Least distance of the capsules to an obstacle, at samples along them, measured singly."""
     ends = place(arm, motion.positions)
     shares = np.linspace(0, 1, 15)[:, None, None, None]

@@ -21,7 +21,7 @@ from abi.curves import speed_profile
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
@@ -44,7 +44,7 @@ class AbiCourse:
 
     curve: Curve
     arc: ArcLength
-    arm: Arm
+    arm: PaperArm
     settings: ArmSettings
 
     @property
@@ -115,7 +115,7 @@ class AbiModel:
     """The paper's arm; it remembers the rows of the last obstacles."""
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
-        self.arm = Arm.from_settings(settings, unit)
+        self.arm = PaperArm.from_settings(settings, unit)
         self._rows = RowTable()
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:

@@ -21,7 +21,7 @@ from abi.clearance.separation_kernels import (
     UNDECIDED,
     Outcome,
     Piece,
-    Plane,
+    SeparatingPlane,
     allowance_of,
     apart_along_axis,
     halves_of,
@@ -82,7 +82,7 @@ def _from_box(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3], middle: Vec3, ne
 
 @jitable
 def _separated_again(
-    planes: list[Plane], first: int, tree: TriangleTree, node: int, need: float
+    planes: list[SeparatingPlane], first: int, tree: TriangleTree, node: int, need: float
 ) -> bool:
     """Check if one of the latest planes of a piece, from ``first`` on, separates a node, too."""
     for i in range(len(planes) - 1, max(first, len(planes) - _KEPT) - 1, -1):
@@ -177,7 +177,7 @@ def separate_from_mesh(
                 nearest = min(nearest, distance)
             level = least_product(points, piece.first, piece.last, direction)
             if level - _support(direction, tree, node) > need:
-                planes.append(Plane(piece.start, piece.end, 0, direction, level))
+                planes.append(SeparatingPlane(piece.start, piece.end, 0, direction, level))
             elif wide:
                 _open(tree, node, work)
             else:

@@ -20,7 +20,7 @@ from abi.clearance.separation_kernels import (
     UNDECIDED,
     Outcome,
     Piece,
-    Plane,
+    SeparatingPlane,
     allowance_of,
     apart_along_axis,
     halves_of,
@@ -111,7 +111,7 @@ def separate_from_primitives(
                 separated = level > need
             if separated:
                 normal = in_world(axes, direction)
-                planes.append(Plane(piece.start, piece.end, s, normal, level))
+                planes.append(SeparatingPlane(piece.start, piece.end, s, normal, level))
                 continue
             tries += 1
             final = piece.halvings == MOST_HALVINGS or (extent < finest and not run)

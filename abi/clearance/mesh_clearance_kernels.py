@@ -29,7 +29,7 @@ from abi.clearance.bezier_kernels import divide
 from abi.compilation.jitable import jitable
 from abi.obstacles.surface_set import SurfaceSet
 from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh, widened
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Room
+from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace
 from abi.obstacles.triangle_mesh.triangle_kernels import on_side
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, norm, sub, vec3_at
 
@@ -123,7 +123,7 @@ def joints_near_meshes(
     joints: list[Sample],
     nearest: float,
     required: float,
-    room: Room,
+    room: DescentWorkspace,
 ) -> Nearest:
     """Lower the distances between pieces that are one curve, and at its ends, to the meshes'.
 
@@ -165,7 +165,7 @@ def middles_near_meshes(
     bounds: list[float],
     nearest: float,
     demand: tuple[float, float, float],
-    room: Room,
+    room: DescentWorkspace,
 ) -> Nearest:
     """Lower the distances at the middles of pieces, and their bounds, to those to the meshes.
 

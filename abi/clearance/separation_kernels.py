@@ -55,7 +55,7 @@ class Piece(NamedTuple):
     end: float
 
 
-class Plane(NamedTuple):
+class SeparatingPlane(NamedTuple):
     """A plane between a piece of the curve and an obstacle.
 
     Attributes:
@@ -73,7 +73,7 @@ class Plane(NamedTuple):
     level: float
 
 
-NO_PLANE = Plane(0.0, 0.0, 0, (0.0, 0.0, 0.0), 0.0)
+NO_PLANE = SeparatingPlane(0.0, 0.0, 0, (0.0, 0.0, 0.0), 0.0)
 """First of every list of planes, so that its type is known."""
 
 Outcome = tuple[int, float, int, float, FloatArray]
@@ -82,7 +82,7 @@ Outcome = tuple[int, float, int, float, FloatArray]
 
 
 @jitable
-def table_of(planes: list[Plane]) -> FloatArray:
+def table_of(planes: list[SeparatingPlane]) -> FloatArray:
     """The planes as rows (k, 7), without the first, which means nothing."""
     table = np.empty((len(planes) - 1, 7))
     for i in range(1, len(planes)):

@@ -15,7 +15,7 @@ from abi.export.mcap_entities import Colour, Part
 from abi.obstacles.pose import Vec3
 from abi.robot.any_arm import AnyArm
 from abi.robot.kinematics.chain import Chain
-from abi.robot.urdf.robot import Link, Shape
+from abi.robot.urdf.robot import Link, LinkShape
 from abi.robot.urdf.robot_files import packed, robot_from_archive
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.robot.urdf_arm import UrdfArm
@@ -114,7 +114,7 @@ def _drawn(link: Link) -> dict[str, list[Part]]:
     return mcap_entities.by_kind([_part(shape) for shape in link.drawn])
 
 
-def _part(shape: Shape) -> tuple[str, Part]:
+def _part(shape: LinkShape) -> tuple[str, Part]:
     colours: list[Colour] = [
         (*(channel / 255 for channel in row), 1.0) for row in shape.colours.tolist()
     ]
@@ -139,7 +139,7 @@ def _quaternions(turns: FloatArray) -> FloatArray:
     return np.asarray(Rotation.from_matrix(np.array(turns)).as_quat()[:, [3, 0, 1, 2]])
 
 
-def _extent(shape: Shape) -> Vec3:
+def _extent(shape: LinkShape) -> Vec3:
     """Edges of the box around a shape that is no mesh, [m]."""
     radius, length, _ = shape.size
     if shape.kind == "box":

@@ -35,7 +35,7 @@ _RED, _BLUE = (0.85, 0.3, 0.2, 0.8), (0.15, 0.4, 0.9, 1.0)
 _NO_FACES = np.empty((0, 3), dtype=np.int32)
 
 
-class _Message(NamedTuple):
+class _RecordedMessage(NamedTuple):
     topic: str
     schema: str
     time: float
@@ -76,17 +76,19 @@ def write(plan: Plan, name: str) -> bytes:
     return file.getvalue()
 
 
-def _messages(plan: Plan, description: str) -> Iterator[_Message]:
+def _messages(plan: Plan, description: str) -> Iterator[_RecordedMessage]:
     assert plan.arm is not None
     chain = chain_of(plan.arm)
     frame, root = scene_frame(chain), chain.robot.root
     trajectory, tool = joint_trajectory(plan), motion_of(plan).tool * plan.arm.metres
     still, moving = link_frames(chain, trajectory.positions)
-    yield _Message("/robot_description", "std_msgs/String", 0.0, {"data": description})
-    yield _Message("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
-    yield _Message("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
+    yield _RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
+    yield _RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
+    yield _RecordedMessage("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
     # a topic of their own: where one seeks, only the last message of a topic counts
-    yield _Message("/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0))
+    yield _RecordedMessage(
+        "/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0)
+    )
     for index, time in enumerate(trajectory.time.tolist()):
         state = {
             "header": {"stamp": stamp(time), "frame_id": root},
@@ -95,11 +97,13 @@ def _messages(plan: Plan, description: str) -> Iterator[_Message]:
             "velocity": trajectory.velocities[index].tolist(),
             "effort": [],
         }
-        yield _Message("/joint_states", "sensor_msgs/JointState", time, state)
-        yield _Message("/tf", "foxglove.FrameTransforms", time, _transforms(moving, index, time))
+        yield _RecordedMessage("/joint_states", "sensor_msgs/JointState", time, state)
+        yield _RecordedMessage(
+            "/tf", "foxglove.FrameTransforms", time, _transforms(moving, index, time)
+        )
         pose = pose_of(tool[index], UNTURNED)
         place = {"timestamp": stamp(time), "frame_id": frame, "pose": pose}
-        yield _Message("/tool", "foxglove.PoseInFrame", time, place)
+        yield _RecordedMessage("/tool", "foxglove.PoseInFrame", time, place)
 
 
 def _transforms(frames: list[LinkFrame], sample: int, time: float) -> Part:

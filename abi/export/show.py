@@ -20,7 +20,7 @@ HEIGHT = 560
 
 
 @dataclass(frozen=True, repr=False)
-class Shown(ShortRepr):
+class ShownPlan(ShortRepr):
     """The page of a plan, which a notebook draws as a cell's value.
 
     Attributes:
@@ -37,7 +37,7 @@ class Shown(ShortRepr):
         )
 
 
-def show(plan: Plan) -> Shown:
+def show(plan: Plan) -> ShownPlan:
     """Show a plan: in a notebook as the cell's value, elsewhere in a browser tab.
 
     The page is that of ``abi export --to plan.html`` and plays without a server.
@@ -61,4 +61,4 @@ def show(plan: Plan) -> Shown:
             warnings.warn(f"{reason} Open {file} in one that runs WebGL.", stacklevel=2)
         else:
             webbrowser.open(file.as_uri())
-    return Shown(page)
+    return ShownPlan(page)

@@ -15,7 +15,7 @@ from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
 from abi.obstacles.triangle_mesh.point_distance_kernels import signed_distance_at
 from abi.obstacles.triangle_mesh.surface_segment_kernels import least_distance
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, to_surface
+from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub
 
 WIDER = 1e-9
@@ -30,7 +30,7 @@ def widened(limit: float) -> float:
 
 @jitable
 def nearest_mesh(
-    surfaces: SurfaceSet, enough: float, sought: float, x: Vec3, room: Room
+    surfaces: SurfaceSet, enough: float, sought: float, x: Vec3, room: DescentWorkspace
 ) -> tuple[float, int, int, float]:
     """Least signed distance of a point, whose it is, the triangle, and a lower bound of it.
 
@@ -73,7 +73,7 @@ def most_to_mesh(surfaces: SurfaceSet, most: float, x: Vec3) -> float:
 
 @jitable
 def nearest_mesh_to_segment(
-    surfaces: SurfaceSet, enough: float, a: Vec3, b: Vec3, room: Room
+    surfaces: SurfaceSet, enough: float, a: Vec3, b: Vec3, room: DescentWorkspace
 ) -> tuple[float, int]:
     """Least signed distance of a segment and whose it is; ``enough`` and -1 if it is not below.
 
@@ -107,7 +107,7 @@ def nearest_mesh_to_segment(
 
 @jitable
 def meshes_met(
-    surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, most: int, room: Room
+    surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, most: int, room: DescentWorkspace
 ) -> tuple[int, int]:
     """Number of meshes that the segment a..b, world, meets, up to ``most``; the last one, or -1.
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.paper import printed
-from abi.paper.comparison import Comparison
-from abi.robot.paper_arm.arm import Arm, forward
+from abi.paper.comparison import PaperComparison
+from abi.robot.paper_arm.arm import PaperArm, forward
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
@@ -17,10 +17,10 @@ from abi.scene.scene import Scene
 _POSES = 10_000
 
 
-def of_kinematics(scene: Scene) -> Iterator[Comparison]:
+def of_kinematics(scene: Scene) -> Iterator[PaperComparison]:
     """Forward and inverse kinematics: the printed formulas in random poses, and ours."""
     section = "stage 6, arm"
-    arm = Arm.from_settings(scene.arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
+    arm = PaperArm.from_settings(scene.arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
     poses, tool = _facing_poses(arm)
     solved = np.zeros_like(poses)
     solution = solve(arm, tool, np.zeros(_POSES), "up", np.zeros_like(tool))
@@ -37,7 +37,7 @@ def of_kinematics(scene: Scene) -> Iterator[Comparison]:
     }
     shares = {name: _share(*sides) for name, sides in formulas.items()}
     for wrong, corrected in zip(list(shares)[::2], list(shares)[1::2], strict=True):
-        yield Comparison(
+        yield PaperComparison(
             section,
             wrong,
             "the solution",
@@ -45,7 +45,7 @@ def of_kinematics(scene: Scene) -> Iterator[Comparison]:
             f"{shares[corrected]:.0f} %",
             "does not hold",
         )
-    yield Comparison(
+    yield PaperComparison(
         section,
         "forward after inverse kinematics",
         "gives the tool tip's place back",
@@ -54,7 +54,7 @@ def of_kinematics(scene: Scene) -> Iterator[Comparison]:
     )
 
 
-def of_drives(scene: Scene) -> Iterator[Comparison]:
+def of_drives(scene: Scene) -> Iterator[PaperComparison]:
     """Motion of the wrist, q4, under a constant force."""
     still = scene.arm.model_copy(update={"forces": (1.0, 1.0, 1.0), "q5": 0.0})
     inertia = sum(mass * i**2 for mass, i in zip(still.masses, still.radii, strict=True))
@@ -63,7 +63,7 @@ def of_drives(scene: Scene) -> Iterator[Comparison]:
     for dynamics in ("as_printed", "corrected"):
         q4 = wrist_positions(still.model_copy(update={"dynamics": dynamics}), time)[:, 0]
         forces[dynamics] = inertia * float(np.diff(q4, 2).mean()) / time[1] ** 2
-    yield Comparison(
+    yield PaperComparison(
         "stage 6, drives",
         "q4 = t²·Q / I under the force Q",
         "the solution",
@@ -72,7 +72,7 @@ def of_drives(scene: Scene) -> Iterator[Comparison]:
     )
 
 
-def _facing_poses(arm: Arm) -> tuple[FloatArray, FloatArray]:
+def _facing_poses(arm: PaperArm) -> tuple[FloatArray, FloatArray]:
     """Random poses (n, 6), [rad], with the tool in front of the arm, and its positions (n, 3)."""
     poses = np.zeros((_POSES, 6))
     rng = np.random.default_rng(0)

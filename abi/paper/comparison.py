@@ -9,7 +9,7 @@ Verdict = Literal["holds", "depends on the mesh", "does not hold"]
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PaperComparison:
     """One statement of the paper beside what we find.
 
     Attributes:

@@ -13,7 +13,7 @@ from abi.curves.speed_profile import three_phase
 from abi.length_text import format_lower_bound
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
-from abi.paper.comparison import Comparison
+from abi.paper.comparison import PaperComparison
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene
@@ -21,7 +21,7 @@ from abi.scene.scene import Scene
 _MESHES = 9
 
 
-def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
+def of_splines(scene: Scene, result: Plan) -> Iterator[PaperComparison]:
     """Length of the spline, and spline and quadratic when nothing keeps them clear."""
     section = "stage 4, B-spline"
     assert result.path is not None
@@ -29,7 +29,7 @@ def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
     assert result.bspline.holds
     assert result.bspline_arc is not None
     share = result.bspline_arc.length / result.path.length
-    yield Comparison(
+    yield PaperComparison(
         section,
         "length of the B-spline, degree 4",
         f"{printed.BSPLINE_LENGTH:.2f}, {printed.BSPLINE_LENGTH / printed.LENGTHS['a_star']:.3f}"
@@ -39,14 +39,14 @@ def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
         "depends on the mesh",
     )
     splines, quadratics = zip(*_clearances_as_printed(scene), strict=True)
-    yield Comparison(
+    yield PaperComparison(
         section,
         "B-spline on the path's vertices",
         "does not enter the obstacle",
         _entered(splines),
         "does not hold" if min(splines) < 0 else "holds",
     )
-    yield Comparison(
+    yield PaperComparison(
         "stage 5, quadratic",
         "quadratic fitted by least squares",
         "bypasses the obstacle",
@@ -55,14 +55,14 @@ def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
     )
 
 
-def of_quadratic(scene: Scene, result: Plan) -> Iterator[Comparison]:
+def of_quadratic(scene: Scene, result: Plan) -> Iterator[PaperComparison]:
     """Length of the quadratic, and the printed polynomials' length, ends, clearance and speed."""
     section = "stage 5, quadratic"
     assert result.path is not None
     assert result.quadratic is not None
     assert result.quadratic_arc is not None
     length, path = result.quadratic_arc.length, result.path.length
-    yield Comparison(
+    yield PaperComparison(
         section,
         "length of the quadratic",
         f"{printed.QUADRATIC_LENGTH:.3f}, "
@@ -70,14 +70,14 @@ def of_quadratic(scene: Scene, result: Plan) -> Iterator[Comparison]:
         f"{length:.3f}, {length / path:.3f} of A*'s path",
         "depends on the mesh",
     )
-    yield Comparison(
+    yield PaperComparison(
         section,
         "length of the printed polynomials",
         f"{printed.QUADRATIC_LENGTH:.3f}",
         f"{arc_length(printed.QUADRATIC).length:.4f}",
         "holds",
     )
-    yield Comparison(
+    yield PaperComparison(
         section,
         "ends of the printed polynomials",
         "exact",
@@ -85,7 +85,7 @@ def of_quadratic(scene: Scene, result: Plan) -> Iterator[Comparison]:
         "holds",
     )
     clearances = {side: _clearance_beside(scene, side) for side in (2.0, 2.5, 3.0)}
-    yield Comparison(
+    yield PaperComparison(
         section,
         "the printed polynomials and the cube",
         "bypass it; its side is not printed",
@@ -96,7 +96,7 @@ def of_quadratic(scene: Scene, result: Plan) -> Iterator[Comparison]:
         "holds",
     )
     speeds = np.linalg.norm(printed.QUADRATIC([0.0, 0.5, 1.0], 1), axis=1)
-    yield Comparison(
+    yield PaperComparison(
         section,
         "speed along the printed polynomials",
         "rises, stays, falls",
@@ -105,11 +105,11 @@ def of_quadratic(scene: Scene, result: Plan) -> Iterator[Comparison]:
     )
 
 
-def of_motion(result: Plan) -> Iterator[Comparison]:
+def of_motion(result: Plan) -> Iterator[PaperComparison]:
     """Theorem 1, on the times of speeding up and braking."""
     assert result.quadratic_arc is not None
     profile = three_phase(result.quadratic_arc.length, 4.0, 6.0, 3.0)
-    yield Comparison(
+    yield PaperComparison(
         "Theorem 1",
         "t1 = t3·|a3 / a1|, for a1 = 6, a3 = 3",
         "proven",

@@ -10,7 +10,7 @@ import scipy
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
-from abi.paper.comparison import Comparison
+from abi.paper.comparison import PaperComparison
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene
@@ -24,14 +24,14 @@ _NAMES = {"dijkstra": "Dijkstra", "bellman_ford": "Bellman-Ford", "a_star": "A*"
 _SCENES = 100
 
 
-def of_mesh(scene: Scene) -> Iterator[Comparison]:
+def of_mesh(scene: Scene) -> Iterator[PaperComparison]:
     """Exclusion of nodes alone, and the accuracy of finer meshes."""
     section = "stage 1, mesh"
     by_nodes, by_edges = zip(
         *((_enters_by_nodes(random), _enters(random)) for random in _random_scenes(scene)),
         strict=True,
     )
-    yield Comparison(
+    yield PaperComparison(
         section,
         "excluding the nodes in the obstacles",
         "is enough",
@@ -40,7 +40,7 @@ def of_mesh(scene: Scene) -> Iterator[Comparison]:
         "does not hold",
     )
     factors = [_detour(scene, pitch) for pitch in (1.0, 0.5, 0.25)]
-    yield Comparison(
+    yield PaperComparison(
         section,
         "reducing the pitch",
         "increases the accuracy",
@@ -51,20 +51,20 @@ def of_mesh(scene: Scene) -> Iterator[Comparison]:
     )
 
 
-def of_table_one(by_length: Plan, by_hops: Plan) -> Iterator[Comparison]:
+def of_table_one(by_length: Plan, by_hops: Plan) -> Iterator[PaperComparison]:
     """Table I beside our searches of one graph, by length and by hops."""
     section = "Table I"
     lengths = {result.algorithm: result.length for result in by_length.searches}
     hops = {result.algorithm: result for result in by_hops.searches}
     for name, length in printed.LENGTHS.items():
-        yield Comparison(
+        yield PaperComparison(
             section,
             f"{_NAMES[name]}, length of the path",
             f"{length:.3f}",
             f"{lengths[name]:.3f} by length, {hops[name].length:.3f} by edges",
             "depends on the mesh",
         )
-    yield Comparison(
+    yield PaperComparison(
         section,
         "vertices of the paths",
         f"{printed.VERTICES}, all three",
@@ -72,7 +72,7 @@ def of_table_one(by_length: Plan, by_hops: Plan) -> Iterator[Comparison]:
         "depends on the mesh",
     )
     spread = max(lengths.values()) - min(lengths.values())
-    yield Comparison(
+    yield PaperComparison(
         section,
         "the three lengths on one graph",
         "differ by up to 0.400",

@@ -12,7 +12,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.curves.quadratic import Quadratic
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 
 LENGTHS = MappingProxyType({"dijkstra": 13.695, "bellman_ford": 13.496, "a_star": 13.295})
 """Table I: length of the path by each algorithm, [cm]."""
@@ -45,7 +45,7 @@ def q1(tool: FloatArray) -> FloatArray:
     return np.asarray(0.5 * np.arccos((y**2 - x**2) / (x**2 + y**2)))
 
 
-def cos_q2(arm: Arm, tool: FloatArray, lead: Literal["printed", "corrected"]) -> FloatArray:
+def cos_q2(arm: PaperArm, tool: FloatArray, lead: Literal["printed", "corrected"]) -> FloatArray:
     """Stage 6: the cosine of q2, with both signs of the root in it.
 
     The printed first term, a3²·Pza, is a cube of lengths among fourth powers; solving for q2 again

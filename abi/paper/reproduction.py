@@ -6,12 +6,12 @@ Everything is computed anew from the shipped scene ``paper`` and from seeded ran
 from __future__ import annotations
 
 from abi.paper import arm_figures, curve_figures, graph_figures
-from abi.paper.comparison import Comparison
+from abi.paper.comparison import PaperComparison
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene
 
 
-def compare() -> tuple[Comparison, ...]:
+def compare() -> tuple[PaperComparison, ...]:
     """All comparisons, in the order of the paper."""
     scene = load_scene("paper")
     by_length = plan(scene)

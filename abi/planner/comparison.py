@@ -17,7 +17,7 @@ from abi.search.trace import SearchTrace
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class SearchComparison:
     """Result of one search in a comparison.
 
     Attributes:
@@ -75,7 +75,7 @@ def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
     )
 
 
-def compare(task: SearchTask) -> tuple[Comparison, ...]:
+def compare(task: SearchTask) -> tuple[SearchComparison, ...]:
     """Run every search that can take the task's arcs, one after the other."""
     found = []
     for name, search in COMPARED.items():
@@ -84,5 +84,5 @@ def compare(task: SearchTask) -> tuple[Comparison, ...]:
             trace = search.find(task)
             ms = 1e3 * (time.thread_time() - begin)
             weight = "length" if search.any_angle else task.weight
-            found.append(Comparison(name, weight, trace, ms))
+            found.append(SearchComparison(name, weight, trace, ms))
     return tuple(found)

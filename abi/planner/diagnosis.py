@@ -26,7 +26,7 @@ from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from abi.planner.what_if import WhatIf, components, rounded_down
-from abi.progress import CancelledError, Question, watched_by
+from abi.progress import CancelledError, QuietWatch, watched_by
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 
@@ -59,7 +59,7 @@ def explain(
         The reason; None if the plan has no error, or one of another kind.
     """
     try:
-        with watched_by(Question(cancelled)):
+        with watched_by(QuietWatch(cancelled)):
             reason = _reason(scene, plan, WhatIf(scene))
     except CancelledError:
         return None

@@ -9,7 +9,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.pose import Quaternion
 
 
-class Capsule(Protocol):
+class AnyCapsule(Protocol):
     """A capsule around a link."""
 
     @property
@@ -59,7 +59,7 @@ class AnyArm(Protocol):
         """Lowest and highest position of each joint, (n, 2), [rad] or [unit]."""
 
     @property
-    def capsules(self) -> Sequence[Capsule]:
+    def capsules(self) -> Sequence[AnyCapsule]:
         """Capsules around the links, those that stand still first."""
 
     @property

@@ -22,7 +22,7 @@ from abi.tet_mesh.adjacency_kernels import (
 )
 
 
-class _Labels(NamedTuple):
+class _RoundLabels(NamedTuple):
     """Knowledge of the nodes.
 
     Attributes:
@@ -63,7 +63,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     while expanded < last:
         if last + most > len(order):
             order = np.concatenate((order, np.empty_like(order)))
-        own = _Labels(cost, parent, waiting, order)
+        own = _RoundLabels(cost, parent, waiting, order)
         labels = borrowed(own)
         while expanded < last and last + most <= len(order):
             node = order[expanded]
@@ -111,7 +111,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
 
 @jitable(forceinline=True)
 def _lower(
-    labels: _Labels, node: int, neighbour: int, through: float, little: float, last: int
+    labels: _RoundLabels, node: int, neighbour: int, through: float, little: float, last: int
 ) -> int:
     """Reach a neighbour by way of a node if that costs less; where the order ends then.
 

@@ -25,7 +25,7 @@ from abi.tet_mesh.adjacency_kernels import (
     INTERIOR_DIRECTIONS,
     LINKED_BIT,
     Adjacency,
-    Shape,
+    MeshSizes,
     across,
     cell,
     cell_place,
@@ -38,7 +38,7 @@ WIDTH = 4 / (BUCKETS - 4)
 """Of the largest weight: how wide a bucket is."""
 
 
-class _Labels(NamedTuple):
+class _BestFirstLabels(NamedTuple):
     """Knowledge of the nodes: cost, parent, and whether that was looked at since it changed.
 
     And what is left to the goal by the heuristic, once the cost is finite: in a lattice that takes
@@ -111,7 +111,7 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     total = shape.nodes + own
     room = total + shape.most + len(problem.links.tails) + 1
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
-    labels = _Labels(cost, parent, np.zeros(total, np.uint8), np.empty(total))
+    labels = _BestFirstLabels(cost, parent, np.zeros(total, np.uint8), np.empty(total))
     first, entries = np.full(BUCKETS, -1, np.int32), np.empty(2 * room, np.int64)
     order = np.empty(total + 1, np.int32)
     cost[start], parent[start] = 0.0, -1
@@ -136,7 +136,7 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
 
 @jitable
 def _expand(
-    problem: Problem, slack: float, labels: _Labels, queue: _Queue, progress: _Progress
+    problem: Problem, slack: float, labels: _BestFirstLabels, queue: _Queue, progress: _Progress
 ) -> _Progress:
     """Expand nodes until the search is done, or the queue or the order is full.
 
@@ -284,7 +284,7 @@ def _unpacked(place: int) -> tuple[int, int, int]:
 
 @jitable(forceinline=True)
 def _stepped(
-    shape: Shape, steps: IntArray, k: int, place: tuple[int, int, int]
+    shape: MeshSizes, steps: IntArray, k: int, place: tuple[int, int, int]
 ) -> tuple[int, int, int]:
     """Place of the neighbour in a direction of a lattice, in half cells."""
     i, j, h = place
@@ -312,7 +312,7 @@ def _cheaper_in_row(
 
 @jitable(forceinline=True)
 def _cheaper_in_lattice(
-    shape: Shape,
+    shape: MeshSizes,
     node: tuple[int, int, tuple[int, int, int]],
     enough: float,
     offsets: IntArray,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from abi.compilation.jitable import jitable
 from abi.obstacles.vector_kernels import Vec3
-from abi.tet_mesh.adjacency_kernels import CSR, KUHN, Shape
+from abi.tet_mesh.adjacency_kernels import CSR, KUHN, MeshSizes
 
 NONE, INSIDE, ON_A_FACE = 0, 1, 2
 
@@ -53,7 +53,7 @@ NO_METRIC = Metric(NONE, Norm(_ZERO, _ZERO, 0.0, 0.0), _ZERO)
 
 
 @jitable(forceinline=True)
-def to_go(shape: Shape, metric: Metric, place: Vec3) -> float:
+def to_go(shape: MeshSizes, metric: Metric, place: Vec3) -> float:
     """A bound from below of the cost from a place to the goal; the place as the goal is given.
 
     For rows the straight line. In a lattice the cost of the steps that lead there, which is exact

@@ -19,7 +19,7 @@ from abi.search.search_kernels import LITTLE
 Key = tuple[float, float, int]
 
 
-class _Labels(NamedTuple):
+class _LifelongLabels(NamedTuple):
     """Labels of the nodes.
 
     Attributes:
@@ -34,14 +34,14 @@ class _Labels(NamedTuple):
 
 
 @jitable
-def _key(labels: _Labels, estimates: FloatArray, node: int) -> Key:
+def _key(labels: _LifelongLabels, estimates: FloatArray, node: int) -> Key:
     """Place of a node in the queue: f, then g, by the lesser of its two costs."""
     least = min(labels.cost[node], labels.ahead[node])
     return least + estimates[node], least, node
 
 
 @jitable
-def _look_ahead(arcs: ArcRows, labels: _Labels, node: int) -> int:
+def _look_ahead(arcs: ArcRows, labels: _LifelongLabels, node: int) -> int:
     """Find the best that the neighbours of a node say; the number of arcs looked at."""
     least, parent = np.inf, -1
     for k in range(arcs.indptr[node], arcs.indptr[node + 1]):
@@ -54,7 +54,11 @@ def _look_ahead(arcs: ArcRows, labels: _Labels, node: int) -> int:
 
 @jitable
 def _settle(
-    arcs: ArcRows, labels: _Labels, estimates: FloatArray, ends: tuple[int, int], queue: list[Key]
+    arcs: ArcRows,
+    labels: _LifelongLabels,
+    estimates: FloatArray,
+    ends: tuple[int, int],
+    queue: list[Key],
 ) -> tuple[list[int], int]:
     """Expand what disagrees with its neighbours, until the goal's cost is sure.
 
@@ -145,7 +149,9 @@ def repair_order(
         other arcs than before (n,); g of each node now (n,); and where it comes from (n,).
     """
     nodes, start = len(estimates), ends[0]
-    labels = _Labels(np.full(nodes, np.inf), np.full(nodes, np.inf), np.full(nodes, -1, np.int32))
+    labels = _LifelongLabels(
+        np.full(nodes, np.inf), np.full(nodes, np.inf), np.full(nodes, -1, np.int32)
+    )
     labels.ahead[start] = 0.0
     queue = [_key(labels, estimates, start)]
     _settle(before, labels, estimates, ends, queue)

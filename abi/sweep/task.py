@@ -21,7 +21,7 @@ PLANS = 20
 
 
 @dataclass(frozen=True)
-class Task:
+class SweepTask:
     """Settings of one scene, as plain data that any process can read.
 
     Attributes:
@@ -35,14 +35,14 @@ class Task:
     plans: tuple[tuple[str, Mapping[str, Any]], ...]
 
 
-def tasks(study: Study, is_done: Callable[[str], bool]) -> tuple[list[Row], list[Task]]:
+def tasks(study: Study, is_done: Callable[[str], bool]) -> tuple[list[Row], list[SweepTask]]:
     """First columns of all rows of a study, and tasks for the plans still to be made.
 
     Raises:
         AbiError: a scene cannot be read, or a setting does not fit it.
     """
     heads: list[Row] = []
-    found: list[Task] = []
+    found: list[SweepTask] = []
     for name, seed in study.scenes:
         scene, waiting = study.scene(name, seed), []
         for settings in study.settings():
@@ -55,11 +55,11 @@ def tasks(study: Study, is_done: Callable[[str], bool]) -> tuple[list[Row], list
                 waiting.append((key, settings))
         plain, files = scene.to_dict(), scene.meshes.files
         batches = [waiting[k : k + PLANS] for k in range(0, len(waiting), PLANS)]
-        found += [Task(plain, files, tuple(plans)) for plans in batches]
+        found += [SweepTask(plain, files, tuple(plans)) for plans in batches]
     return heads, found
 
 
-def run(task: Task) -> list[Row]:
+def run(task: SweepTask) -> list[Row]:
     """Make the plans of a task: one row per plan.
 
     Each plan has a new planner without any memory, so neither results nor times depend on what the

@@ -16,7 +16,7 @@ from typing import Any
 from abi import compiling
 from abi.errors import AbiError
 from abi.sweep.row import Row
-from abi.sweep.task import Task, run
+from abi.sweep.task import SweepTask, run
 
 _AHEAD = 4
 """Tasks that wait for each worker's thread."""
@@ -24,7 +24,7 @@ _PATIENCE = "15s"
 
 
 def rows_of(
-    tasks: Sequence[Task], workers: int | None, scheduler: str | None
+    tasks: Sequence[SweepTask], workers: int | None, scheduler: str | None
 ) -> Iterator[list[Row]]:
     """Rows of each task, in the order in which they are done.
 
@@ -47,7 +47,9 @@ def rows_of(
     return _distributed(tasks, min(count, len(tasks)), scheduler)
 
 
-def _distributed(tasks: Sequence[Task], count: int, scheduler: str | None) -> Iterator[list[Row]]:
+def _distributed(
+    tasks: Sequence[SweepTask], count: int, scheduler: str | None
+) -> Iterator[list[Row]]:
     """The same by Dask; only so many tasks are sent ahead as keep the workers busy."""
     from distributed import KilledWorker, as_completed
 

@@ -21,17 +21,17 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from abi.teach.catalogue import exercises
     from abi.teach.exercise import Exercise
-    from abi.teach.quiz.question import Question
+    from abi.teach.quiz.question import QuizQuestion
     from abi.teach.quiz.templates import question, templates
     from abi.teach.student_process import Limits
-    from abi.teach.verdict import Counterexample, Verdict, check
+    from abi.teach.verdict import Counterexample, ExerciseVerdict, check
 
 __all__ = [
     "Counterexample",
     "Exercise",
+    "ExerciseVerdict",
     "Limits",
-    "Question",
-    "Verdict",
+    "QuizQuestion",
     "check",
     "exercises",
     "question",
@@ -42,8 +42,8 @@ _MODULES = {
     "Counterexample": "abi.teach.verdict",
     "Exercise": "abi.teach.exercise",
     "Limits": "abi.teach.student_process",
-    "Question": "abi.teach.quiz.question",
-    "Verdict": "abi.teach.verdict",
+    "QuizQuestion": "abi.teach.quiz.question",
+    "ExerciseVerdict": "abi.teach.verdict",
     "check": "abi.teach.verdict",
     "exercises": "abi.teach.catalogue",
     "question": "abi.teach.quiz.templates",

@@ -25,7 +25,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Fault:
+class ExerciseFault:
     """What is wrong with an answer.
 
     Attributes:
@@ -69,7 +69,7 @@ class Exercise:
     lesson: str
     caller: str
     trials: Callable[[int], tuple[Trial, ...]]
-    judge: Callable[[Trial, list[Any]], Fault | None]
+    judge: Callable[[Trial, list[Any]], ExerciseFault | None]
 
     def __str__(self) -> str:
         return f"{self.name}: {self.title}\n\n{self.task}\n\n{self.starter}"

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from abi.teach.catalogue import exercise
-from abi.teach.verdict import Verdict
+from abi.teach.verdict import ExerciseVerdict
 
 POINTS = 10.0
 """For each exercise that is right; nothing for others."""
 
 
-def results(verdicts: Sequence[Verdict]) -> dict[str, Any]:
+def results(verdicts: Sequence[ExerciseVerdict]) -> dict[str, Any]:
     """The content of ``results.json``: a test for each verdict, with what was found."""
     return {
         "tests": [

@@ -8,7 +8,7 @@ from typing import Any
 
 from abi.scene.scene import Scene
 from abi.teach.catalogue import exercise
-from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.numbers import shown
 from abi.teach.student_process import Answers, Limits, Student, run
 
@@ -48,7 +48,7 @@ class Counterexample:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ExerciseVerdict:
     """What a check found.
 
     Attributes:
@@ -84,7 +84,7 @@ class Verdict:
 
 def check(
     name: str, function: Student, *, seed: int = SEED, limits: Limits | None = None
-) -> Verdict:
+) -> ExerciseVerdict:
     """Run a student's function on 20 hidden scenes, in a process of its own.
 
     Args:
@@ -105,7 +105,7 @@ def check(
     calls = [trial.calls for trial in trials]
     answers = run(function, asked.name, asked.caller, calls, limits)
     found = judged(asked, trials, answers)
-    return Verdict(name, seconds=time.perf_counter() - began, scenes=len(trials), **found)
+    return ExerciseVerdict(name, seconds=time.perf_counter() - began, scenes=len(trials), **found)
 
 
 def judged(asked: Exercise, trials: tuple[Trial, ...], answers: Answers) -> dict[str, Any]:
@@ -122,20 +122,20 @@ def judged(asked: Exercise, trials: tuple[Trial, ...], answers: Answers) -> dict
         trial = trials[right]
         alone = asked.caller == "alone"
         given = f"Called with {_given(trial.calls[answers.call])}, it" if alone else "It"
-        fault = Fault(f"{given} failed: {answers.failure}.", answers.call)
+        fault = ExerciseFault(f"{given} failed: {answers.failure}.", answers.call)
         return _wrong(trial, right, len(trials), fault)
     sentence = f"All {len(trials)} hidden scenes are right."
     return {"passed": True, "sentence": sentence, "right": right}
 
 
-def _fault(asked: Exercise, trial: Trial, values: list[Any]) -> Fault | None:
+def _fault(asked: Exercise, trial: Trial, values: list[Any]) -> ExerciseFault | None:
     """What is wrong with the values of a trial; a student's process may have answered anything."""
     if len(values) != len(trial.calls):
-        return Fault("It did not answer every call.")
+        return ExerciseFault("It did not answer every call.")
     return asked.judge(trial, values)
 
 
-def _wrong(trial: Trial, number: int, trials: int, fault: Fault) -> dict[str, Any]:
+def _wrong(trial: Trial, number: int, trials: int, fault: ExerciseFault) -> dict[str, Any]:
     scene = trial.scene.replace(**fault.change) if fault.change else trial.scene
     case = Counterexample(
         scene,

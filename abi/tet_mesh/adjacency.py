@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.tet_mesh.adjacency_kernels import NO_SHAPE, Adjacency, Shape
+from abi.tet_mesh.adjacency_kernels import NO_SHAPE, Adjacency, MeshSizes
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.stencil import Stencil
 
@@ -18,7 +18,7 @@ def of_lattice(stencil: Stencil, nodes: int) -> Adjacency:
     """The adjacency of a lattice, without tables."""
     nx, ny, nz = stencil.cells
     directions = len(stencil.lengths)
-    shape = Shape(
+    shape = MeshSizes(
         kind=REGULAR[stencil.lattice].kind,
         nx=nx,
         ny=ny,

@@ -24,7 +24,7 @@ Span = tuple[int, int]
 """First and last."""
 
 
-class Shape(NamedTuple):
+class MeshSizes(NamedTuple):
     """Sizes of a mesh.
 
     Attributes:
@@ -61,7 +61,7 @@ class Adjacency(NamedTuple):
         indices: of rows (2 e,) the neighbours; of a lattice empty.
     """
 
-    shape: Shape
+    shape: MeshSizes
     offsets: IntArray
     steps: IntArray
     places: FloatArray
@@ -96,7 +96,7 @@ class Links(NamedTuple):
     weights: FloatArray
 
 
-NO_SHAPE = Shape(CSR, 0, 0, 0, 0, 0, 0, 0, 0)
+NO_SHAPE = MeshSizes(CSR, 0, 0, 0, 0, 0, 0, 0, 0)
 """That of a mesh without nodes."""
 
 NO_ADJACENCY = Adjacency(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS)
@@ -113,7 +113,7 @@ ALL_INTERIOR = (1 << INTERIOR_DIRECTIONS) - 1
 
 
 @jitable
-def cell(shape: Shape, node: int) -> tuple[int, int, int]:
+def cell(shape: MeshSizes, node: int) -> tuple[int, int, int]:
     """Place of a lattice node in half cells."""
     side = 0 if node < shape.corners else 1
     node -= side * shape.corners
@@ -125,7 +125,7 @@ def cell(shape: Shape, node: int) -> tuple[int, int, int]:
 
 
 @jitable
-def cell_place(shape: Shape, node: int) -> Vec3:
+def cell_place(shape: MeshSizes, node: int) -> Vec3:
     """Place of a lattice node in half cells, as numbers that need not be whole."""
     a, b, c = cell(shape, node)
     return 1.0 * a, 1.0 * b, 1.0 * c
@@ -138,14 +138,14 @@ def row_place(places: FloatArray, nodes: int, node: int) -> Vec3:
 
 
 @jitable
-def y_and_z_origins(shape: Shape) -> tuple[int, int]:
+def y_and_z_origins(shape: MeshSizes) -> tuple[int, int]:
     """Starts of the half cells along y and z in a lattice's ``places``."""
     y0 = 2 * shape.nx + 1
     return y0, y0 + 2 * shape.ny + 1
 
 
 @jitable
-def node_at(shape: Shape, a: int, b: int, c: int) -> int:
+def node_at(shape: MeshSizes, a: int, b: int, c: int) -> int:
     """Node of a lattice at a place in half cells, all three even, or all three odd."""
     column, layer = shape.ny, shape.nz
     if a % 2 == 0:
@@ -154,7 +154,7 @@ def node_at(shape: Shape, a: int, b: int, c: int) -> int:
 
 
 @jitable
-def across(shape: Shape, a: int, b: int, c: int) -> int:
+def across(shape: MeshSizes, a: int, b: int, c: int) -> int:
     """In ``bcc`` the centre of the cube whose low corner is at a place; that corner of a centre.
 
     The place is in half cells. At the high end of an axis there is no such cube; its centres have
@@ -177,7 +177,7 @@ def ones(bits: int) -> int:
 
 @jitable
 def half_cells_within(
-    shape: Shape, places: FloatArray, low: Vec3, high: Vec3, odd: int
+    shape: MeshSizes, places: FloatArray, low: Vec3, high: Vec3, odd: int
 ) -> tuple[Span, Span, Span]:
     """Half cells of a lattice, even or odd, that may lie in the box low..high, [unit], world."""
     y0, z0 = y_and_z_origins(shape)

@@ -30,7 +30,7 @@ from abi.tet_mesh.adjacency_kernels import (
     half_cells_within,
     row_place,
 )
-from abi.tet_mesh.lattice_exclusion_kernels import Body, Found, exclusion_of_lattice
+from abi.tet_mesh.lattice_exclusion_kernels import Found, PrimitiveBody, exclusion_of_lattice
 
 
 @compiled(example=(NO_ADJACENCY, IDS, FLOATS, 0.0, 1.0))
@@ -51,7 +51,7 @@ def exclusion(
         that lose edges to others that are not excluded, and the bits of these edges (m,); of rows
         all edges that nodes lose, and 0.
     """
-    body = Body(axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0), margin)
+    body = PrimitiveBody(axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0), margin)
     if adjacency.shape.kind == CSR:
         return _exclusion_of_rows(adjacency, body, reach)
     limit = margin + reach
@@ -65,7 +65,7 @@ def exclusion(
 
 
 @jitable
-def _exclusion_of_rows(adjacency: Adjacency, body: Body, reach: float) -> Found:
+def _exclusion_of_rows(adjacency: Adjacency, body: PrimitiveBody, reach: float) -> Found:
     """The same for a mesh of rows, of which every node is looked at."""
     shape, _, _, places, indptr, indices = adjacency
     axes, core, centre, margin = body

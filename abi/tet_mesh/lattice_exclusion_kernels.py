@@ -31,7 +31,7 @@ _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
 Found = tuple[IntArray, IntArray, IntArray, IntArray]
 
 
-class Body(NamedTuple):
+class PrimitiveBody(NamedTuple):
     """A primitive.
 
     Attributes:
@@ -71,7 +71,7 @@ class _Node(NamedTuple):
 def exclusion_of_lattice(
     adjacency: Adjacency,
     open_directions: IntArray,
-    body: Body,
+    body: PrimitiveBody,
     reach: float,
     windows: tuple[tuple[Span, Span, Span], tuple[Span, Span, Span]],
 ) -> Found:
@@ -185,7 +185,7 @@ def _reach_aside(edges: FloatArray, reach: float) -> Aside:
 
 
 @jitable
-def _nodes_inside(body: Body, p: Vec3, away: float, r: Vec3, step: float) -> int:
+def _nodes_inside(body: PrimitiveBody, p: Vec3, away: float, r: Vec3, step: float) -> int:
     """Number of nodes after an excluded one along z that are certain to be excluded, too."""
     many = (body.margin - away) / step
     if body.core.is_cylinder == 0:
@@ -196,7 +196,7 @@ def _nodes_inside(body: Body, p: Vec3, away: float, r: Vec3, step: float) -> int
 @jitable(forceinline=True)
 def _cut_edges(
     adjacency: Adjacency,
-    body: Body,
+    body: PrimitiveBody,
     near: _Node,
     edges: FloatArray,
     cut_nodes: IntArray,

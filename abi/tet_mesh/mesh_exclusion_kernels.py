@@ -35,7 +35,7 @@ from abi.tet_mesh.adjacency_kernels import (
     INTERIOR_DIRECTIONS,
     NO_ADJACENCY,
     Adjacency,
-    Shape,
+    MeshSizes,
     across,
     cell,
     row_place,
@@ -45,7 +45,7 @@ from abi.tet_mesh.lattice_exclusion_kernels import Found
 from abi.tet_mesh.near_node_kernels import (
     EXCLUDED,
     FAR,
-    Limits,
+    NearNodeLimits,
     PlacedSurface,
     near_nodes_of_lattice,
     near_nodes_of_rows,
@@ -85,7 +85,7 @@ def exclusion_near_mesh(
     """
     near_point = margin / placement.factor
     doubt = tables.error[0] + tables.error[1] * near_point
-    limits = Limits(near_point, (margin + longest) / placement.factor, near_point + doubt)
+    limits = NearNodeLimits(near_point, (margin + longest) / placement.factor, near_point + doubt)
     own, bounds = new_room(), np.full(adjacency.shape.nodes, FAR)
     surface = PlacedSurface(tables, placement, limits, borrowed(own))
     if adjacency.shape.kind == CSR:
@@ -186,7 +186,7 @@ def _edges_of_lattice(
 
 
 @jitable
-def _end_of_stretch(shape: Shape, near: IntArray, first: int) -> int:
+def _end_of_stretch(shape: MeshSizes, near: IntArray, first: int) -> int:
     """End in ``near`` of the stretch of near nodes that begins at a place and is in one line."""
     a, b, _ = cell(shape, near[first])
     end = first + 1

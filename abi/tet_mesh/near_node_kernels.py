@@ -19,8 +19,8 @@ from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
 from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    DescentWorkspace,
     Placement,
-    Room,
     SurfaceTables,
     to_surface,
 )
@@ -45,7 +45,7 @@ _OVERLAPPING = 2.0 * (1.0 - 1e-9)
 Window = tuple[Span, Span, Span]
 
 
-class Limits(NamedTuple):
+class NearNodeLimits(NamedTuple):
     """Distances in the body frame.
 
     Attributes:
@@ -71,8 +71,8 @@ class PlacedSurface(NamedTuple):
 
     tables: SurfaceTables
     placement: Placement
-    limits: Limits
-    room: Room
+    limits: NearNodeLimits
+    room: DescentWorkspace
 
 
 @jitable

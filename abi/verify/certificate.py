@@ -21,7 +21,7 @@ _Key = TypeVar("_Key")
 _NONE = Fraction(0)
 
 
-class Plane(NamedTuple):
+class CertifiedPlane(NamedTuple):
     """A direction that keeps a curve or a capsule from something on a piece of the motion.
 
     Attributes:
@@ -75,7 +75,7 @@ def claimed_margin(
 
 def planes_of(
     field: str, certificate: dict[str, Any], key_of: Callable[[dict[str, Any]], _Key]
-) -> dict[_Key, list[Plane]]:
+) -> dict[_Key, list[CertifiedPlane]]:
     """Planes by key, in the order in which their pieces begin.
 
     Args:
@@ -87,7 +87,7 @@ def planes_of(
         SceneError: a field has the wrong form.
         Fault: ``key_of`` knows no key.
     """
-    planes: dict[_Key, list[Plane]] = {}
+    planes: dict[_Key, list[CertifiedPlane]] = {}
     names = ("t0", "t1", "at" if field == ARM else "t0")
     for entry in list_of(f"{field}.planes", certificate.get("planes")):
         data = mapping(f"{field}.planes", entry)
@@ -96,7 +96,7 @@ def planes_of(
             Fraction(finite(f"{field}.planes.{name}", data.get(name))) for name in names
         )
         normal = vector_of(f"{field}.planes.direction", data.get("direction"))
-        planes.setdefault(key, []).append(Plane(start, end, at, normal))
+        planes.setdefault(key, []).append(CertifiedPlane(start, end, at, normal))
     for group in planes.values():
         group.sort(key=attrgetter("start"))
     return planes

@@ -31,7 +31,7 @@ WIDER = 1 + Fraction(3, 1 << 38)
 Exact = NDArray[np.object_]  # of exact numbers, such as a matrix in 2^-200
 
 
-class Pose(NamedTuple):
+class ExactTransform(NamedTuple):
     """Rotation (3, 3) and origin (3,), as fractions."""
 
     turn: Exact
@@ -75,10 +75,10 @@ class ExactChain:
 
     joints: tuple[Joint, ...]
     before: tuple[int, ...]
-    origins: tuple[Pose, ...]
+    origins: tuple[ExactTransform, ...]
     coordinates: tuple[str, ...]
     frames: dict[str, int]
-    places: dict[str, Pose]
+    places: dict[str, ExactTransform]
     units: Fraction
     limits: tuple[tuple[Fraction, Fraction], ...]
     slides: tuple[bool, ...]
@@ -184,19 +184,19 @@ def exact_chain(
     positions = _at_rest(robot, names, held, units)
     axes, zero = _fractions(np.eye(3)), _fractions(np.zeros(3))
     turned = np.array([in_body(axis, wxyz) for axis in axes])
-    frames = {robot.root: (-1, Pose(turned, _fractions(np.array(base))))}
+    frames = {robot.root: (-1, ExactTransform(turned, _fractions(np.array(base))))}
     before, origins = [-1] * len(joints), [frames[robot.root][1]] * len(joints)
     for joint in robot.joints:
         frame, pose = frames[joint.parent]
         turn, place = _matrix(joint, units)
-        pose = Pose(pose.turn @ turn, pose.turn @ place + pose.origin)
+        pose = ExactTransform(pose.turn @ turn, pose.turn @ place + pose.origin)
         if joint in joints:
             axis = _fractions(joint.axis)
             if abs(axis @ axis - 1) > _NEARLY:
                 raise Fault(f"the axis of {joint.name} is no direction")
             number = joints.index(joint)
             before[number], origins[number] = frame, pose
-            frame, pose = number, Pose(axes, zero)
+            frame, pose = number, ExactTransform(axes, zero)
         elif joint.kind != "fixed":
             pose = _moved(pose, joint, positions[joint.name], units)
         frames[joint.child] = frame, pose
@@ -247,7 +247,7 @@ def _at_rest(
     return found
 
 
-def _moved(pose: Pose, joint: Joint, position: Fraction, units: int) -> Pose:
+def _moved(pose: ExactTransform, joint: Joint, position: Fraction, units: int) -> ExactTransform:
     """A pose behind a joint that stands still, whose turn is rounded as those in a URDF are."""
     if joint.kind == "prismatic":
         slid = pose.turn @ (_fractions(joint.axis) * position * units)
@@ -255,12 +255,12 @@ def _moved(pose: Pose, joint: Joint, position: Fraction, units: int) -> Pose:
     return pose._replace(turn=pose.turn @ _rounded(_turned(joint, position)[0]))
 
 
-def _matrix(joint: Joint, units: int) -> Pose:
+def _matrix(joint: Joint, units: int) -> ExactTransform:
     origin = _fractions(joint.origin)
     turn = origin[:3, :3]
     if (abs(turn @ turn.T - np.eye(3, dtype=object)) > _NEARLY).any():
         raise Fault(f"the origin of {joint.name} is no rotation")
-    return Pose(turn, units * origin[:3, 3])
+    return ExactTransform(turn, units * origin[:3, 3])
 
 
 def _behind(frame: ExactFrame, turn: Exact, origin: Exact, error: int) -> ExactFrame:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.urdf.robot import Robot, Shape
+from abi.robot.urdf.robot import LinkShape, Robot
 from abi.verify.exact_chain import ExactChain
 from abi.verify.fault import Fault
 
@@ -55,7 +55,7 @@ def _distances(points: FloatArray, ends: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(points - first - share[:, None] * way, axis=1))
 
 
-def _corners(shape: Shape) -> FloatArray:
+def _corners(shape: LinkShape) -> FloatArray:
     """Points (n, 3) of a shape that are farthest out, in its link's frame, [m]."""
     a, b, c = shape.size
     if shape.kind == "mesh":

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-from abi.verify.certificate import Plane
+from abi.verify.certificate import CertifiedPlane
 from abi.verify.exact import ExactFloor, ExactSolid
 from abi.verify.exact_mesh import ExactMesh, Side
 from abi.verify.fault import Fault
@@ -16,8 +16,8 @@ Span = tuple[Fraction, Fraction]
 
 def check_apart(
     label: str,
-    planes: Sequence[Plane],
-    least: Callable[[Plane], Fraction],
+    planes: Sequence[CertifiedPlane],
+    least: Callable[[CertifiedPlane], Fraction],
     span: Span,
     solid: ExactFloor | ExactSolid | ExactMesh | None,
     margin: Fraction | None = None,

@@ -15,7 +15,7 @@ from abi.verify.arm_capsules import capsules_of
 from abi.verify.certificate import (
     ARM,
     CapsuleKey,
-    Plane,
+    CertifiedPlane,
     capsule_of,
     claimed_margin,
     planes_of,
@@ -44,7 +44,7 @@ _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class _Motion:
+class _CurveMotion:
     """The arm with its tool on a curve, and the poses around which directions hold."""
 
     arm: ExactArm
@@ -52,14 +52,14 @@ class _Motion:
     slide: ExactSlide
     poses: dict[tuple[Fraction, Fraction, Fraction], ExactPose] = field(default_factory=dict)
 
-    def near(self, plane: Plane) -> ExactPose:
+    def near(self, plane: CertifiedPlane) -> ExactPose:
         """The pose of a plane, and how far the arm gets from it."""
         key = plane.start, plane.end, plane.at
         if key not in self.poses:
             self.poses[key] = self._pose(plane)
         return self.poses[key]
 
-    def _pose(self, plane: Plane) -> ExactPose:
+    def _pose(self, plane: CertifiedPlane) -> ExactPose:
         points = hull(self.curve, plane.start, plane.end)
         if not points or not plane.start <= plane.at <= plane.end:
             raise Fault(f"a piece from {float(plane.start):g} is not on the curve")
@@ -99,7 +99,7 @@ def check_arm(
         *(Fraction(settings.a3), Fraction(settings.a4) + Fraction(settings.a5)),
         1 if elbow == "up" else -1,
     )
-    motion = _Motion(arm, curve, _slide(scene, timing, curve))
+    motion = _CurveMotion(arm, curve, _slide(scene, timing, curve))
     check_ends(curve, scene)
     check_tool(section, timing.get("duration"), arm, curve, motion.slide)
     capsules = capsules_of(certificate, arm)
@@ -144,7 +144,7 @@ def _still(capsule: ExactCapsule, arm: ExactArm) -> ExactSolid:
     return ExactSolid(half, zero, capsule.radius, centre, _UPRIGHT)
 
 
-def _least(motion: _Motion, capsule: ExactCapsule, plane: Plane) -> Fraction:
+def _least(motion: _CurveMotion, capsule: ExactCapsule, plane: CertifiedPlane) -> Fraction:
     """Lower bound of a plane's product with the capsule all along its piece."""
     pose = motion.near(plane)
     way = motion.arm.way(pose, capsule) + capsule.radius

@@ -25,7 +25,7 @@ from abi.verify.allowed_contacts import Other, allowed_contacts
 from abi.verify.certificate import (
     ARM,
     CapsuleKey,
-    Plane,
+    CertifiedPlane,
     capsule_of,
     claimed_margin,
     planes_of,
@@ -61,7 +61,7 @@ class _Capsule(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Motion:
+class _JointMotion:
     """Joints that go straight from row to row, and poses and ways that were asked for."""
 
     chain: ExactChain
@@ -77,7 +77,7 @@ class _Motion:
         pairs = zip(self.rows[row], self.rows[row + 1], strict=True)
         return [a + share * (b - a) for a, b in pairs]
 
-    def near(self, plane: Plane) -> tuple[list[ExactFrame], list[Fraction]]:
+    def near(self, plane: CertifiedPlane) -> tuple[list[ExactFrame], list[Fraction]]:
         """Frames at the pose of a plane, and how far each coordinate gets from it."""
         start, end, at = plane.start, plane.end, plane.at
         if not 0 <= start <= at <= end <= len(self.rows) - 1:
@@ -119,7 +119,7 @@ def check_chain(
     units = round(1 / METRES[scene.unit])
     stands = scene.arm.base, units, scene.arm.base_wxyz, scene.arm.gripper
     chain = exact_chain(scene.arm.robot, scene.arm.tool, *stands)
-    motion = _Motion(chain, _rows(certificate, section, chain))
+    motion = _JointMotion(chain, _rows(certificate, section, chain))
     _check_ends(motion, scene)
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
@@ -206,7 +206,7 @@ def _rows(
     return exact
 
 
-def _check_ends(motion: _Motion, scene: Scene) -> None:
+def _check_ends(motion: _JointMotion, scene: Scene) -> None:
     """Raise where the tool does not go from start to goal."""
     zero = Fraction(0), Fraction(0), Fraction(0)
     chain = motion.chain
@@ -220,7 +220,7 @@ def _check_ends(motion: _Motion, scene: Scene) -> None:
 
 
 def _check_outside(
-    motion: _Motion,
+    motion: _JointMotion,
     capsules: Sequence[_Capsule],
     obstacles: list[ExactSolid | ExactMesh],
     allowed: Container[tuple[str, Other]],
@@ -246,14 +246,16 @@ def _range(frames: list[ExactFrame], capsule: _Capsule, normal: Vec3) -> tuple[F
     return min(low), max(high)
 
 
-def _least(motion: _Motion, capsule: _Capsule, plane: Plane) -> Fraction:
+def _least(motion: _JointMotion, capsule: _Capsule, plane: CertifiedPlane) -> Fraction:
     """Lower bound of a plane's product with a capsule all along its piece."""
     frames, ways = motion.near(plane)
     way = motion.way(capsule, -1, ways) + capsule.radius
     return _range(frames, capsule, plane.normal)[0] - times_length(way, plane.normal)
 
 
-def _apart(motion: _Motion, first: _Capsule, second: _Capsule, plane: Plane) -> Fraction:
+def _apart(
+    motion: _JointMotion, first: _Capsule, second: _Capsule, plane: CertifiedPlane
+) -> Fraction:
     """The same of the second of two capsules, which a plane must keep apart all along."""
     frames, ways = motion.near(plane)
     _, highest = _range(frames, first, plane.normal)

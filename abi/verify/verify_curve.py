@@ -12,7 +12,7 @@ from typing import Any
 
 from abi.errors import SceneError
 from abi.scene.scene import Scene
-from abi.verify.certificate import Plane, claimed_margin, planes_of
+from abi.verify.certificate import CertifiedPlane, claimed_margin, planes_of
 from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
@@ -64,7 +64,7 @@ def _is_deep(solid: ExactSolid | ExactMesh) -> bool:
     return isinstance(solid, ExactSolid) and solid.depth > 4 * _TOUCH
 
 
-def _least(curve: ExactCurve, plane: Plane) -> Fraction:
+def _least(curve: ExactCurve, plane: CertifiedPlane) -> Fraction:
     """Least product of a plane's direction with its piece of the curve."""
     points = hull(curve, plane.start, plane.end)
     if not points:

@@ -7,7 +7,7 @@ import numpy as np
 from abi.arm_planning.motion.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from app.drawing.box import box_corners
 
 _CURVE_POINTS = 40
@@ -36,7 +36,7 @@ def _positions(plan: Plan) -> FloatArray:
         positions = plan.motion.positions
         chosen = np.linspace(0, len(positions) - 1, _POSES).astype(int)
         return np.asarray(positions[chosen])
-    if isinstance(plan.arm, Arm):
+    if isinstance(plan.arm, PaperArm):
         scene = plan.scene
         return np.asarray(rest_pose(plan.arm, scene.arm, scene.start))[None, :]
     return np.empty((0, 0))

@@ -13,7 +13,14 @@ from websockets.protocol import Event
 from websockets.typing import Data
 
 from app.guard import request_line, responses
-from app.guard.messages import Camera, GizmoUpdate, Message, UploadPart, UploadStart, WidgetUpdate
+from app.guard.messages import (
+    CameraMoved,
+    GizmoUpdate,
+    Message,
+    UploadPart,
+    UploadStart,
+    WidgetUpdate,
+)
 from app.guard.messages import decode as decode_message
 from app.guard.porter import LONGEST_HEAD
 from app.guard.rate import Rate
@@ -173,7 +180,7 @@ class GuardedConnection(ServerConnection):
         """Reason why a message may not be read; None where it may."""
         if message is None:
             return "malformed"
-        if isinstance(message, Camera):
+        if isinstance(message, CameraMoved):
             return None if message.looks_somewhere else "camera"
         if isinstance(message, UploadPart):
             return None if self._uploads.continues(message) else "unannounced"

@@ -32,18 +32,18 @@ _Vec3: TypeAlias = tuple[float, float, float]
 _Quaternion: TypeAlias = tuple[float, float, float, float]
 
 
-class _Message(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
+class _AllowedMessage(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
     """Fields of one message; one more or one less is refused."""
 
 
-class _NodeMessage(_Message, frozen=True):
+class _NodeMessage(_AllowedMessage, frozen=True):
     """Fields of one on a node of the scene."""
 
     name: _Name
     owner: _Id
 
 
-class Camera(_Message, frozen=True, tag="ViewerCameraMessage"):
+class CameraMoved(_AllowedMessage, frozen=True, tag="ViewerCameraMessage"):
     """The camera has moved.
 
     What it sees is computed from these numbers at once, so they must make sense.
@@ -72,7 +72,7 @@ class Value(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     value: object
 
 
-class WidgetUpdate(_Message, frozen=True, tag="GuiUpdateMessage"):
+class WidgetUpdate(_AllowedMessage, frozen=True, tag="GuiUpdateMessage"):
     """A widget was used; of a widget nothing but its value can be set."""
 
     uuid: _Id
@@ -104,7 +104,7 @@ class NodeClick(_NodeMessage, frozen=True, tag="SceneNodeClickMessage"):
     modifier: _Modifier
 
 
-class ScenePointer(_Message, frozen=True, tag="ScenePointerMessage"):
+class ScenePointer(_AllowedMessage, frozen=True, tag="ScenePointerMessage"):
     """The scene was clicked, whatever is there."""
 
     event_type: Literal["click"]
@@ -127,7 +127,7 @@ class NodeDrag(_NodeMessage, frozen=True, tag="SceneNodeDragMessage"):
     modifier: _Modifier
 
 
-class UploadStart(_Message, frozen=True, tag="FileTransferStartUpload"):
+class UploadStart(_AllowedMessage, frozen=True, tag="FileTransferStartUpload"):
     """A file is about to come."""
 
     source_component_uuid: _Id
@@ -138,7 +138,7 @@ class UploadStart(_Message, frozen=True, tag="FileTransferStartUpload"):
     size_bytes: Annotated[int, msgspec.Meta(ge=0, le=MAX_UPLOAD)]
 
 
-class UploadPart(_Message, frozen=True, tag="FileTransferPart"):
+class UploadPart(_AllowedMessage, frozen=True, tag="FileTransferPart"):
     """A part of it."""
 
     source_component_uuid: _Id | None
@@ -147,13 +147,13 @@ class UploadPart(_Message, frozen=True, tag="FileTransferPart"):
     content: bytes
 
 
-class Command(_Message, frozen=True, tag="CommandTriggerMessage"):
+class Command(_AllowedMessage, frozen=True, tag="CommandTriggerMessage"):
     """A command was chosen, or its key pressed."""
 
     uuid: _Id
 
 
-class StoredItem(_Message, frozen=True, tag="LocalStorageGetItemResponseMessage"):
+class StoredItem(_AllowedMessage, frozen=True, tag="LocalStorageGetItemResponseMessage"):
     """Item of the browser's storage that the server asked for."""
 
     value: _Text | None
@@ -161,7 +161,7 @@ class StoredItem(_Message, frozen=True, tag="LocalStorageGetItemResponseMessage"
     request_uuid: _Id
 
 
-class Picture(_Message, frozen=True, tag="GetRenderResponseMessage"):
+class Picture(_AllowedMessage, frozen=True, tag="GetRenderResponseMessage"):
     """The picture that the server asked for."""
 
     payload: bytes
@@ -169,7 +169,7 @@ class Picture(_Message, frozen=True, tag="GetRenderResponseMessage"):
 
 
 Message: TypeAlias = (
-    Camera
+    CameraMoved
     | WidgetUpdate
     | GizmoUpdate
     | GizmoDragStart

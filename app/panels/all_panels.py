@@ -13,7 +13,7 @@ from abi.scene.scene import Scene
 from app.panels.files.bug_report import BugReportButton
 from app.panels.files.exports import ExportPanel
 from app.panels.files.files import FilesPanel
-from app.panels.files.history import History, Step
+from app.panels.files.history import History, HistoryStep
 from app.panels.files.share import SharePanel
 from app.panels.layer_switches import LayerSwitches
 from app.panels.messages import Messages
@@ -227,11 +227,11 @@ class AllPanels:
                 scene = scene.replace(files, **{name: section})
         return scene
 
-    def step(self, scene: Scene) -> Step:
+    def step(self, scene: Scene) -> HistoryStep:
         """Step that the history is to note of ``scene``, which is shown."""
-        return Step(scene, self.files.last)
+        return HistoryStep(scene, self.files.last)
 
-    def show(self, step: Step) -> None:
+    def show(self, step: HistoryStep) -> None:
         """Show a scene of before, and what it was made from."""
         self.files.show(step.loaded)
         self._write(step.scene)

@@ -15,9 +15,9 @@ from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import ENDINGS, parse, read_file
 from app.reading.reader import Reader
 from app.reading.reading import named_files
-from app.reading.running_reader import Limits
+from app.reading.running_reader import ReaderLimits
 
-_LIMITS = Limits(seconds=120, patience=600.0)
+_LIMITS = ReaderLimits(seconds=120, patience=600.0)
 """Above those of an upload: nobody else waits, and the file is one's own."""
 
 

@@ -18,9 +18,9 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import load_robot
-from app.reading.reading import Answer, Job
+from app.reading.reading import Job, ReadingResult
 from app.reading.reading_places import ReadingPlaces, Ticket
-from app.reading.running_reader import AT_ONCE, Limits, RunningReader
+from app.reading.running_reader import AT_ONCE, ReaderLimits, RunningReader
 
 _log = logging.getLogger(__name__)
 _LOOK = 0.05
@@ -62,8 +62,8 @@ class Reader:
         faults: errors in readers that are none of a file.
     """
 
-    def __init__(self, limits: Limits | None = None) -> None:
-        self.limits = limits or Limits()
+    def __init__(self, limits: ReaderLimits | None = None) -> None:
+        self.limits = limits or ReaderLimits()
         self.lost: list[int] = []
         self.faults: list[str] = []
         self._idle: list[RunningReader] = []
@@ -126,7 +126,9 @@ class Reader:
         surfaces = {file: one.surface() for file, one in answer.surfaces.items()}
         return json.loads(answer.data), {**answer.archives, **surfaces}
 
-    def read(self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore) -> Answer:
+    def read(
+        self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore
+    ) -> ReadingResult:
         """The answer to a job that is no refusal; arguments as for :meth:`mesh`.
 
         Raises:
@@ -177,7 +179,7 @@ class Reader:
                 delayed()
         raise StoppedError
 
-    def _answer(self, job: Job, stopped: Stopped) -> tuple[Answer | None, float]:
+    def _answer(self, job: Job, stopped: Stopped) -> tuple[ReadingResult | None, float]:
         """Answer of a process, None where it ended; and the seconds that it took."""
         with self._lock:
             process = self._idle.pop() if self._idle else RunningReader(self.limits)

@@ -42,7 +42,7 @@ class Job(msgspec.Struct):
     content: bytes
 
 
-class Triangles(msgspec.Struct):
+class SurfaceBytes(msgspec.Struct):
     """A surface as bytes: float64 vertices, int32 faces."""
 
     vertices: bytes
@@ -52,7 +52,7 @@ class Triangles(msgspec.Struct):
     metres: float | None
 
     @classmethod
-    def of(cls, surface: Surface) -> Triangles:
+    def of(cls, surface: Surface) -> SurfaceBytes:
         """The bytes of a surface."""
         vertices = surface.vertices.astype("<f8").tobytes()
         faces = surface.faces.astype("<i4").tobytes()
@@ -74,7 +74,7 @@ class Refusal(msgspec.Struct):
     expected: str
 
 
-class Answer(msgspec.Struct):
+class ReadingResult(msgspec.Struct):
     """Outcome of reading a file.
 
     Attributes:
@@ -89,22 +89,22 @@ class Answer(msgspec.Struct):
     refusal: Refusal | None = None
     fault: str = ""
     data: bytes = b""
-    surfaces: dict[str, Triangles] = {}
+    surfaces: dict[str, SurfaceBytes] = {}
     archives: dict[str, bytes] = {}
     choices: tuple[str, ...] = ()
 
 
-def read(job: Job) -> Answer:
+def read(job: Job) -> ReadingResult:
     """Read a file; whatever is wrong with it is in the answer."""
     try:
         return _READERS[job.kind](job.name, job.content)
     except SceneError as error:
-        return Answer(_refusal(error))
+        return ReadingResult(_refusal(error))
     except MemoryError:
-        return Answer(Refusal("file", job.name, "one that takes less memory to read"))
+        return ReadingResult(Refusal("file", job.name, "one that takes less memory to read"))
     except Exception as error:  # it stays in this process
         refusal = Refusal("file", job.name, "a file that can be read")
-        return Answer(refusal, f"{type(error).__name__}: {error}"[:300])
+        return ReadingResult(refusal, f"{type(error).__name__}: {error}"[:300])
     finally:
         robot_from_archive.cache_clear()
         bounding_capsules.cache_clear()
@@ -130,18 +130,18 @@ def rehearse() -> None:
         read(job)
 
 
-def _mesh(name: str, content: bytes) -> Answer:
+def _mesh(name: str, content: bytes) -> ReadingResult:
     surface = mesh_reader.read_surface(content, name)
-    return Answer(surfaces={name: Triangles.of(surface)})
+    return ReadingResult(surfaces={name: SurfaceBytes.of(surface)})
 
 
-def _arm(name: str, content: bytes) -> Answer:
+def _arm(name: str, content: bytes) -> ReadingResult:
     if file_of(name) == name and len(choices := robots_in(content)) > 1:
-        return Answer(choices=choices)
-    return Answer(archives={name: _whole(name, {file_of(name): content}).archive})
+        return ReadingResult(choices=choices)
+    return ReadingResult(archives={name: _whole(name, {file_of(name): content}).archive})
 
 
-def _scene(name: str, content: bytes) -> Answer:
+def _scene(name: str, content: bytes) -> ReadingResult:
     files: dict[str, bytes | Surface] = {}
     if name.lower().endswith(scene_archive.SUFFIX):
         data, files = scene_archive.unpack(content, name)
@@ -151,13 +151,13 @@ def _scene(name: str, content: bytes) -> Answer:
         text = json.dumps(data, default=str)
     except (TypeError, ValueError):  # a key that is a list, a number of thousands of digits
         raise SceneError("scene", name, "plain numbers, lists and mappings") from None
-    answer = Answer(data=text.encode())
+    answer = ReadingResult(data=text.encode())
     meshes, arms = named_files(data)
     srdf = _srdf_of(data)
     for file in meshes & files.keys():
         found = files[file]
         if isinstance(found, Surface):
-            answer.surfaces[file] = Triangles.of(found)
+            answer.surfaces[file] = SurfaceBytes.of(found)
         else:
             answer.surfaces |= _mesh(file, found).surfaces
     for arm in arms:

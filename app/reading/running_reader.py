@@ -13,7 +13,7 @@ import msgspec
 
 from app.process.process_memory import memory_in_all
 from app.reading.reader_process import READY, receive, send
-from app.reading.reading import Answer, Job
+from app.reading.reading import Job, ReadingResult
 
 AT_ONCE = 2
 """Files that are read at once, at most; others wait."""
@@ -33,7 +33,7 @@ def reading_memory(memory: int | None) -> int:
     return _MOST_MEMORY if memory is None else min(_MOST_MEMORY, memory // (2 * AT_ONCE))
 
 
-class Limits(NamedTuple):
+class ReaderLimits(NamedTuple):
     """Limits of the process that reads a file.
 
     Attributes:
@@ -52,7 +52,7 @@ class Limits(NamedTuple):
 class RunningReader:
     """The process, from its start on."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: ReaderLimits) -> None:
         paths = [str(_ROOT), os.environ.get("PYTHONPATH", "")]
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
         environment |= dict.fromkeys(_SINGLE, "1")
@@ -70,7 +70,7 @@ class RunningReader:
         self._answers: BinaryIO = self._process.stdout  # type: ignore[assignment]
         self._ready = False
 
-    def read(self, job: Job) -> Answer | None:
+    def read(self, job: Job) -> ReadingResult | None:
         """The answer to a job; None where the process ended."""
         try:
             if not self._ready:
@@ -79,7 +79,7 @@ class RunningReader:
             content = receive(self._answers)
         except OSError:
             return None
-        return None if content is None else msgspec.msgpack.decode(content, type=Answer)
+        return None if content is None else msgspec.msgpack.decode(content, type=ReadingResult)
 
     def kill(self) -> None:
         """End it at once."""

@@ -122,8 +122,8 @@ class StateEncoder:
     """
 
     def __init__(self) -> None:
-        self._scene = _Stretch()
-        self._before = _Stretch()
+        self._scene = _StreamPart()
+        self._before = _StreamPart()
 
     def encode(self, state: TabState) -> str:
         """The state in letters that an address takes as they are."""
@@ -144,7 +144,7 @@ class StateEncoder:
         return base64.urlsafe_b64encode(stream).decode().rstrip("=")
 
 
-class _Stretch:
+class _StreamPart:
     """Part of the stream that is compressed again only where another object is written."""
 
     def __init__(self) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from abi.errors import AbiError
 from abi.teach.exercise_file import exercises_in
-from abi.teach.verdict import Verdict, check
+from abi.teach.verdict import ExerciseVerdict, check
 
 _LOOK = 0.3
 """Seconds between two looks at the file."""
@@ -28,7 +28,7 @@ class Checked:
     """
 
     file: str
-    verdicts: tuple[Verdict, ...] = ()
+    verdicts: tuple[ExerciseVerdict, ...] = ()
     checking: str = ""
     refused: str = ""
 
@@ -84,7 +84,7 @@ class ExerciseWatch:
         except AbiError as error:
             self._tell(Checked(self._file.name, refused=error.message))
             return
-        verdicts: list[Verdict] = []
+        verdicts: list[ExerciseVerdict] = []
         for one in asked:
             self._tell(Checked(self._file.name, tuple(verdicts), one.name))
             try:

@@ -61,7 +61,7 @@ class Condition(_Part):
         )
 
 
-class Camera(_Part):
+class LessonCamera(_Part):
     """Place of the eye and the point it looks at, [unit], world."""
 
     position: Vec3
@@ -108,13 +108,13 @@ class Setting(_Part):
     scene: str | None = None
     change: dict[str, Any] | None = None
     shown: tuple[str, ...] | None = None
-    camera: Camera | None = None
+    camera: LessonCamera | None = None
     search: SearchCue | None = None
     time: Annotated[float, Field(ge=0)] | None = None
     play: bool | None = None
 
 
-class Choice(_Part):
+class AnswerChoice(_Part):
     """One answer of a question, and what is said to whoever gives it."""
 
     text: str
@@ -126,7 +126,7 @@ class Question(_Part):
     """A question with answers to choose from, asked before anything is revealed."""
 
     text: str
-    choices: Annotated[tuple[Choice, ...], Field(min_length=2, max_length=4)]
+    choices: Annotated[tuple[AnswerChoice, ...], Field(min_length=2, max_length=4)]
 
     @model_validator(mode="after")
     def _one_is_right(self) -> Self:

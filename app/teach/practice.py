@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import msgspec
 
-from abi.teach.quiz.question import Question
+from abi.teach.quiz.question import QuizQuestion
 from abi.teach.quiz.templates import question, templates
 
 MASTERY = 5
@@ -43,7 +43,7 @@ class Practice:
     right: int = 0
 
     @property
-    def question(self) -> Question | None:
+    def question(self) -> QuizQuestion | None:
         """The question that is asked; None while nothing is practised."""
         return question(self.template, self.seed) if self.template else None
 

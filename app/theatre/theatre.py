@@ -19,7 +19,7 @@ _NEAR = 0.04
 
 
 @dataclass(frozen=True)
-class Answer:
+class JudgedGuess:
     """A node that was clicked, and what is said of it.
 
     Attributes:
@@ -49,7 +49,7 @@ class Theatre:
     state: SearchState
     race: tuple[tuple[str, SearchState], ...] = ()
     asking: bool = False
-    answer: Answer = Answer()
+    answer: JudgedGuess = JudgedGuess()
 
     @property
     def ringed(self) -> IntArray:

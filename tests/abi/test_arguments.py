@@ -33,7 +33,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.chain_capsules import segment_distances
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import joint_torques
-from abi.robot.paper_arm.arm import Arm, forward, place
+from abi.robot.paper_arm.arm import PaperArm, forward, place
 from abi.scene.settings import ArmSettings
 from abi.search.arcs import Arcs
 from abi.search.graph import Graph
@@ -108,8 +108,8 @@ def chain() -> Chain:
 
 
 @cache
-def paper_arm() -> Arm:
-    return Arm.from_settings(ArmSettings(), "cm")
+def paper_arm() -> PaperArm:
+    return PaperArm.from_settings(ArmSettings(), "cm")
 
 
 def spline() -> BSpline:

@@ -8,7 +8,7 @@ import pytest
 
 from abi import load_scene, progress
 from abi.planner.planner import Planner
-from abi.progress import CancelledError, Question, watched_by
+from abi.progress import CancelledError, QuietWatch, watched_by
 
 
 class _Watch:
@@ -57,11 +57,11 @@ def test_a_plan_that_is_wanted_tells_its_stages_in_order() -> None:
 
 def test_only_the_thread_that_is_watched_is_cancelled() -> None:
     passed = threading.Event()
-    with watched_by(Question(lambda: True)):
+    with watched_by(QuietWatch(lambda: True)):
         other = threading.Thread(target=_check, args=(passed,))
         other.start()
         other.join()
-        with watched_by(Question(lambda: False)):
+        with watched_by(QuietWatch(lambda: False)):
             progress.check()
         with pytest.raises(CancelledError):
             progress.check()
@@ -76,7 +76,7 @@ def test_a_wait_for_another_thread_ends_too() -> None:
         asked[0] += 1
         return asked[0] > 2
 
-    with pytest.raises(CancelledError), watched_by(Question(cancelled)):
+    with pytest.raises(CancelledError), watched_by(QuietWatch(cancelled)):
         progress.wait(event)
     event.set()
     progress.wait(event)

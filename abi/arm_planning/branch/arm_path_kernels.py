@@ -23,10 +23,10 @@ from abi.arrays import FloatArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
+from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace, new_room
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 from abi.search.taut.tighten_kernels import length_of
-from abi.search.taut.tighten_near_meshes_kernels import NO_SURROUNDINGS, Surroundings, is_clear
+from abi.search.taut.tighten_near_meshes_kernels import NO_SURROUNDINGS, PathObstacles, is_clear
 
 _Legs = TypeVar("_Legs")
 Clear = Callable[[_Legs, tuple[Vec3, ...]], bool]
@@ -47,8 +47,8 @@ class _Around(NamedTuple):
         touched: what it touched last.
     """
 
-    tool: Surroundings
-    room: Room
+    tool: PathObstacles
+    room: DescentWorkspace
     arm: ArmLegs
     touched: Touched
 
@@ -152,7 +152,7 @@ def pull(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
 
 
 @compiled(example=(FLOATS, NO_SURROUNDINGS, NO_LEGS))
-def pulled(points: FloatArray, surroundings: Surroundings, legs: ArmLegs) -> FloatArray:
+def pulled(points: FloatArray, surroundings: PathObstacles, legs: ArmLegs) -> FloatArray:
     """Pull a path taut for the tool and an arm that the kernels know.
 
     Args:

@@ -19,7 +19,7 @@ from abi.arm_planning.world.surroundings import Surroundings
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
-from abi.robot.paper_arm.arm import JOINTS, Arm
+from abi.robot.paper_arm.arm import JOINTS, PaperArm
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.tet_mesh.node_tree import NodeTree
 
@@ -42,7 +42,7 @@ class ArmSight:
         most_tries: pairs of a capsule and an obstacle to try, to prove a leg or a node clear.
     """
 
-    arm: Arm
+    arm: PaperArm
     elbow: Literal["up", "down"]
     surroundings: Surroundings
     extensions: tuple[float, float]

@@ -34,7 +34,7 @@ from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength
 from abi.curves.timed_profile import PathProfile, TimedProfile
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.settings import ArmSettings
 
@@ -89,7 +89,7 @@ class ArmRefutation:
 def certify_arm(
     curve: PolynomialCurve,
     slide: Slide,
-    arm: Arm,
+    arm: PaperArm,
     elbow: Literal["up", "down"],
     surroundings: Surroundings,
     margin: float,
@@ -118,7 +118,7 @@ def certify_arm(
 def _certified(
     curve: PolynomialCurve,
     bounds: tuple[bytes, ...],
-    arm: Arm,
+    arm: PaperArm,
     elbow: Literal["up", "down"],
     surroundings: Surroundings,
     margin: float,

@@ -17,8 +17,8 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
     LONGER,
-    Lists,
     Moving,
+    ProofLists,
     Span,
     separate_pairs,
 )
@@ -43,7 +43,7 @@ from abi.robot.paper_arm.pose_kernels import (
     NO_ARM,
     ArmNumbers,
     ArmTable,
-    Pose,
+    PaperArmPose,
     Rates,
     capsule_ends,
     capsule_rates,
@@ -98,16 +98,18 @@ class Stance(NamedTuple):
             [unit]; inf where there is none.
     """
 
-    pose: Pose
+    pose: PaperArmPose
     rates: Rates
     ways: tuple[float, float]
-    first: Pose
-    last: Pose
+    first: PaperArmPose
+    last: PaperArmPose
     bend: float
 
 
 @jitable(forceinline=True)
-def stance_near(arm: ArmNumbers, pose: Pose, ways: tuple[float, float]) -> tuple[Stance, bool]:
+def stance_near(
+    arm: ArmNumbers, pose: PaperArmPose, ways: tuple[float, float]
+) -> tuple[Stance, bool]:
     """Stance near a pose, and whether its rates are finite and the arm keeps its limits there."""
     rates = rates_near(arm, pose, ways[0], ways[1])
     bounded = not math.isinf(rates.elbow)
@@ -185,7 +187,7 @@ def separate_arm(
     for i in range(len(world)):
         points[i] = world[i]
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    lists = Lists(planes, candidates, work, [NO_DIRECTION])
+    lists = ProofLists(planes, candidates, work, [NO_DIRECTION])
     candidates.clear()
     for c in range(len(capsules) // CAPSULE):
         add_pairs_within(around, c, (_ANYWHERE, _ANYWHERE), math.inf, candidates)

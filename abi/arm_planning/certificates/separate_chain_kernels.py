@@ -16,8 +16,8 @@ from abi.arm_planning.certificates.direction_kernels import NO_DIRECTION
 from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
-    Lists,
     Moving,
+    ProofLists,
     Span,
     separate_pairs,
 )
@@ -30,7 +30,7 @@ from abi.clearance.separation_kernels import (
     REFUTED,
     UNDECIDED,
     Outcome,
-    Plane,
+    SeparatingPlane,
     table_of,
 )
 from abi.compilation.jitable import jitable
@@ -45,7 +45,7 @@ WIDER = 1 + 2.0**-36
 rotations."""
 
 
-class _Stretch(NamedTuple):
+class _JointStretch(NamedTuple):
     """Joints from one knot, or place between two, to another."""
 
     start: float
@@ -84,7 +84,7 @@ def _joints_at(knots: FloatArray, at: float, joints: FloatArray) -> None:
 
 @jitable
 def _ways_of(
-    knots: FloatArray, stretch: _Stretch, joints: FloatArray, end: FloatArray, ways: FloatArray
+    knots: FloatArray, stretch: _JointStretch, joints: FloatArray, end: FloatArray, ways: FloatArray
 ) -> None:
     """Write how far each coordinate gets from ``joints`` on a stretch; ``end`` is room."""
     count = len(joints)
@@ -130,7 +130,7 @@ def place_bodies(
 
 @jitable
 def _go_to_middle(
-    chain: ChainTable, bodies: Bodies, knots: FloatArray, stretch: _Stretch, pose: _Pose
+    chain: ChainTable, bodies: Bodies, knots: FloatArray, stretch: _JointStretch, pose: _Pose
 ) -> float:
     """Write the pose in the middle of a stretch, or at a knot near it; its parameter."""
     at = 0.5 * (stretch.start + stretch.end)
@@ -243,10 +243,10 @@ def separate_knots(
     ways, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
     pose = _Pose(np.empty(count), ways, ends, poses, np.empty(count))
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    lists = Lists(planes, candidates, work, [NO_DIRECTION])
+    lists = ProofLists(planes, candidates, work, [NO_DIRECTION])
     candidates.clear()
     solid_pairs, allowance = len(bodies.frames) * len(around.margins), ALLOWANCE * around.size
-    whole = _Stretch(0.0, 1.0 * (len(knots) // count - 1), 0)
+    whole = _JointStretch(0.0, 1.0 * (len(knots) // count - 1), 0)
     _go_to_middle(chain, bodies, knots, whole, pose)
     _add_pairs(bodies, around, pose, certify, candidates)
     pending = [(whole, 0, len(candidates))]
@@ -276,7 +276,7 @@ def separate_knots(
             if outcome == REFUTED:
                 return REFUTED, at, pair, away, table_of(planes)
             if outcome == CERTIFIED:
-                planes.append(Plane(stretch.start, stretch.end, pair, way, at))
+                planes.append(SeparatingPlane(stretch.start, stretch.end, pair, way, at))
             else:
                 candidates.append(pair)
                 farthest = max(farthest, moves)
@@ -287,8 +287,8 @@ def separate_knots(
         if tries > most_tries or (not run and (final or not stretch.start < at < stretch.end)):
             return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)
         deeper = 0 if run else stretch.halvings + 1
-        pending.append((_Stretch(at, stretch.end, deeper), highest, len(candidates)))
-        pending.append((_Stretch(stretch.start, at, deeper), highest, len(candidates)))
+        pending.append((_JointStretch(at, stretch.end, deeper), highest, len(candidates)))
+        pending.append((_JointStretch(stretch.start, at, deeper), highest, len(candidates)))
     return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
 
 

@@ -18,7 +18,7 @@ from abi.arm_planning.world.surroundings_kernels import (
     judged,
     open_box,
 )
-from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, Plane
+from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, SeparatingPlane
 from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
 from abi.obstacles.vector_kernels import Vec3, dot, sub
@@ -71,7 +71,7 @@ class Span(NamedTuple):
     keeps: bool
 
 
-class Lists(NamedTuple):
+class ProofLists(NamedTuple):
     """Lists that a proof fills; a pair is capsule times number of obstacles, plus obstacle.
 
     Attributes:
@@ -81,7 +81,7 @@ class Lists(NamedTuple):
         latest: directions that may serve for the next pair, too.
     """
 
-    planes: list[Plane]
+    planes: list[SeparatingPlane]
     candidates: list[int]
     work: list[int]
     latest: list[Direction]
@@ -142,7 +142,7 @@ def _separated(
 def separate_pairs(
     around: Obstacles,
     span: Span,
-    lists: Lists,
+    lists: ProofLists,
     capsule_of: Callable[[_Arm, int], Moving],
     level_at_ends: Callable[[_Arm, Moving, Vec3], float],
     arm: _Arm,
@@ -187,7 +187,7 @@ def separate_pairs(
             return REFUTED, pair, away, (tries, spared), farthest
         if bounded and outcome == CERTIFIED:
             if keeps:
-                planes.append(Plane(start, end, pair, way, at))
+                planes.append(SeparatingPlane(start, end, pair, way, at))
             if around.meshes[s] >= 0:
                 level = _level(allowance, capsule, way, level_at_ends, arm)
                 keep_direction(latest, way, level, around.meshes[s])

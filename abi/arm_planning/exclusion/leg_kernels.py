@@ -29,7 +29,7 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
     LONGER,
-    Lists,
+    ProofLists,
     Span,
     separate_pairs,
 )
@@ -144,7 +144,7 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
     length, way = distance(first, last), sub(last, first)
     pending, at, candidates, tries, work = [(0.0, 1.0, 0, 0)], 0, [0], 0, [0]
     candidates.clear()
-    lists = Lists([NO_PLANE], candidates, work, [NO_DIRECTION])
+    lists = ProofLists([NO_PLANE], candidates, work, [NO_DIRECTION])
     while at < len(pending):
         start, end, lowest, highest = pending[at]
         at += 1

@@ -9,7 +9,7 @@ from abi.arm_planning.exclusion import region_kernels as kernels
 from abi.arm_planning.world.surroundings import Surroundings
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import Vec3
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.scene.settings import Elbow
 
 _SHADOW_PLACES, _MESH_PLACES, _REACH_PLACES = 20, 12, 28
@@ -18,7 +18,11 @@ _MARGIN = 1e-3  # of a cell: how far outside a region ends at the box
 
 
 def shadow(
-    arm: Arm, elbow: Elbow, extension: float, surroundings: Surroundings, box: tuple[Vec3, Vec3]
+    arm: PaperArm,
+    elbow: Elbow,
+    extension: float,
+    surroundings: Surroundings,
+    box: tuple[Vec3, Vec3],
 ) -> FloatArray:
     """Surface of the tool positions at which a link would be in an obstacle.
 
@@ -45,7 +49,7 @@ def shadow(
     return surface(points, gaps, shape)
 
 
-def reachable(arm: Arm, elbow: Elbow, extension: float, lowest: float) -> FloatArray:
+def reachable(arm: PaperArm, elbow: Elbow, extension: float, lowest: float) -> FloatArray:
     """Surface of the tool positions in reach, within the limits of q2 and q3 and above the floor.
 
     Args:

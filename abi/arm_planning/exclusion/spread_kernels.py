@@ -30,7 +30,7 @@ class Nodes(NamedTuple):
     indices: IntArray
 
 
-class Limits(NamedTuple):
+class SpreadLimits(NamedTuple):
     """Conditions on a stance.
 
     Attributes:
@@ -42,7 +42,7 @@ class Limits(NamedTuple):
     step: float
 
 
-_NODES, _LIMITS = Nodes(FLOATS, IDS, IDS), Limits(0.0, 1.0)
+_NODES, _LIMITS = Nodes(FLOATS, IDS, IDS), SpreadLimits(0.0, 1.0)
 
 
 @compiled(example=(TABLE, _NODES, 0, NO_DRIFT, _LIMITS, NEW_FLOATS, NEW_FLAGS))
@@ -51,7 +51,7 @@ def spread(
     nodes: Nodes,
     first: int,
     drift: Drift,
-    limits: Limits,
+    limits: SpreadLimits,
     stances: FloatArray,
     reached: BoolArray,
 ) -> None:

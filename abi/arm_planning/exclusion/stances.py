@@ -99,7 +99,7 @@ def spread_over(
         spread_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
         nearest,
         Drift(flat(home / arm.scales), PULL),
-        spread_kernels.Limits(REACHED, _LONGEST),
+        spread_kernels.SpreadLimits(REACHED, _LONGEST),
         stances.reshape(-1),
         reached,
     )

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.joint_search.tree_kernels import Arm, edges_are_clear
+from abi.arm_planning.joint_search.tree_kernels import ArmInWorld, edges_are_clear
 from abi.arm_planning.world.surroundings import Surroundings
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.robot.urdf_arm import UrdfArm
@@ -41,10 +41,10 @@ class JointSpace(ShortRepr):
         return read_only(np.where(slides, 1 / self.arm.reach, 1.0))
 
     @cached_property
-    def kernel_arm(self) -> Arm:
+    def kernel_arm(self) -> ArmInWorld:
         """Arm and surroundings in the format of the kernels."""
         around = self.surroundings.beyond(self.margin)
-        return Arm(self.arm.chain.table, self.arm.bodies, around, MOST_TRIES)
+        return ArmInWorld(self.arm.chain.table, self.arm.bodies, around, MOST_TRIES)
 
     def distance(self, path: FloatArray) -> float:
         """Length of a path (k, n) of joint positions, [rad], slides over the arm's reach."""

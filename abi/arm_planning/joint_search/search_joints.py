@@ -44,7 +44,7 @@ class JointSearch(ShortRepr):
 
 
 @dataclass(frozen=True)
-class Effort:
+class JointSearchEffort:
     """How long a search may go on; equal efforts and seeds give equal results.
 
     Attributes:
@@ -67,7 +67,10 @@ class Effort:
 
 
 def search_joints(
-    space: JointSpace, starts: FloatArray, goals: FloatArray, effort: Effort | None = None
+    space: JointSpace,
+    starts: FloatArray,
+    goals: FloatArray,
+    effort: JointSearchEffort | None = None,
 ) -> JointSearch:
     """Find a path from one of some joint positions to one of others; see :func:`paths_found`."""
     *_, last = paths_found(space, starts, goals, effort)
@@ -75,7 +78,10 @@ def search_joints(
 
 
 def paths_found(
-    space: JointSpace, starts: FloatArray, goals: FloatArray, effort: Effort | None = None
+    space: JointSpace,
+    starts: FloatArray,
+    goals: FloatArray,
+    effort: JointSearchEffort | None = None,
 ) -> Iterator[JointSearch]:
     """Search for a path, and give it and each shorter one as soon as they are found.
 
@@ -91,7 +97,7 @@ def paths_found(
     Raises:
         ArgumentError: ``starts`` or ``goals`` are none, or past the limits.
     """
-    effort = effort or Effort()
+    effort = effort or JointSearchEffort()
     random = np.random.default_rng(effort.seed)
     roots = [_roots(space, *given) for given in (("starts", starts), ("goals", goals))]
     trees, samples = _new_trees(space, roots, effort), 0
@@ -132,7 +138,9 @@ def _range(space: JointSpace, roots: list[FloatArray]) -> tuple[FloatArray, Floa
     return np.minimum(low, ends.min(axis=0)), np.maximum(high, ends.max(axis=0))
 
 
-def _new_trees(space: JointSpace, roots: list[FloatArray], effort: Effort) -> kernels.Trees:
+def _new_trees(
+    space: JointSpace, roots: list[FloatArray], effort: JointSearchEffort
+) -> kernels.Trees:
     """Both trees with nothing but their roots."""
     room = max(effort.nodes, *map(len, roots))
     count = len(space.weights)

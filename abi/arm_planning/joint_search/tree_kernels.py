@@ -30,7 +30,7 @@ POSES = (1.0, 0.5, 0.25, 0.75)
 """Places of an edge at which the arm must be clear before a proof of all of it is tried."""
 
 
-class Arm(NamedTuple):
+class ArmInWorld(NamedTuple):
     """An arm among what it must keep clear of.
 
     Attributes:
@@ -46,7 +46,7 @@ class Arm(NamedTuple):
     most_tries: int
 
 
-ARM = Arm(TABLE, BODIES, NO_OBSTACLES, 9)
+ARM = ArmInWorld(TABLE, BODIES, NO_OBSTACLES, 9)
 """Example of an arm."""
 
 
@@ -73,7 +73,7 @@ TREES = Trees(NEW_FLOATS, NEW_IDS, FLOATS, 1.0, NEW_IDS)
 
 
 @jitable
-def edge_is_clear(arm: Arm, a: FloatArray, b: FloatArray) -> bool:
+def edge_is_clear(arm: ArmInWorld, a: FloatArray, b: FloatArray) -> bool:
     """Check whether the arm is proven clear while its joints go straight from a to b, (n,) each."""
     count = len(a)
     knots = np.empty(2 * count)
@@ -106,7 +106,7 @@ def nearest_node(trees: Trees, tree: int, target: FloatArray) -> tuple[int, floa
 
 
 @jitable
-def _step_towards(arm: Arm, trees: Trees, tree: int, target: FloatArray) -> tuple[int, bool]:
+def _step_towards(arm: ArmInWorld, trees: Trees, tree: int, target: FloatArray) -> tuple[int, bool]:
     """Add the node at most a step from a tree towards coordinates, if the edge to it is proven.
 
     Returns:
@@ -138,7 +138,7 @@ def _step_towards(arm: Arm, trees: Trees, tree: int, target: FloatArray) -> tupl
 
 
 @compiled(example=(ARM, TREES, FLOATS), fallback=False)
-def grow_trees(arm: Arm, trees: Trees, samples: FloatArray) -> bool:
+def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
     """Grow two trees towards samples and each other until they meet.
 
     For each sample one of them, in turn, takes a step towards it; then the other goes towards the
@@ -175,7 +175,7 @@ def grow_trees(arm: Arm, trees: Trees, samples: FloatArray) -> bool:
 
 
 @compiled(example=(ARM, FLOATS), fallback=False)
-def edges_are_clear(arm: Arm, knots: FloatArray) -> bool:
+def edges_are_clear(arm: ArmInWorld, knots: FloatArray) -> bool:
     """Check whether the arm is proven clear on straight ways between coordinates, flat (k n,)."""
     count = len(arm.chain.limits) // 2
     a, b = np.empty(count), np.empty(count)

@@ -22,7 +22,7 @@ from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact
-from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.arm import PaperArm, place
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 """Parts of the measured distance that are tried to prove, and at last the one asked for."""
@@ -104,7 +104,7 @@ class ArmClearance(ShortRepr):
 
 def arm_clearance(
     motion: ArmMotion,
-    arm: Arm,
+    arm: PaperArm,
     obstacles: ObstacleSet,
     surroundings: Surroundings,
     required: float,
@@ -227,7 +227,7 @@ class Measured(NamedTuple):
 
 
 def _measured(
-    ends: FloatArray, arm: Arm, surroundings: Surroundings, enough: float = math.inf
+    ends: FloatArray, arm: PaperArm, surroundings: Surroundings, enough: float = math.inf
 ) -> Measured:
     """Distances of capsules to convex solids and the floor, up to ``enough``, [unit]."""
     shape = ends.shape[:2]
@@ -239,7 +239,9 @@ def _measured(
     return Measured(distance, surroundings.numbers[row])
 
 
-def _with_meshes(solid: Measured, ends: FloatArray, arm: Arm, obstacles: ObstacleSet) -> Measured:
+def _with_meshes(
+    solid: Measured, ends: FloatArray, arm: PaperArm, obstacles: ObstacleSet
+) -> Measured:
     """The nearer of convex solids and meshes, for capsules with these ends (m, c, 2, 3)."""
     distance, mesh = solid.distance.copy(), np.empty(solid.number.shape, dtype=np.int32)
     capsules_near_meshes(

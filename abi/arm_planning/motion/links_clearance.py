@@ -11,7 +11,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.arm import PaperArm, place
 
 
 def links_clearance(
@@ -39,7 +39,7 @@ def links_clearance(
     if clearance.obstacle < 0:
         return None
     least = clearance.distances[samples].copy()
-    if isinstance(arm, Arm):
+    if isinstance(arm, PaperArm):
         ends = place(arm, motion.positions[samples])
         radii = [capsule.radius for capsule in arm.capsules]
         p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)

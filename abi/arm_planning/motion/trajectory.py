@@ -21,7 +21,7 @@ from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.errors import NotFollowed, OutOfReach
 from abi.obstacles.pose import Vec3
-from abi.robot.paper_arm.arm import JOINTS, SLIDES, Arm, forward
+from abi.robot.paper_arm.arm import JOINTS, SLIDES, PaperArm, forward
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.settings import ArmSettings
@@ -204,7 +204,7 @@ def follow(
     curve: Curve,
     arc: ArcLength,
     profile: PathProfile,
-    arm: Arm,
+    arm: PaperArm,
     settings: ArmSettings,
     samples: int = 200,
 ) -> ArmMotion:
@@ -245,7 +245,7 @@ def follow(
     )
 
 
-def rest_pose(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
+def rest_pose(arm: PaperArm, settings: ArmSettings, point: Vec3) -> FloatArray:
     """Joint positions with the tool at ``point``, or as near as it can be.
 
     Returns:

@@ -19,8 +19,8 @@ from abi.obstacles.surface_set_kernels import (
 )
 from abi.obstacles.triangle_mesh.surface_segment_kernels import bounds_along, least_distance
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    DescentWorkspace,
     Placement,
-    Room,
     SurfaceTables,
     new_room,
     to_surface,
@@ -129,7 +129,7 @@ def _deepest(
     radius: float,
     tables: SurfaceTables,
     placement: Placement,
-    room: Room,
+    room: DescentWorkspace,
 ) -> tuple[int, float]:
     """Find the pose at which a capsule is deepest in a mesh, and how deep it is then.
 

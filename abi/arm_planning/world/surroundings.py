@@ -18,7 +18,7 @@ from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.link_capsules import COLUMN
 from abi.robot.urdf_arm import UrdfArm
 
@@ -78,7 +78,7 @@ class Surroundings:
 
 
 def arm_surroundings(
-    arm: Arm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
+    arm: PaperArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
 ) -> Surroundings:
     """Build the surroundings of the paper's arm.
 
@@ -161,7 +161,7 @@ def _surroundings(
 
 
 @lru_cache(maxsize=16)
-def _own(arm: Arm) -> Own:
+def _own(arm: PaperArm) -> Own:
     still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
     x, y, z = arm.base.tolist()
     rows = np.zeros((len(still), WIDTH))

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count, loose_points
-from abi.obstacles.mesh_files.ply_tables import Lists, Table, binary_tables, header, text_tables
+from abi.obstacles.mesh_files.ply_tables import PlyLists, Table, binary_tables, header, text_tables
 from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.words import counted, shown
 
@@ -63,7 +63,7 @@ def _polygons(
     lists = next((faces[name] for name in _CORNERS if name in faces), None)
     if lists is None and not faces:
         return np.empty((0, 3), np.int32), NO_COLOURS, []
-    if not isinstance(lists, Lists):
+    if not isinstance(lists, PlyLists):
         raise ValueError("a PLY file whose faces have a list vertex_indices")
     corners = _ids(lists.values, len(vertices))
     is_area = lists.counts >= 3
@@ -91,7 +91,7 @@ def _rgb(table: Table) -> ByteArray:
 def _strips(table: Table, vertices: int) -> IntArray:
     """Triangles (m, 3) of strips, between which an id is -1; every second one is turned."""
     lists = next((table[name] for name in _CORNERS if name in table), None)
-    if not isinstance(lists, Lists):
+    if not isinstance(lists, PlyLists):
         return np.empty((0, 3), np.int32)
     ids = lists.values.astype(np.int64)
     _ids(ids[ids != -1].astype(np.float64), vertices)

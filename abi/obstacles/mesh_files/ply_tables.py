@@ -27,7 +27,7 @@ class Property(NamedTuple):
     length: str
 
 
-class Element(NamedTuple):
+class PlyElement(NamedTuple):
     """Name, rows and properties of an element."""
 
     name: str
@@ -35,21 +35,21 @@ class Element(NamedTuple):
     properties: tuple[Property, ...]
 
 
-class Lists(NamedTuple):
+class PlyLists(NamedTuple):
     """A list in each row of an element: the lengths (n,), and all values in a row."""
 
     counts: IntArray
     values: FloatArray
 
 
-Table = Mapping[str, FloatArray | Lists]
+Table = Mapping[str, FloatArray | PlyLists]
 
 
-def header(lines: Sequence[str]) -> tuple[str | None, list[Element]]:
+def header(lines: Sequence[str]) -> tuple[str | None, list[PlyElement]]:
     """Byte order, None for text, and the elements."""
     order: str | None = ""
     known = False
-    elements: list[Element] = []
+    elements: list[PlyElement] = []
     for number, line in enumerate(lines[1:], 2):
         match line.split():
             case [] | ["comment" | "obj_info", *_]:
@@ -59,7 +59,7 @@ def header(lines: Sequence[str]) -> tuple[str | None, list[Element]]:
             case ["element", name, rows] if rows.isascii() and rows.isdigit() and len(rows) < 10:
                 if any(one.name == name for one in elements) or int(rows) > _MOST_ROWS:
                     raise ValueError(f"elements once and of a modest number, not {line[:60]!r}")
-                elements.append(Element(name, int(rows), ()))
+                elements.append(PlyElement(name, int(rows), ()))
             case ["property", "list", count, kind, name] if elements and _are_types(count, kind):
                 added = Property(name, _TYPES[kind], _TYPES[count])
                 elements[-1] = _with(elements[-1], added)
@@ -76,13 +76,13 @@ def _are_types(*names: str) -> bool:
     return all(name in _TYPES for name in names)
 
 
-def _with(element: Element, added: Property) -> Element:
+def _with(element: PlyElement, added: Property) -> PlyElement:
     if any(one.name == added.name for one in element.properties):
         raise ValueError(f"properties of different names, {shown(added.name)} is there twice")
     return element._replace(properties=(*element.properties, added))
 
 
-def text_tables(body: bytes, elements: Sequence[Element]) -> tuple[list[Table], int]:
+def text_tables(body: bytes, elements: Sequence[PlyElement]) -> tuple[list[Table], int]:
     """The rows of all elements, and the number of words behind them."""
     numbers = float_words(body.split(), "a PLY text of numbers")
     tables, at = [], 0
@@ -92,7 +92,7 @@ def text_tables(body: bytes, elements: Sequence[Element]) -> tuple[list[Table], 
     return tables, len(numbers) - at
 
 
-def _text_table(numbers: FloatArray, at: int, element: Element) -> tuple[Table, int]:
+def _text_table(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Table, int]:
     lists = [k for k, one in enumerate(element.properties) if one.length]
     width = len(element.properties)
     if not element.rows or not width:
@@ -122,7 +122,7 @@ def _text_table(numbers: FloatArray, at: int, element: Element) -> tuple[Table, 
     return _columns(element, plain, {k: np.concatenate(found[k]) for k in lists}), at
 
 
-def _uniform_text(numbers: FloatArray, at: int, element: Element) -> tuple[Table, int] | None:
+def _uniform_text(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Table, int] | None:
     """The rows of an element whose lists are all as long as in its first row; else None."""
     starts: dict[int, int] = {}
     counts: dict[int, int] = {}
@@ -144,7 +144,9 @@ def _uniform_text(numbers: FloatArray, at: int, element: Element) -> tuple[Table
     return _columns(element, rows[:, list(starts.values())], lists), end
 
 
-def binary_tables(body: bytes, elements: Sequence[Element], order: str) -> tuple[list[Table], int]:
+def binary_tables(
+    body: bytes, elements: Sequence[PlyElement], order: str
+) -> tuple[list[Table], int]:
     """The rows of all elements, and the number of bytes behind them."""
     tables, at = [], 0
     for element in elements:
@@ -153,7 +155,7 @@ def binary_tables(body: bytes, elements: Sequence[Element], order: str) -> tuple
     return tables, len(body[at:].strip(b"\0 \r\n"))
 
 
-def _binary_table(body: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
+def _binary_table(body: bytes, at: int, element: PlyElement, order: str) -> tuple[Table, int]:
     width = len(element.properties)
     if not element.rows or not width:
         return _columns(element, np.empty((0, width)), {}), at
@@ -173,7 +175,7 @@ def _binary_table(body: bytes, at: int, element: Element, order: str) -> tuple[T
     return _mixed_table(body, at, element, order)
 
 
-def _first_lengths(body: bytes, at: int, element: Element, order: str) -> dict[int, int]:
+def _first_lengths(body: bytes, at: int, element: PlyElement, order: str) -> dict[int, int]:
     """Length of each list in the first row."""
     lengths = {}
     for k, one in enumerate(element.properties):
@@ -186,7 +188,7 @@ def _first_lengths(body: bytes, at: int, element: Element, order: str) -> dict[i
 
 
 def _binary_length(
-    body: bytes, at: int, element: Element, one: Property, order: str
+    body: bytes, at: int, element: PlyElement, one: Property, order: str
 ) -> tuple[int, int]:
     size = np.dtype(one.length).itemsize
     if at + size > len(body):
@@ -195,7 +197,7 @@ def _binary_length(
     return _length(value, element), at + size
 
 
-def _row_type(element: Element, order: str, lengths: Mapping[int, int]) -> np.dtype[np.void]:
+def _row_type(element: PlyElement, order: str, lengths: Mapping[int, int]) -> np.dtype[np.void]:
     fields: list[tuple[str, str] | tuple[str, str, int]] = []
     for k, one in enumerate(element.properties):
         if one.length:
@@ -205,7 +207,7 @@ def _row_type(element: Element, order: str, lengths: Mapping[int, int]) -> np.dt
     return np.dtype(fields)
 
 
-def _mixed_table(body: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
+def _mixed_table(body: bytes, at: int, element: PlyElement, order: str) -> tuple[Table, int]:
     """Rows whose lists differ in length."""
     plain = np.empty((element.rows, len(element.properties)))
     found: dict[int, list[FloatArray]] = {
@@ -228,22 +230,22 @@ def _mixed_table(body: bytes, at: int, element: Element, order: str) -> tuple[Ta
     return _columns(element, plain, values_of), at
 
 
-def _length(value: float, element: Element) -> int:
+def _length(value: float, element: PlyElement) -> int:
     if not 0 <= value <= 1e7 or value != int(value):
         raise ValueError(f"whole numbers of corners in its rows of {shown(element.name)}")
     return int(value)
 
 
-def _cut_off(element: Element) -> ValueError:
+def _cut_off(element: PlyElement) -> ValueError:
     return ValueError(
         f"a whole PLY file, its header announces {element.rows:,} rows of {shown(element.name)} "
         "and not all are there"
     )
 
 
-def _columns(element: Element, plain: FloatArray, lists: Mapping[int, FloatArray]) -> Table:
+def _columns(element: PlyElement, plain: FloatArray, lists: Mapping[int, FloatArray]) -> Table:
     return {
-        one.name: Lists(plain[:, k].astype(np.int32), lists.get(k, np.empty(0)))
+        one.name: PlyLists(plain[:, k].astype(np.int32), lists.get(k, np.empty(0)))
         if one.length
         else plain[:, k]
         for k, one in enumerate(element.properties)

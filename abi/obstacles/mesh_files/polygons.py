@@ -25,7 +25,7 @@ _FLATNESS = 0.01
 _CHUNK = 1_000_000
 
 
-class Triangles(NamedTuple):
+class PolygonTriangles(NamedTuple):
     """Triangles of polygons.
 
     Attributes:
@@ -49,7 +49,7 @@ class Triangles(NamedTuple):
 
 def triangulate(
     points: FloatArray, corners: IntArray, counts: IntArray, where: Callable[[int], str]
-) -> Triangles:
+) -> PolygonTriangles:
     """Cut polygons into triangles.
 
     Args:
@@ -82,7 +82,7 @@ def triangulate(
                     ids = cut([points[rings[k]]], where(int(some[k])))
                     faces[places[k]] = rings[k][ids]
     polygons = np.repeat(np.arange(len(counts), dtype=np.int32), counts - 2)
-    return Triangles(faces, polygons, bent)
+    return PolygonTriangles(faces, polygons, bent)
 
 
 def cut(rings: Sequence[FloatArray], name: str) -> IntArray:

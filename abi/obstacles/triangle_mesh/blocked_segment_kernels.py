@@ -8,7 +8,11 @@ from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
 from abi.obstacles.triangle_mesh.point_distance_kernels import is_inside_near
 from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
-from abi.obstacles.triangle_mesh.surface_tables_kernels import TOUCHING, Room, SurfaceTables
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    TOUCHING,
+    DescentWorkspace,
+    SurfaceTables,
+)
 from abi.obstacles.triangle_mesh.triangle_kernels import segment_to_triangle, triangle_at
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub
 
@@ -23,7 +27,9 @@ def limit_of(tables: SurfaceTables, margin: float, length: float) -> float:
 
 
 @jitable
-def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Room) -> bool:
+def is_blocked(
+    tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: DescentWorkspace
+) -> bool:
     """Check if a segment of the body frame comes nearer to a surface than a margin, or touches it.
 
     Walks along the segment as far as the grid's bounds allow at each place (Hart, Sphere tracing,

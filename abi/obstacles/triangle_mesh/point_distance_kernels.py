@@ -11,7 +11,11 @@ from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, side_of
 from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
-from abi.obstacles.triangle_mesh.surface_tables_kernels import TOUCHING, Room, SurfaceTables
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    TOUCHING,
+    DescentWorkspace,
+    SurfaceTables,
+)
 from abi.obstacles.triangle_mesh.triangle_kernels import closest_point, triangle_at
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3, cross, norm, sub
@@ -25,14 +29,14 @@ _IN_DOUBT = 1e-14
 
 
 @jitable
-def is_inside_near(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
+def is_inside_near(tables: SurfaceTables, x: Vec3, room: DescentWorkspace) -> bool:
     """Check whether a point of the body frame, near a closed surface, is inside."""
     side = side_of(tables.grid, tables.tree, x, room.waiting)
     return side == 1 if side >= 0 else is_inside(tables.tree, tables.dipoles, x, room.stack)
 
 
 @jitable
-def is_inside_surface(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
+def is_inside_surface(tables: SurfaceTables, x: Vec3, room: DescentWorkspace) -> bool:
     """Check whether a point of the body frame is inside a closed surface."""
     lower, upper = distance_bounds(tables.grid, x)
     if lower > 0.0 or upper < 0.0:
@@ -41,7 +45,7 @@ def is_inside_surface(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
 
 
 @jitable
-def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, int]:
+def signed_distance_at(tables: SurfaceTables, x: Vec3, room: DescentWorkspace) -> tuple[float, int]:
     """Signed distance of a point in the body frame, or less by rounding; and the nearest triangle.
 
     The triangle is its place in the tree.
@@ -51,7 +55,11 @@ def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[floa
 
 @jitable
 def signed_distance_beside(
-    tables: SurfaceTables, x: Vec3, enough: float, given: tuple[float, Vec3, float], room: Room
+    tables: SurfaceTables,
+    x: Vec3,
+    enough: float,
+    given: tuple[float, Vec3, float],
+    room: DescentWorkspace,
 ) -> tuple[float, int]:
     """Signed distance, given that of another point; see :func:`signed_distance_at`.
 

@@ -17,7 +17,7 @@ from abi.obstacles.triangle_mesh.segment_kernels import segment_distance, toward
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     SAMPLES,
     TOUCHING,
-    Room,
+    DescentWorkspace,
     SurfaceTables,
 )
 from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, triangle_at
@@ -28,7 +28,9 @@ _FINE = 1 / 8
 
 
 @jitable
-def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+def distance_along(
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
+) -> float:
     """Distance of a segment of the body frame to the surface; ``most`` where that is less.
 
     0 where some of it is seen to be inside. Walks along the segment as far as the grid's bounds
@@ -69,7 +71,9 @@ def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
 
 
 @jitable
-def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+def least_distance(
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
+) -> float:
     """Least signed distance along a segment of the body frame; ``most`` where that is less.
 
     Below 0 it is a lower bound. Between two samples s and t at a distance l, the signed distance is
@@ -91,7 +95,7 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
 
 @jitable
 def bounds_along(
-    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
 ) -> tuple[float, float]:
     """Bounds of what :func:`least_distance` finds, by the grid alone.
 
@@ -105,7 +109,9 @@ def bounds_along(
 
 
 @jitable
-def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+def _bound_samples(
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
+) -> float:
     """Bound the signed distances of the samples from below, and return the least bound from above.
 
     Samples beside one that is far above ``most``, or very near to it, are bounded by that one.
@@ -126,7 +132,9 @@ def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
 
 
 @jitable
-def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+def _least_inside(
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
+) -> float:
     """The lower bound of :func:`least_distance`; ``most`` where that is less."""
     d = sub(q, p)
     step = norm(d) / SAMPLES
@@ -152,7 +160,9 @@ def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Ro
 
 
 @jitable
-def _is_above(tables: SurfaceTables, x: Vec3, k: int, enough: float, room: Room) -> bool:
+def _is_above(
+    tables: SurfaceTables, x: Vec3, k: int, enough: float, room: DescentWorkspace
+) -> bool:
     """Check if a triangle shows that a sample's signed distance is large enough, and raise it then.
 
     It is no deeper than any triangle is far: mostly that nearest to the sample before will do.
@@ -170,7 +180,12 @@ def _is_above(tables: SurfaceTables, x: Vec3, k: int, enough: float, room: Room)
 
 @jitable
 def _take_sample(
-    tables: SurfaceTables, way: tuple[Vec3, Vec3], k: int, step: float, enough: float, room: Room
+    tables: SurfaceTables,
+    way: tuple[Vec3, Vec3],
+    k: int,
+    step: float,
+    enough: float,
+    room: DescentWorkspace,
 ) -> None:
     """Find a sample's signed distance, which bounds the others: it is 1-Lipschitz.
 
@@ -180,7 +195,7 @@ def _take_sample(
         k: number of the sample.
         step: between samples.
         enough: where it is not below this, a bound will do.
-        room: see ``Room``; the sample and the bounds are written.
+        room: see ``DescentWorkspace``; the sample and the bounds are written.
     """
     samples, known = room.samples, room.known
     p, d = way

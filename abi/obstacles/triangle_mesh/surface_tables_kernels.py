@@ -60,7 +60,7 @@ class Placement(NamedTuple):
     factor: float
 
 
-class Room(NamedTuple):
+class DescentWorkspace(NamedTuple):
     """Room for descents of a tree.
 
     Attributes:
@@ -91,12 +91,12 @@ NO_PLACEMENT = Placement((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.
 
 
 @jitable
-def new_room() -> Room:
+def new_room() -> DescentWorkspace:
     """Room for descents."""
     waiting, stack = np.empty(DEPTH, np.int32), np.empty(128, np.int32)
     latest, nearest = np.full(1, -1, np.int32), np.full(1, -1, np.int32)
     samples, known = np.empty(SAMPLES + 1), np.zeros(SAMPLES + 1, np.bool_)
-    return Room(waiting, np.empty(DEPTH), stack, latest, nearest, samples, known)
+    return DescentWorkspace(waiting, np.empty(DEPTH), stack, latest, nearest, samples, known)
 
 
 @jitable

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray, read_only
-from abi.robot.urdf.robot import Link, Shape
+from abi.robot.urdf.robot import Link, LinkShape
 
 if TYPE_CHECKING:
     import trimesh
@@ -26,7 +26,7 @@ _STEPS = 60
 _TINY, _ROUNDING = 1e-300, 1e-13
 
 
-class Capsule(NamedTuple):
+class BoundingCapsule(NamedTuple):
     """All points within ``radius`` of a segment, [m].
 
     Attributes:
@@ -46,7 +46,7 @@ class Capsule(NamedTuple):
 
 
 @lru_cache(maxsize=512)
-def bounding_capsules(link: Link) -> tuple[Capsule, ...]:
+def bounding_capsules(link: Link) -> tuple[BoundingCapsule, ...]:
     """Up to three capsules whose union contains a link's shapes and visuals; none for a frame.
 
     Visuals inside the capsules of the shapes change nothing.
@@ -61,7 +61,7 @@ def bounding_capsules(link: Link) -> tuple[Capsule, ...]:
     return capsules if _hold(capsules, drawn) else _capsules(np.concatenate([solid, drawn]))
 
 
-def _hold(capsules: tuple[Capsule, ...], triangles: FloatArray) -> bool:
+def _hold(capsules: tuple[BoundingCapsule, ...], triangles: FloatArray) -> bool:
     """Check whether each of triangles (n, 3, 3) is inside one of the capsules, which are convex."""
     points = triangles.reshape(-1, 3)
     held = np.zeros(len(triangles), dtype=bool)
@@ -73,7 +73,7 @@ def _hold(capsules: tuple[Capsule, ...], triangles: FloatArray) -> bool:
     return bool(held.all())
 
 
-def _capsules(triangles: FloatArray) -> tuple[Capsule, ...]:
+def _capsules(triangles: FloatArray) -> tuple[BoundingCapsule, ...]:
     best = _row(triangles, 1)
     for count in range(2, _PARTS + 1):
         more = _row(triangles, count)
@@ -82,7 +82,7 @@ def _capsules(triangles: FloatArray) -> tuple[Capsule, ...]:
     return best
 
 
-def _triangles(shape: Shape) -> FloatArray:
+def _triangles(shape: LinkShape) -> FloatArray:
     """Corners (n, 3, 3) in the link's frame of triangles around a shape."""
     if shape.kind == "mesh":
         corners = shape.vertices[shape.faces]
@@ -91,7 +91,7 @@ def _triangles(shape: Shape) -> FloatArray:
     return np.asarray(corners @ shape.pose[:3, :3].T + shape.pose[:3, 3])
 
 
-def _around_solid(shape: Shape) -> trimesh.Trimesh:
+def _around_solid(shape: LinkShape) -> trimesh.Trimesh:
     """Triangles that contain a box, sphere or cylinder."""
     import trimesh  # here, since it takes long to import
 
@@ -109,7 +109,7 @@ def _around_solid(shape: Shape) -> trimesh.Trimesh:
     return solid
 
 
-def _row(triangles: FloatArray, count: int) -> tuple[Capsule, ...]:
+def _row(triangles: FloatArray, count: int) -> tuple[BoundingCapsule, ...]:
     """Capsules around the parts of triangles between planes across their longest axis."""
     points = triangles.reshape(-1, 3)
     axis = _principal_axes(points)[0]
@@ -137,14 +137,14 @@ def _between(triangles: FloatArray, axis: FloatArray, low: float, high: float) -
     return triangles.reshape(-1, 3)
 
 
-def _smallest_capsule(points: FloatArray) -> Capsule:
+def _smallest_capsule(points: FloatArray) -> BoundingCapsule:
     """The smallest of the capsules around points along their principal axes."""
     hull = _corners(points)
     capsules = (_capsule_along_axis(hull, axis) for axis in _principal_axes(hull))
     return min(capsules, key=attrgetter("volume"))
 
 
-def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> Capsule:
+def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> BoundingCapsule:
     """Capsule along ``axis`` around points (n, 3)."""
     across = points - np.outer(points @ axis, axis)
     centre = across.mean(axis=0)
@@ -159,7 +159,7 @@ def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> Capsule:
     if low > high:
         low = high = (low + high) / 2
     ends = read_only(centre + low * axis), read_only(centre + high * axis)
-    return Capsule(*ends, radius * (1 + 1e-9) + 1e-12)
+    return BoundingCapsule(*ends, radius * (1 + 1e-9) + 1e-12)
 
 
 def _principal_axes(points: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Vec3
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
-from abi.robot.kinematics.inverse_dynamics import Body, joined
+from abi.robot.kinematics.inverse_dynamics import RigidBody, joined
 
 DENSITY = 2700.0
 """Density of every solid, [kg/m³]: aluminium."""
@@ -89,7 +89,7 @@ def joint(
     return element
 
 
-def inertia(solids: Iterable[LinkSolid]) -> Body:
+def inertia(solids: Iterable[LinkSolid]) -> RigidBody:
     """Mass, centre of mass and inertia of the bodies among ``solids``, in the link's frame.
 
     Where solids overlap, they count twice: the shape of a link is for drawing, its masses are
@@ -103,7 +103,7 @@ def inertia(solids: Iterable[LinkSolid]) -> Body:
         if solid.body:
             mass, rotation = _mass(solid), rotation_of(solid.rpy)
             own = rotation @ np.diag(mass * _squared_radii(solid)) @ rotation.T
-            parts.append(Body(mass, np.array(solid.xyz), own))
+            parts.append(RigidBody(mass, np.array(solid.xyz), own))
     return joined(parts)
 
 
@@ -133,7 +133,7 @@ def _link(name: str, solids: Sequence[LinkSolid]) -> etree._Element:
     return link
 
 
-def _add_inertia(link: etree._Element, body: Body) -> None:
+def _add_inertia(link: etree._Element, body: RigidBody) -> None:
     tensor = np.where(np.abs(body.inertia) < 1e-12 * np.trace(body.inertia), 0.0, body.inertia)
     inertial = etree.SubElement(link, "inertial")
     _add_origin(inertial, body.centre)

@@ -196,7 +196,7 @@ class Chain(ShortRepr):
         return joints.reshape(-1, count), errors
 
 
-class _Tree(NamedTuple):
+class _FrameTree(NamedTuple):
     """Frames of moving joints, and the links in them.
 
     Attributes:
@@ -212,7 +212,7 @@ class _Tree(NamedTuple):
 
 def _tree(
     robot: Robot, joints: tuple[Joint, ...], still: Mapping[str, float], base: FloatArray
-) -> _Tree:
+) -> _FrameTree:
     """Links and joints of a robot, of which only some joints move, in the frames of these.
 
     Args:
@@ -233,7 +233,7 @@ def _tree(
         elif joint.name in still:
             pose = pose @ joint.motion(still[joint.name])
         links[joint.child] = Carried(joint.child, frame, read_only(pose))
-    return _Tree(before, origins, links)
+    return _FrameTree(before, origins, links)
 
 
 def _packed(pose: FloatArray) -> FloatArray:

@@ -64,7 +64,7 @@ def _solve(matrix: FloatArray, right: FloatArray, rows: int) -> None:
         right[i] /= matrix[rows * i + i]
 
 
-class Room(NamedTuple):
+class FollowWorkspace(NamedTuple):
     """Room for the steps of inverse kinematics.
 
     Attributes:
@@ -85,9 +85,9 @@ class Room(NamedTuple):
 
 
 @jitable
-def room_of(chain: ChainTable, count: int) -> Room:
+def room_of(chain: ChainTable, count: int) -> FollowWorkspace:
     """Room for a chain with n coordinates."""
-    return Room(
+    return FollowWorkspace(
         np.zeros(POSE * (len(chain.source) + 1)),
         np.zeros(6 * count),
         np.zeros(count),
@@ -99,7 +99,7 @@ def room_of(chain: ChainTable, count: int) -> Room:
 
 
 @jitable
-def _step(chain: ChainTable, q: FloatArray, room: Room, damping: float) -> None:
+def _step(chain: ChainTable, q: FloatArray, room: FollowWorkspace, damping: float) -> None:
     """Write the damped least-squares step with what of the drift the task leaves free.
 
     A joint that would leave its limits is held, and the others are asked again.
@@ -174,7 +174,7 @@ def reach_point(
     targets: FloatArray,
     sample: int,
     most: int,
-    room: Room,
+    room: FollowWorkspace,
 ) -> float:
     """Move coordinates until the tip is at a point, by damped least squares; what it lacks.
 

@@ -20,7 +20,7 @@ GRAVITY = 9.80665
 """Standard gravity, downwards along z, [m/s²]."""
 
 
-class Body(NamedTuple):
+class RigidBody(NamedTuple):
     """A rigid body in some frame.
 
     Attributes:
@@ -66,8 +66,8 @@ def joint_torques(
     growths = (accelerations[:, table.source] * table.factor).T[..., None]
     still = np.zeros((len(positions), 3))
     # an arm at rest that is lifted feels what one that hangs does
-    ground = _Motion(still, still, np.full_like(still, (0.0, 0.0, GRAVITY)))
-    motions: list[_Motion] = []
+    ground = _FrameMotion(still, still, np.full_like(still, (0.0, 0.0, GRAVITY)))
+    motions: list[_FrameMotion] = []
     forces, moments = [], []
     for m, body in enumerate(bodies):
         before = int(table.before[m])
@@ -80,7 +80,7 @@ def joint_torques(
         else:
             alpha = alpha + growth + np.cross(omega, rate)
             omega = omega + rate
-        motions.append(_Motion(omega, alpha, pull))
+        motions.append(_FrameMotion(omega, alpha, pull))
         turn = turns[:, m]
         centre = turn @ body.centre
         inertia = turn @ body.inertia @ turn.swapaxes(1, 2)
@@ -91,7 +91,7 @@ def joint_torques(
     return _summed(chain, axes, origins, forces, moments)
 
 
-class _Motion(NamedTuple):
+class _FrameMotion(NamedTuple):
     """Motion of a joint's frame.
 
     Attributes:
@@ -132,7 +132,7 @@ def _summed(
     return torques
 
 
-def joined(parts: Sequence[Body]) -> Body:
+def joined(parts: Sequence[RigidBody]) -> RigidBody:
     """One body of several, all in the same frame."""
     masses = np.array([part.mass for part in parts])
     centres = np.array([part.centre for part in parts]).reshape(-1, 3)
@@ -142,17 +142,17 @@ def joined(parts: Sequence[Body]) -> Body:
         inertia += part.inertia
         # Steiner's theorem: the part's mass about the common centre
         inertia += part.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
-    return Body(mass, centre, inertia)
+    return RigidBody(mass, centre, inertia)
 
 
-def _bodies(chain: Chain) -> list[Body]:
+def _bodies(chain: Chain) -> list[RigidBody]:
     """Load of each joint, in its frame."""
-    loads: list[list[Body]] = [[] for _ in chain.joints]
+    loads: list[list[RigidBody]] = [[] for _ in chain.joints]
     for one in chain.carried:
         if one.frame >= 0:
             link, turn, origin = chain.robot.links[one.link], one.pose[:3, :3], one.pose[:3, 3]
             centre, inertia = turn @ link.centre + origin, turn @ link.inertia @ turn.T
-            loads[one.frame].append(Body(link.mass, centre, inertia))
+            loads[one.frame].append(RigidBody(link.mass, centre, inertia))
     return [joined(load) for load in loads]
 
 

@@ -69,7 +69,7 @@ class ArmLengths(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Arm(ShortRepr):
+class PaperArm(ShortRepr):
     """Geometry and limits of an arm.
 
     Attributes:
@@ -189,7 +189,7 @@ class Arm(ShortRepr):
         return np.asarray(self.a4 + self.a5 + np.asarray(extension, dtype=float))
 
 
-def forward(arm: Arm, positions: FloatArray) -> FloatArray:
+def forward(arm: PaperArm, positions: FloatArray) -> FloatArray:
     """Forward kinematics: positions of the tool.
 
     Paper, stage 6: x6 = sin q1·r, y6 = −cos q1·r, z6 = a1 + a2 + a3·cos q2 + a6·cos(q2 + q3),
@@ -210,7 +210,7 @@ def forward(arm: Arm, positions: FloatArray) -> FloatArray:
     return np.asarray(arm.base + np.stack([np.sin(q1) * r, -np.cos(q1) * r, z], axis=1))
 
 
-def place(arm: Arm, positions: FloatArray) -> FloatArray:
+def place(arm: PaperArm, positions: FloatArray) -> FloatArray:
     """Ends of the capsules' segments.
 
     Args:
@@ -226,7 +226,7 @@ def place(arm: Arm, positions: FloatArray) -> FloatArray:
     return ends
 
 
-def urdf(arm: Arm, scale: float | None = None) -> str:
+def urdf(arm: PaperArm, scale: float | None = None) -> str:
     """The arm as URDF text, standing at the origin of its root link ``base_link``.
 
     Joints q1 to q6 in that order; the last link is the frame ``tool``. A viewer moves the root link

@@ -22,7 +22,7 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray, flat, read_only
 from abi.robot.paper_arm import arm_kernels as kernels
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 
 THROUGH = 1e-6
 """A path that passes the base axis nearer than this part of the arm's reach passes through it."""
@@ -48,7 +48,7 @@ class Solution:
 
 
 def solve(
-    arm: Arm,
+    arm: PaperArm,
     points: FloatArray,
     q5: FloatArray,
     elbow: Literal["up", "down"],

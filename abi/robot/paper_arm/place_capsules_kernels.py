@@ -9,7 +9,13 @@ import math
 
 from abi.arrays import FloatArray
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
-from abi.robot.paper_arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
+from abi.robot.paper_arm.pose_kernels import (
+    CAPSULE,
+    NO_NUMBERS,
+    ArmNumbers,
+    PaperArmPose,
+    capsule_ends,
+)
 
 
 @compiled(example=(FLOATS, NO_NUMBERS, FLOATS, NEW_FLOATS))
@@ -34,7 +40,7 @@ def place_capsules(
         shoulder = (arm.x, arm.y, arm.shoulder)
         elbow = (arm.x + right * out, arm.y - ahead * out, up)
         tool = (arm.x + right * across, arm.y - ahead * across, height)
-        pose = Pose(shoulder, elbow, tool, forearm, out, across, 0.0)
+        pose = PaperArmPose(shoulder, elbow, tool, forearm, out, across, 0.0)
         for c in range(count):
             k = 6 * (i * count + c)
             a, b = capsule_ends(arm, pose, capsules, c)

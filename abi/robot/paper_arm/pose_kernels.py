@@ -74,7 +74,7 @@ class ArmTable(NamedTuple):
     capsules: FloatArray
 
 
-class Pose(NamedTuple):
+class PaperArmPose(NamedTuple):
     """The arm with its tool at a place.
 
     Attributes:
@@ -130,14 +130,14 @@ def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
 
 
 @jitable(forceinline=True)
-def shoulder_holds(arm: ArmNumbers, pose: Pose) -> bool:
+def shoulder_holds(arm: ArmNumbers, pose: PaperArmPose) -> bool:
     """Check whether q2 is within its limit."""
     holds: bool = pose.elbow[2] - arm.shoulder >= arm.upper * arm.least_cosine_q2
     return holds
 
 
 @jitable(forceinline=True)
-def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> Pose:
+def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> PaperArmPose:
     """The arm with its tool at a place that it reaches."""
     x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
     across = math.sqrt(x * x + y * y)
@@ -148,11 +148,11 @@ def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> Pose:
     out = (along * across - height * z) / reach
     up = (along * z + height * across) / reach
     elbow = (arm.x + x / across * out, arm.y + y / across * out, arm.shoulder + up)
-    return Pose((arm.x, arm.y, arm.shoulder), elbow, tool, forearm, out, across, reach)
+    return PaperArmPose((arm.x, arm.y, arm.shoulder), elbow, tool, forearm, out, across, reach)
 
 
 @jitable(forceinline=True)
-def rates_near(arm: ArmNumbers, pose: Pose, tool: float, slide: float) -> Rates:
+def rates_near(arm: ArmNumbers, pose: PaperArmPose, tool: float, slide: float) -> Rates:
     """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
 
     cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator.
@@ -179,7 +179,7 @@ def rates_near(arm: ArmNumbers, pose: Pose, tool: float, slide: float) -> Rates:
 
 
 @jitable(forceinline=True)
-def bend_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float) -> float:
+def bend_near(arm: ArmNumbers, pose: PaperArmPose, rates: Rates, tool: float) -> float:
     """Bound of the elbow's second derivative while the tool runs straight near a pose, [1/unit].
 
     Args:
@@ -196,7 +196,9 @@ def bend_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float) -> float:
 
 
 @jitable(forceinline=True)
-def limits_hold_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
+def limits_hold_near(
+    arm: ArmNumbers, pose: PaperArmPose, rates: Rates, tool: float, slide: float
+) -> bool:
     """Check whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
     near, long = pose.reach - tool, rates.longest
     cosine = near * near - arm.upper * arm.upper - long * long
@@ -207,7 +209,9 @@ def limits_hold_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float, sli
 
 
 @jitable(forceinline=True)
-def capsule_ends(arm: ArmNumbers, pose: Pose, capsules: FloatArray, c: int) -> tuple[Vec3, Vec3]:
+def capsule_ends(
+    arm: ArmNumbers, pose: PaperArmPose, capsules: FloatArray, c: int
+) -> tuple[Vec3, Vec3]:
     """Both ends of capsule c's segment, [unit], world."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
     if body == COLUMN:

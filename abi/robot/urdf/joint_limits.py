@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from abi.robot.urdf.strict_xml import Element
+from abi.robot.urdf.strict_xml import XmlElement
 
 TURN = 2 * math.pi
 _SLIDE = 10.0
@@ -20,7 +20,7 @@ _MOST_RATE = 1e9
 _RATES = ("velocity", "effort")
 
 
-class Limits(NamedTuple):
+class UrdfLimits(NamedTuple):
     """Limits of a joint.
 
     Attributes:
@@ -35,7 +35,7 @@ class Limits(NamedTuple):
     effort: float
 
 
-def read_limits(joint: Element, kind: str) -> Limits:
+def read_limits(joint: XmlElement, kind: str) -> UrdfLimits:
     """Limits of a joint that moves, with a note where they are not as its ``<limit>`` says.
 
     Args:
@@ -53,7 +53,7 @@ def read_limits(joint: Element, kind: str) -> Limits:
         if rate < 0 or math.isinf(rate):
             joint.tell(f"Without limit of {name}, as that is negative or beyond sense:")
     if kind == "continuous":
-        return Limits(-TURN, TURN, speed, effort)
+        return UrdfLimits(-TURN, TURN, speed, effort)
     sides = [None if limit is None else limit.bound(name, _MOST) for name in ("lower", "upper")]
     if sides == [None, None] and joint.child("mimic") is None:
         joint.tell("Stands still, as its <limit> has no lower and upper:")
@@ -66,11 +66,11 @@ def read_limits(joint: Element, kind: str) -> Limits:
         high = max(most, low + most) if high == math.inf else high
     if not low <= high or math.isinf(low) or math.isinf(high):
         joint.tell("Stands still at 0, as its lower limit is above the upper:")
-        return Limits(0.0, 0.0, speed, effort)
-    return Limits(*_softened(joint, low, high), speed, effort)
+        return UrdfLimits(0.0, 0.0, speed, effort)
+    return UrdfLimits(*_softened(joint, low, high), speed, effort)
 
 
-def _softened(joint: Element, low: float, high: float) -> tuple[float, float]:
+def _softened(joint: XmlElement, low: float, high: float) -> tuple[float, float]:
     """Limits within those of a joint's safety controller."""
     soft = _soft(joint)
     if soft is None:
@@ -84,7 +84,7 @@ def _softened(joint: Element, low: float, high: float) -> tuple[float, float]:
     return inner
 
 
-def _soft(joint: Element) -> tuple[float, float] | None:
+def _soft(joint: XmlElement) -> tuple[float, float] | None:
     """Soft limits of a joint's safety controller; None if it gives none."""
     safety = joint.child("safety_controller")
     if safety is None:

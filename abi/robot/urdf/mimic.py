@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from abi.arrays import read_only
 from abi.robot.urdf.robot import Joint, Mimic
-from abi.robot.urdf.strict_xml import Element
+from abi.robot.urdf.strict_xml import XmlElement
 
 
-def with_masters(root: Element, joints: Sequence[Joint]) -> tuple[Joint, ...]:
+def with_masters(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]:
     """The joints, each that follows another following one that moves by itself.
 
     What follows a fixed joint, or one that there is not, is fixed at its offset: as if that joint
@@ -38,7 +38,7 @@ def with_masters(root: Element, joints: Sequence[Joint]) -> tuple[Joint, ...]:
     return tuple(found)
 
 
-def _master(root: Element, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:
+def _master(root: XmlElement, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:
     """How a joint follows the first of its chain of masters, which need not be there."""
     assert joint.mimic is not None
     name, factor, offset = joint.mimic

@@ -26,7 +26,7 @@ JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
 
 
 @dataclass(frozen=True, eq=False)
-class Shape(ReadOnlyCopies):
+class LinkShape(ReadOnlyCopies):
     """A solid of a link.
 
     Attributes:
@@ -61,14 +61,14 @@ class Link(ShortRepr):
     """
 
     name: str
-    shapes: tuple[Shape, ...]
+    shapes: tuple[LinkShape, ...]
     mass: float
     centre: FloatArray
     inertia: FloatArray
-    visuals: tuple[Shape, ...] = ()
+    visuals: tuple[LinkShape, ...] = ()
 
     @property
-    def drawn(self) -> tuple[Shape, ...]:
+    def drawn(self) -> tuple[LinkShape, ...]:
         """Shapes with which it is drawn."""
         return self.visuals or self.shapes
 

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from abi.robot.urdf.robot import NamedState, Robot
-from abi.robot.urdf.strict_xml import Element, parse
+from abi.robot.urdf.strict_xml import XmlElement, parse
 
 
 class Srdf(NamedTuple):
@@ -39,7 +39,7 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
     Raises:
         SceneError: it is no SRDF, it is truncated, or a state has a position that is no number.
     """
-    root = Element(parse(content, name), name, "robot")
+    root = XmlElement(parse(content, name), name, "robot")
     groups: dict[str, tuple[str, ...]] = {}
     for group in root.all("group"):
         if group.text("name"):  # one inside another is a reference to one before
@@ -47,7 +47,7 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
     return Srdf(_may_touch(root, robot), MappingProxyType(groups), _states(root, robot))
 
 
-def _may_touch(root: Element, robot: Robot) -> frozenset[frozenset[str]]:
+def _may_touch(root: XmlElement, robot: Robot) -> frozenset[frozenset[str]]:
     """Pairs of links whose collisions are disabled, one by one or all of a link."""
     links = robot.links.keys()
     pairs = {_pair(one) for one in root.all("disable_collisions")}
@@ -57,11 +57,13 @@ def _may_touch(root: Element, robot: Robot) -> frozenset[frozenset[str]]:
     return frozenset(pair for pair in pairs if len(pair) == 2 and pair <= links)
 
 
-def _pair(element: Element) -> frozenset[str]:
+def _pair(element: XmlElement) -> frozenset[str]:
     return frozenset((element.text("link1"), element.text("link2")))
 
 
-def _joints(group: Element, robot: Robot, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+def _joints(
+    group: XmlElement, robot: Robot, known: Mapping[str, tuple[str, ...]]
+) -> tuple[str, ...]:
     """Names of a group's joints that can move, in the order of the robot."""
     named = {one.text("name") for one in group.all("joint")}
     links = {one.text("name") for one in group.all("link")}
@@ -80,7 +82,7 @@ def _joints(group: Element, robot: Robot, known: Mapping[str, tuple[str, ...]]) 
     )
 
 
-def _states(root: Element, robot: Robot) -> tuple[NamedState, ...]:
+def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
     """Named states, each with the positions of joints that the robot has, within their limits."""
     limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
     found = []

@@ -29,7 +29,7 @@ _LENGTHS = ("xyz", "size", "radius", "length")
 _DECLARATION = re.compile(r"\A\s*<\?xml[^>]{0,200}\?>")
 
 
-class Element:
+class XmlElement:
     """An XML element, and its name in error messages.
 
     Attributes:
@@ -60,7 +60,7 @@ class Element:
         if self.title not in named:
             named.append(self.title)
 
-    def called(self) -> Element:
+    def called(self) -> XmlElement:
         """The same element under the name that its ``name`` attribute gives."""
         name = self.xml.get("name", "")
         tag = str(self.xml.tag)
@@ -69,19 +69,19 @@ class Element:
                 f"1 to {_LONGEST_NAME} letters of any script, digits and signs, "
                 f"but none of {' '.join(_NOT_IN_NAMES)} and no .. between slashes"
             )
-            raise Element(self.xml, self.file, tag).refuse("name", name, expected)
-        return Element(self.xml, self.file, f"{tag} {name}", self.told)
+            raise XmlElement(self.xml, self.file, tag).refuse("name", name, expected)
+        return XmlElement(self.xml, self.file, f"{tag} {name}", self.told)
 
-    def all(self, tag: str) -> Iterator[Element]:
+    def all(self, tag: str) -> Iterator[XmlElement]:
         """Children with a tag, under the same name in error messages."""
         for element in self.xml.iterfind(tag):
-            yield Element(element, self.file, self.title, self.told)
+            yield XmlElement(element, self.file, self.title, self.told)
 
-    def child(self, tag: str) -> Element | None:
+    def child(self, tag: str) -> XmlElement | None:
         """First child with a tag; None if there is none."""
         return next(self.all(tag), None)
 
-    def needed(self, tag: str) -> Element:
+    def needed(self, tag: str) -> XmlElement:
         """First child with a tag; SceneError if there is none."""
         found = self.child(tag)
         if found is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from abi.robot.urdf.strict_xml import Element
+from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 
 _USED: Mapping[str, frozenset[str]] = {
@@ -18,7 +18,7 @@ _USED: Mapping[str, frozenset[str]] = {
 _NAMED = 6
 
 
-def unused(root: Element) -> tuple[str, ...]:
+def unused(root: XmlElement) -> tuple[str, ...]:
     """A sentence on the elements of a robot, its links and its joints that are not used, if any."""
     found: dict[str, None] = {}
     for parent in (root, *root.all("link"), *root.all("joint")):

@@ -11,7 +11,7 @@ from abi.errors import SceneError
 from abi.robot.urdf.mesh_lookup import MeshLookup
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import unpacked
-from abi.robot.urdf.strict_xml import Element, decoded, parse
+from abi.robot.urdf.strict_xml import XmlElement, decoded, parse
 from abi.robot.urdf.urdf_meshes import file_name
 
 
@@ -38,7 +38,7 @@ def files_of(robot: Robot) -> dict[str, bytes]:
     _drop_others(root, robot)
     for mesh in root.iterfind("link//mesh"):
         with contextlib.suppress(SceneError):  # one for looks may be missing, as it was before
-            mesh.set("filename", lookup.path(file_name(Element(mesh, name, "mesh"))))
+            mesh.set("filename", lookup.path(file_name(XmlElement(mesh, name, "mesh"))))
     return {name: etree.tostring(root, xml_declaration=True, encoding="utf-8"), **files}
 
 

@@ -9,9 +9,9 @@ from typing import cast
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
-from abi.robot.urdf.joint_limits import Limits, read_limits
+from abi.robot.urdf.joint_limits import UrdfLimits, read_limits
 from abi.robot.urdf.robot import Joint, JointKind, Mimic
-from abi.robot.urdf.strict_xml import Element
+from abi.robot.urdf.strict_xml import XmlElement
 
 _MOVING = ("revolute", "continuous", "prismatic")
 _X = read_only(np.array([1.0, 0.0, 0.0]))
@@ -20,7 +20,7 @@ _HELD = ("floating", "planar", "spherical")
 """Kinds that have more than one coordinate: they are held at their origin."""
 
 
-def read_joint(element: Element) -> Joint:
+def read_joint(element: XmlElement) -> Joint:
     """Read a joint with its limits; what its kind does not use is not looked at.
 
     Raises:
@@ -30,7 +30,7 @@ def read_joint(element: Element) -> Joint:
     if kind not in (*_MOVING, "fixed", *_HELD):
         raise element.refuse("type", kind, f"one of {', '.join((*_MOVING, 'fixed', *_HELD))}")
     moves = kind in _MOVING
-    limits = read_limits(element, kind) if moves else Limits(0.0, 0.0, math.inf, math.inf)
+    limits = read_limits(element, kind) if moves else UrdfLimits(0.0, 0.0, math.inf, math.inf)
     if kind in _HELD:
         element.tell(f"Held at the origin, as its kind is {kind}:")
     return Joint(
@@ -54,7 +54,7 @@ def some_of(names: Sequence[str], most: int = 4) -> str:
     return f"{', '.join(names[:most])}{more}"
 
 
-def _axis(element: Element) -> FloatArray:
+def _axis(element: XmlElement) -> FloatArray:
     """Direction of a joint's axis, a unit vector (3,)."""
     given = element.child("axis")
     axis = _X if given is None else np.array(given.vector("xyz", (1.0, 0.0, 0.0)))
@@ -63,7 +63,7 @@ def _axis(element: Element) -> FloatArray:
     return read_only(axis / np.linalg.norm(axis))
 
 
-def _mimic(element: Element) -> Mimic | None:
+def _mimic(element: XmlElement) -> Mimic | None:
     mimic = element.child("mimic")
     if mimic is None:
         return None
@@ -72,7 +72,7 @@ def _mimic(element: Element) -> Mimic | None:
 
 
 def in_order(
-    root: Element, links: Collection[str], joints: Sequence[Joint]
+    root: XmlElement, links: Collection[str], joints: Sequence[Joint]
 ) -> tuple[tuple[Joint, ...], str]:
     """Sort the joints, parents first, and find the root link of the tree that they form.
 

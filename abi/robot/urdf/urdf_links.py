@@ -15,8 +15,8 @@ from lxml import etree
 from abi.arrays import ByteArray, FloatArray, read_only
 from abi.errors import Missing, SceneError
 from abi.obstacles.mesh_files.parts import NO_COLOURS, Parts
-from abi.robot.urdf.robot import Link, Shape
-from abi.robot.urdf.strict_xml import Element
+from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.urdf_masses import WEIGHTLESS, read_inertial
 from abi.robot.urdf.urdf_meshes import file_name
@@ -30,7 +30,7 @@ Meshes = Callable[[str], Parts]
 """Vertices, faces and their colours of the mesh file of that name."""
 
 
-def read_link(element: Element, meshes: Meshes, masses: bool = True) -> Link:
+def read_link(element: XmlElement, meshes: Meshes, masses: bool = True) -> Link:
     """Read a link with its mass and its collision shapes.
 
     Args:
@@ -46,7 +46,7 @@ def read_link(element: Element, meshes: Meshes, masses: bool = True) -> Link:
     return Link(element.text("name"), _shapes(element, kind, meshes), *inertial)
 
 
-def add_visuals(root: Element, links: dict[str, Link], meshes: Meshes) -> tuple[str, ...]:
+def add_visuals(root: XmlElement, links: dict[str, Link], meshes: Meshes) -> tuple[str, ...]:
     """Add visuals to the links, and return a sentence on what was left out.
 
     Visuals come after all shapes, so that they take no triangles from these.
@@ -66,7 +66,7 @@ def add_visuals(root: Element, links: dict[str, Link], meshes: Meshes) -> tuple[
     return (f"Drawn by collision shapes, as visuals cannot be read: {some_of(plain)}.",)
 
 
-def _are_same(first: Sequence[Shape], second: Sequence[Shape]) -> bool:
+def _are_same(first: Sequence[LinkShape], second: Sequence[LinkShape]) -> bool:
     """Check whether shapes are the same solids at the same places."""
     return len(first) == len(second) and all(
         (a.kind, a.size) == (b.kind, b.size)
@@ -76,7 +76,7 @@ def _are_same(first: Sequence[Shape], second: Sequence[Shape]) -> bool:
     )
 
 
-def add_colours(root: Element, links: dict[str, Link]) -> None:
+def add_colours(root: XmlElement, links: dict[str, Link]) -> None:
     """Give visuals the colours of their materials, which take precedence over those of a mesh.
 
     Shapes that stand for visuals take the first visual's colour.
@@ -97,17 +97,19 @@ def add_colours(root: Element, links: dict[str, Link]) -> None:
         links[link.name] = changed
 
 
-def _shapes(element: Element, kind: str, meshes: Meshes) -> tuple[Shape, ...]:
+def _shapes(element: XmlElement, kind: str, meshes: Meshes) -> tuple[LinkShape, ...]:
     shapes = list(element.all(kind))
     if len(shapes) > MAX_SHAPES:
         raise element.refuse("shapes", len(shapes), f"at most {MAX_SHAPES}")
     return tuple(solid for shape in shapes for solid in _solids(shape, meshes))
 
 
-def _solids(element: Element, meshes: Meshes) -> Iterator[Shape]:
+def _solids(element: XmlElement, meshes: Meshes) -> Iterator[LinkShape]:
     """A shape; of a capsule its cylinder and both its balls."""
     geometry = element.needed("geometry")
-    part = next((Element(x, element.file, element.title, element.told) for x in geometry.xml), None)
+    part = next(
+        (XmlElement(x, element.file, element.title, element.told) for x in geometry.xml), None
+    )
     kind = None if part is None else part.xml.tag
     if part is None or kind not in _KINDS:
         raise element.refuse("geometry", kind, f"{', '.join(_KINDS[:-1])} or {_KINDS[-1]}")
@@ -121,7 +123,7 @@ def _solids(element: Element, meshes: Meshes) -> Iterator[Shape]:
         yield _shape(part, "sphere", read_only(pose), meshes)
 
 
-def _shape(part: Element, kind: str, pose: FloatArray, meshes: Meshes) -> Shape:
+def _shape(part: XmlElement, kind: str, pose: FloatArray, meshes: Meshes) -> LinkShape:
     vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
     if kind == "box":
         size = part.vector("size", (0.0, 0.0, 0.0), 1e-9, _LARGEST)
@@ -143,7 +145,7 @@ def _shape(part: Element, kind: str, pose: FloatArray, meshes: Meshes) -> Shape:
             faces = faces[:, ::-1]
     if kind == "box" and not all(size):
         raise part.refuse("size", Missing(), "three numbers above 0")
-    return Shape(
+    return LinkShape(
         kind,  # type: ignore[arg-type]
         size,
         pose,

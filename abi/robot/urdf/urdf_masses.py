@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.errors import SceneError
-from abi.robot.urdf.strict_xml import Element
+from abi.robot.urdf.strict_xml import XmlElement
 
 _ROUNDING = 1e-9
 """Negative moment of inertia that counts as 0, over 1 kg·m²."""
@@ -25,7 +25,7 @@ class Inertial(NamedTuple):
 WEIGHTLESS = Inertial(0.0, read_only(np.zeros(3)), read_only(np.zeros((3, 3))))
 
 
-def read_inertial(link: Element) -> Inertial:
+def read_inertial(link: XmlElement) -> Inertial:
     """Read the mass of a link and its inertia; none where the file gives none.
 
     Raises:
@@ -43,7 +43,7 @@ def read_inertial(link: Element) -> Inertial:
     return Inertial(mass, read_only(pose[:3, 3].copy()), read_only(inertia))
 
 
-def has_sense(link: Element) -> bool:
+def has_sense(link: XmlElement) -> bool:
     """Check whether a link's masses can be read."""
     try:
         read_inertial(link)
@@ -52,7 +52,7 @@ def has_sense(link: Element) -> bool:
     return True
 
 
-def _tensor(inertial: Element) -> FloatArray:
+def _tensor(inertial: XmlElement) -> FloatArray:
     part = inertial.needed("inertia")
     xx, yy, zz = (
         max(part.number(name, None, -_ROUNDING, 1e6), 0.0) for name in ("ixx", "iyy", "izz")

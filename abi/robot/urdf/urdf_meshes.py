@@ -6,7 +6,7 @@ import contextlib
 
 from abi.errors import SceneError
 from abi.robot.urdf.mesh_places import reference
-from abi.robot.urdf.strict_xml import Element, parse
+from abi.robot.urdf.strict_xml import XmlElement, parse
 
 
 def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -21,15 +21,15 @@ def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, .
     for link in root.iterfind("link"):
         shape = "visual" if link.find("collision") is None else "collision"
         needed += [
-            file_name(Element(mesh, name, "mesh")) for mesh in link.iterfind(f"{shape}//mesh")
+            file_name(XmlElement(mesh, name, "mesh")) for mesh in link.iterfind(f"{shape}//mesh")
         ]
         for mesh in link.iterfind("visual//mesh"):
             with contextlib.suppress(SceneError):
-                looks.append(file_name(Element(mesh, name, "mesh")))
+                looks.append(file_name(XmlElement(mesh, name, "mesh")))
     return tuple(dict.fromkeys(needed)), tuple(k for k in dict.fromkeys(looks) if k not in needed)
 
 
-def file_name(mesh: Element) -> str:
+def file_name(mesh: XmlElement) -> str:
     """Name of a mesh file inside the upload, in the form of :func:`.mesh_places.reference`.
 
     Raises:

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from abi.errors import Missing
 from abi.robot.urdf.mimic import with_masters
 from abi.robot.urdf.robot import Link, Robot
-from abi.robot.urdf.strict_xml import Element, parse
+from abi.robot.urdf.strict_xml import XmlElement, parse
 from abi.robot.urdf.unused_elements import unused
 from abi.robot.urdf.urdf_joints import in_order, read_joint, some_of
 from abi.robot.urdf.urdf_links import Meshes, add_colours, add_visuals, read_link
@@ -31,7 +31,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     Raises:
         SceneError: it is no URDF, truncated, not a single tree, or has a number without sense.
     """
-    root = Element(parse(content, name), name, "robot")
+    root = XmlElement(parse(content, name), name, "robot")
     elements = [element.called() for element in root.all("link")]
     weightless = [one.text("name") for one in elements if not has_sense(one)]
     links: dict[str, Link] = {}

@@ -12,7 +12,7 @@ from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.search.taut.free_space_kernels import SPACE, FreeSpace
 from abi.search.taut.tighten_kernels import length_of, tighten
-from abi.search.taut.visibility_graph_kernels import Effort, edge_waypoints, short_paths
+from abi.search.taut.visibility_graph_kernels import PathSearchEffort, edge_waypoints, short_paths
 
 _SAME = 1e-6  # part of the length: two paths that differ by less are the same one,
 _CLOSE = 2e-4  # by less than this, either may be the shorter once its corners are cut
@@ -42,9 +42,13 @@ def _add(path: list[Vec3], points: list[Vec3], ends: list[int], lengths: list[fl
     lengths.append(length_of(path))
 
 
-@compiled(example=(FLOATS, IDS, FLOATS, SPACE, Effort(1, 1.0, 1, 1e-6, 1.0, 1)))
+@compiled(example=(FLOATS, IDS, FLOATS, SPACE, PathSearchEffort(1, 1.0, 1, 1e-6, 1.0, 1)))
 def taut_paths(
-    given: FloatArray, begins: IntArray, edges: FloatArray, space: FreeSpace, effort: Effort
+    given: FloatArray,
+    begins: IntArray,
+    edges: FloatArray,
+    space: FreeSpace,
+    effort: PathSearchEffort,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Tighten paths, and short ones by waypoints on the edges; cut the corners of the best.
 

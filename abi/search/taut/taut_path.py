@@ -24,7 +24,7 @@ from abi.search.taut.obstacle_edges import obstacle_edges
 from abi.search.taut.taut_kernels import taut_paths
 from abi.search.taut.theta_star_kernels import any_angle
 from abi.search.taut.tighten_near_meshes import tighten_near_meshes
-from abi.search.taut.visibility_graph_kernels import Effort
+from abi.search.taut.visibility_graph_kernels import PathSearchEffort
 
 _ROUNDING = 1e-9
 """Segments from start and goal may have less room: their own distance less this, [unit]."""
@@ -32,7 +32,9 @@ _ROUNDING = 1e-9
 _PAD = 1e-13
 """Part of the largest coordinate that the kernels keep beyond the margin, for their rounding."""
 
-_EFFORT = Effort(samples=5, slack=1.015, paths=6, least_gain=5e-6, weight=1.0, sights=100_000)
+_EFFORT = PathSearchEffort(
+    samples=5, slack=1.015, paths=6, least_gain=5e-6, weight=1.0, sights=100_000
+)
 
 _FEW = 32
 """Convex obstacles above which they count as a crowd: then work is bounded, not the path's excess.
@@ -41,7 +43,9 @@ In 60 crowds of 50 to 400 that fill up to half of the workspace, paths were long
 mean than without these bounds, and by 1.7 % in one.
 """
 
-_CROWD_EFFORT = Effort(samples=3, slack=1.015, paths=3, least_gain=5e-6, weight=1.02, sights=5_000)
+_CROWD_EFFORT = PathSearchEffort(
+    samples=3, slack=1.015, paths=3, least_gain=5e-6, weight=1.02, sights=5_000
+)
 
 _MOST_NEAR = 64
 """Convex obstacles of a crowd by whose edges paths go: those nearest to the path so far."""

@@ -25,7 +25,7 @@ from abi.tet_mesh.adjacency_kernels import (
     INTERIOR_DIRECTIONS,
     NO_ADJACENCY,
     Adjacency,
-    Shape,
+    MeshSizes,
     cell,
     node_at,
     row_place,
@@ -35,7 +35,7 @@ from abi.tet_mesh.adjacency_kernels import (
 _POINT = (0.0, 0.0, 0.0)
 
 
-class _Tree(NamedTuple):
+class _SearchTree(NamedTuple):
     """The nodes that are searched, each (n,), and the paths to them; start and goal are the last.
 
     Attributes:
@@ -54,7 +54,7 @@ class _Tree(NamedTuple):
 
 
 @jitable
-def _coarse(shape: Shape, stride: int) -> Shape:
+def _coarse(shape: MeshSizes, stride: int) -> MeshSizes:
     """The mesh that is searched."""
     kind, nx, ny, nz, _, _, directions, cross, most = shape
     if kind == CSR:
@@ -62,11 +62,11 @@ def _coarse(shape: Shape, stride: int) -> Shape:
     nx, ny, nz = nx // stride, ny // stride, nz // stride
     corners = (nx + 1) * (ny + 1) * (nz + 1)
     nodes = corners + (nx * ny * nz if cross else 0)
-    return Shape(kind, nx, ny, nz, corners, nodes, directions, cross, most)
+    return MeshSizes(kind, nx, ny, nz, corners, nodes, directions, cross, most)
 
 
 @jitable
-def _fine(shape: Shape, coarse: Shape, stride: int, node: int) -> tuple[int, int, int]:
+def _fine(shape: MeshSizes, coarse: MeshSizes, stride: int, node: int) -> tuple[int, int, int]:
     """Place of a node of the coarse lattice in half cells of the fine one."""
     a, b, c = cell(coarse, node)
     return (
@@ -78,8 +78,12 @@ def _fine(shape: Shape, coarse: Shape, stride: int, node: int) -> tuple[int, int
 
 @jitable
 def _tree(
-    adjacency: Adjacency, coarse: Shape, stride: int, excluded: BoolArray, ends: tuple[Vec3, Vec3]
-) -> _Tree:
+    adjacency: Adjacency,
+    coarse: MeshSizes,
+    stride: int,
+    excluded: BoolArray,
+    ends: tuple[Vec3, Vec3],
+) -> _SearchTree:
     """The nodes, and nothing known of them but where the search begins."""
     shape, _, _, places, _, _ = adjacency
     y0, z0 = y_and_z_origins(shape)
@@ -98,12 +102,17 @@ def _tree(
     x[last], y[last], z[last] = ends[1]
     cost = np.full(last + 1, np.inf)
     cost[first] = 0.0
-    return _Tree(x, y, z, closed, cost, np.full(last + 1, first, np.int32))
+    return _SearchTree(x, y, z, closed, cost, np.full(last + 1, first, np.int32))
 
 
 @jitable(forceinline=True)
 def _neighbours(
-    coarse: Shape, node: int, steps: IntArray, indptr: IntArray, indices: IntArray, near: IntArray
+    coarse: MeshSizes,
+    node: int,
+    steps: IntArray,
+    indptr: IntArray,
+    indices: IntArray,
+    near: IntArray,
 ) -> int:
     """Write the neighbours of a node of the mesh to ``near``; their number."""
     count = 0
@@ -125,7 +134,7 @@ def _neighbours(
 
 
 @jitable
-def _nodes_near(tree: _Tree, node: int, reach: float, near: IntArray) -> int:
+def _nodes_near(tree: _SearchTree, node: int, reach: float, near: IntArray) -> int:
     """Write the nodes of the mesh that are near to start or goal to ``near``; their number."""
     x, y, z, _, _, _ = tree
     p, count = (x[node], y[node], z[node]), 0
@@ -138,7 +147,11 @@ def _nodes_near(tree: _Tree, node: int, reach: float, near: IntArray) -> int:
 
 @jitable
 def _visible_parent(
-    tree: _Tree, obstacles: tuple[FloatArray, FloatArray], node: int, near: IntArray, most: float
+    tree: _SearchTree,
+    obstacles: tuple[FloatArray, FloatArray],
+    node: int,
+    near: IntArray,
+    most: float,
 ) -> int:
     """The best expanded neighbour that a node sees, which sets the node's cost; or -1."""
     x, y, z, closed, cost, _ = tree

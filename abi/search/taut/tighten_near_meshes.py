@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.search.taut.tighten_near_meshes_kernels import Surroundings, tightened
+from abi.search.taut.tighten_near_meshes_kernels import PathObstacles, tightened
 
 
 def tighten_near_meshes(
@@ -38,11 +38,11 @@ def _tightened(points: bytes, obstacles: ObstacleSet, limits: bytes) -> FloatArr
     return read_only(path)
 
 
-def clear_of(obstacles: ObstacleSet, margin: float) -> Surroundings:
+def clear_of(obstacles: ObstacleSet, margin: float) -> PathObstacles:
     """The obstacles in the format of the kernels, with one margin for all segments, [unit]."""
     return _surroundings(obstacles, np.full(4, margin))
 
 
-def _surroundings(obstacles: ObstacleSet, limits: FloatArray) -> Surroundings:
+def _surroundings(obstacles: ObstacleSet, limits: FloatArray) -> PathObstacles:
     margins = flat(np.repeat(limits, len(obstacles.primitives)))
-    return Surroundings(obstacles.packed, margins, obstacles.surfaces, flat(limits))
+    return PathObstacles(obstacles.packed, margins, obstacles.surfaces, flat(limits))

@@ -21,7 +21,11 @@ from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
 from abi.obstacles.surface_set_kernels import meshes_met, nearest_mesh
 from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_of
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room, to_surface
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    DescentWorkspace,
+    new_room,
+    to_surface,
+)
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 from abi.search.taut.free_space_kernels import kind_of
 from abi.search.taut.tighten_kernels import length_of
@@ -34,7 +38,7 @@ _HALVINGS = 9
 _SETTLED = 1e-4  # part of the length that a sweep must gain to be followed by another
 
 
-class Surroundings(NamedTuple):
+class PathObstacles(NamedTuple):
     """Obstacles that a path keeps clear of.
 
     Attributes:
@@ -50,12 +54,14 @@ class Surroundings(NamedTuple):
     limits: FloatArray
 
 
-NO_SURROUNDINGS = Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)
+NO_SURROUNDINGS = PathObstacles(FLOATS, FLOATS, NO_SURFACES, FLOATS)
 """Example for the compiler."""
 
 
 @jitable
-def is_clear(surroundings: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
+def is_clear(
+    surroundings: PathObstacles, kind: int, a: Vec3, b: Vec3, room: DescentWorkspace
+) -> bool:
     """Check whether the segment a..b keeps the distance of its kind from all obstacles."""
     solids, margins, surfaces, limits = surroundings
     if blocked(solids, margins, kind * (len(solids) // WIDTH), a, b):
@@ -64,7 +70,7 @@ def is_clear(surroundings: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room
 
 
 @jitable
-def _outward(surroundings: Surroundings, x: Vec3, room: Room) -> Vec3:
+def _outward(surroundings: PathObstacles, x: Vec3, room: DescentWorkspace) -> Vec3:
     """Gradient of the distance to the nearest obstacle, a unit vector; 0 without obstacles."""
     solids, _, surfaces, _ = surroundings
     normal = (0.0, 0.0, 0.0)
@@ -80,7 +86,7 @@ def _outward(surroundings: Surroundings, x: Vec3, room: Room) -> Vec3:
 
 
 @jitable
-def _shortcut(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[Vec3]:
+def _shortcut(path: list[Vec3], surroundings: PathObstacles, room: DescentWorkspace) -> list[Vec3]:
     """A short path from first to last by vertices of the path that see each other.
 
     Each vertex is joined to that from which the way from the start is shortest; what comes first is
@@ -107,7 +113,12 @@ def _shortcut(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[
 
 @jitable
 def _leg_is_clear(
-    path: list[Vec3], i: int, trial: Vec3, first: bool, surroundings: Surroundings, room: Room
+    path: list[Vec3],
+    i: int,
+    trial: Vec3,
+    first: bool,
+    surroundings: PathObstacles,
+    room: DescentWorkspace,
 ) -> bool:
     """Check if the leg to vertex i, or else the leg from it, would be clear with it elsewhere."""
     last = len(path) - 1
@@ -117,7 +128,7 @@ def _leg_is_clear(
 
 
 @jitable
-def _move(path: list[Vec3], i: int, surroundings: Surroundings, room: Room) -> None:
+def _move(path: list[Vec3], i: int, surroundings: PathObstacles, room: DescentWorkspace) -> None:
     """Move a vertex to where its legs are shortest, of the places tried.
 
     Towards the chord of its neighbours, straight and in the plane across the gradient of the
@@ -149,7 +160,9 @@ def _move(path: list[Vec3], i: int, surroundings: Surroundings, room: Room) -> N
 
 
 @jitable
-def _cut_corners(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[Vec3]:
+def _cut_corners(
+    path: list[Vec3], surroundings: PathObstacles, room: DescentWorkspace
+) -> list[Vec3]:
     """Replace each corner that can be cut by two vertices."""
     cut = [path[0]]
     least = _SETTLED / 4 * length_of(path)
@@ -175,7 +188,7 @@ def _cut_corners(path: list[Vec3], surroundings: Surroundings, room: Room) -> li
 
 
 @compiled(example=(FLOATS, NO_SURROUNDINGS), fallback=False)
-def tightened(points: FloatArray, surroundings: Surroundings) -> FloatArray:
+def tightened(points: FloatArray, surroundings: PathObstacles) -> FloatArray:
     """Pull a path (3 k,) taut, see :func:`abi.search.taut.tighten_near_meshes.tighten_near_meshes`.
 
     Returns:

@@ -19,7 +19,7 @@ from abi.search.taut.free_space_kernels import FreeSpace, in_bounds, is_clear, k
 _SUPPORT = 0.02  # the part of a squared length that counts as none: edges are round, in fact
 
 
-class Effort(NamedTuple):
+class PathSearchEffort(NamedTuple):
     """Limits of the search for short paths.
 
     Attributes:
@@ -143,7 +143,7 @@ def short_paths(
     edges: FloatArray,
     space: FreeSpace,
     most: float,
-    effort: Effort,
+    effort: PathSearchEffort,
 ) -> list[int]:
     """Short paths from the first waypoint to the second by waypoints that see each other.
 

@@ -11,14 +11,14 @@ from abi.arrays import read_only
 from abi.search.heap_kernels import best_first_order
 from abi.search.label_kernels import rounds
 from abi.search.trace import SearchTrace, finished_trace, last_labels, trace_of
-from abi.teach.quiz.question import Question, chosen, of_count
+from abi.teach.quiz.question import QuizQuestion, chosen, of_count
 from abi.teach.quiz.small_graph import SmallGraph, letter, small_graph
 
 _FIRST = 4
 """Nodes of an order that is asked for."""
 
 
-def shortest_length(random: np.random.Generator) -> Question:
+def shortest_length(random: np.random.Generator) -> QuizQuestion:
     """How long is the shortest path?"""
     graph = small_graph(random)
     trace = _dijkstra(graph)
@@ -36,7 +36,7 @@ def shortest_length(random: np.random.Generator) -> Question:
     )
 
 
-def expansion_order(random: np.random.Generator) -> Question:
+def expansion_order(random: np.random.Generator) -> QuizQuestion:
     """In which order does Dijkstra's algorithm expand nodes?"""
     while True:
         graph = small_graph(random)
@@ -61,7 +61,7 @@ def expansion_order(random: np.random.Generator) -> Question:
     )
 
 
-def fewest_edges(random: np.random.Generator) -> Question:
+def fewest_edges(random: np.random.Generator) -> QuizQuestion:
     """How many edges has the path with the fewest?"""
     graph = small_graph(random)
     short, few = _dijkstra(graph), _fewest(graph)
@@ -77,7 +77,7 @@ def fewest_edges(random: np.random.Generator) -> Question:
     )
 
 
-def bellman_ford_round(random: np.random.Generator) -> Question:
+def bellman_ford_round(random: np.random.Generator) -> QuizQuestion:
     """What does a node cost after some rounds?"""
     while True:
         graph = small_graph(random)

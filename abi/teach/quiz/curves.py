@@ -6,12 +6,12 @@ import numpy as np
 
 from abi.curves.bspline import BSpline, clamped
 from abi.teach.numbers import point
-from abi.teach.quiz.question import Question, chosen, of_count
+from abi.teach.quiz.question import QuizQuestion, chosen, of_count
 
 _MOVED = 1e-9
 
 
-def pieces_moved(random: np.random.Generator) -> Question:
+def pieces_moved(random: np.random.Generator) -> QuizQuestion:
     """How many pieces of a curve change with one control point?"""
     curve = _curve(random)
     count = len(curve.control_points)
@@ -31,7 +31,7 @@ def pieces_moved(random: np.random.Generator) -> Question:
     )
 
 
-def points_influencing(random: np.random.Generator) -> Question:
+def points_influencing(random: np.random.Generator) -> QuizQuestion:
     """How many control points move a point of the curve?"""
     curve = _curve(random)
     spans = len(curve.breaks) - 1
@@ -52,7 +52,7 @@ def points_influencing(random: np.random.Generator) -> Question:
     )
 
 
-def points_after_knot(random: np.random.Generator) -> Question:
+def points_after_knot(random: np.random.Generator) -> QuizQuestion:
     """How many control points of the refined curve are new?"""
     curve = _curve(random)
     place = round(float(random.uniform(0.05, 0.95)), 2)
@@ -71,7 +71,7 @@ def points_after_knot(random: np.random.Generator) -> Question:
     )
 
 
-def point_of_curve(random: np.random.Generator) -> Question:
+def point_of_curve(random: np.random.Generator) -> QuizQuestion:
     """Where is a point of a quadratic B-spline?"""
     while True:
         corners = random.integers(0, 7, (4, 3)).astype(float)

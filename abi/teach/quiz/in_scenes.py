@@ -13,7 +13,7 @@ from abi.search.replay import SearchState, replay
 from abi.search.trace import trace_of
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import point, text
-from abi.teach.quiz.question import Question, chosen, fixed, of_number
+from abi.teach.quiz.question import QuizQuestion, chosen, fixed, of_number
 
 _POOLS = 4
 """Sets of scenes that questions choose from."""
@@ -29,7 +29,7 @@ _EDGE_GAP = 0.05
 _CLEAR, _MEETS = "It keeps clear of it.", "It meets it."
 
 
-def next_node(random: np.random.Generator) -> Question:
+def next_node(random: np.random.Generator) -> QuizQuestion:
     """Which of four nodes that wait is expanded next?"""
     while True:
         one = _scene(random)
@@ -66,7 +66,7 @@ def next_node(random: np.random.Generator) -> Question:
     )
 
 
-def priority_of_node(random: np.random.Generator) -> Question:
+def priority_of_node(random: np.random.Generator) -> QuizQuestion:
     """What is g, h or f of a node that has just been reached?"""
     one = _scene(random)
     graph = one.graph
@@ -101,7 +101,7 @@ def priority_of_node(random: np.random.Generator) -> Question:
     )
 
 
-def edge_passes(random: np.random.Generator) -> Question:
+def edge_passes(random: np.random.Generator) -> QuizQuestion:
     """Does a segment meet a box?"""
     while True:
         one = _scene(random)
@@ -130,7 +130,7 @@ def edge_passes(random: np.random.Generator) -> Question:
     )
 
 
-def box_distance(random: np.random.Generator) -> Question:
+def box_distance(random: np.random.Generator) -> QuizQuestion:
     """How far is a point from a box?"""
     while True:
         one = _scene(random)
@@ -159,7 +159,7 @@ def box_distance(random: np.random.Generator) -> Question:
     )
 
 
-def consistent(random: np.random.Generator) -> Question:
+def consistent(random: np.random.Generator) -> QuizQuestion:
     """Along which edge does an estimate fall too much?"""
     one = _scene(random)
     graph = one.graph

@@ -8,14 +8,14 @@ import numpy as np
 
 from abi.curves.speed_profile import SpeedProfile, three_phase
 from abi.teach.numbers import text
-from abi.teach.quiz.question import Question, fixed, of_number
+from abi.teach.quiz.question import QuizQuestion, fixed, of_number
 from abi.teach.topics.elbow import right_angles
 
 _NEAR = 0.05
 """Part of a limit by which a motion must miss it, or exceed it, to be asked about."""
 
 
-def speed_limit_hit(random: np.random.Generator) -> Question:
+def speed_limit_hit(random: np.random.Generator) -> QuizQuestion:
     """Does a motion reach its speed?"""
     while True:
         profile = _profile(random)
@@ -37,7 +37,7 @@ def speed_limit_hit(random: np.random.Generator) -> Question:
     )
 
 
-def peak_speed(random: np.random.Generator) -> Question:
+def peak_speed(random: np.random.Generator) -> QuizQuestion:
     """How fast does a motion become?"""
     profile = _profile(random)
     wrong = [
@@ -58,7 +58,7 @@ def peak_speed(random: np.random.Generator) -> Question:
     )
 
 
-def duration(random: np.random.Generator) -> Question:
+def duration(random: np.random.Generator) -> QuizQuestion:
     """How long does a motion take?"""
     profile = _profile(random)
     length, speed = profile.length, profile.speed
@@ -80,7 +80,7 @@ def duration(random: np.random.Generator) -> Question:
     )
 
 
-def which_elbow(random: np.random.Generator) -> Question:
+def which_elbow(random: np.random.Generator) -> QuizQuestion:
     """On which side of the line to the tip is the elbow?"""
     upper, fore = random.uniform(2.0, 6.0, 2).round(1).tolist()
     reach = random.uniform(abs(upper - fore) + 0.3, upper + fore - 0.3)
@@ -105,7 +105,7 @@ def which_elbow(random: np.random.Generator) -> Question:
     )
 
 
-def reachable_distance(random: np.random.Generator) -> Question:
+def reachable_distance(random: np.random.Generator) -> QuizQuestion:
     """How far is the tip of an arm with two links?"""
     upper, fore = random.uniform(2.0, 6.0, 2).round(1).tolist()
     bend = float(random.integers(20, 150))

@@ -19,7 +19,7 @@ _OTHERS = (0.5, 2.0, 0.8, 1.25, 1.5)
 
 
 @dataclass(frozen=True)
-class Question:
+class QuizQuestion:
     """A question.
 
     Attributes:
@@ -47,14 +47,14 @@ def chosen(
     why: str,
     facts: Mapping[str, Any],
     scene: Scene | None = None,
-) -> Question:
+) -> QuizQuestion:
     """The question with its answers in an order at random; of the wrong ones no more than three."""
     others = [one for one in dict.fromkeys(wrong) if one != right][: _CHOICES - 1]
     assert others
     choices = [right, *others]
     order = random.permutation(len(choices)).tolist()
     mixed = tuple(choices[k] for k in order)
-    return Question(asked, mixed, mixed.index(right), why, facts, scene)
+    return QuizQuestion(asked, mixed, mixed.index(right), why, facts, scene)
 
 
 def fixed(
@@ -64,9 +64,9 @@ def fixed(
     why: str,
     facts: Mapping[str, Any],
     scene: Scene | None = None,
-) -> Question:
+) -> QuizQuestion:
     """The question with its answers in their own order, such as yes and no."""
-    return Question(asked, choices, right, why, facts, scene)
+    return QuizQuestion(asked, choices, right, why, facts, scene)
 
 
 def of_number(
@@ -78,7 +78,7 @@ def of_number(
     facts: Mapping[str, Any],
     unit: str = "",
     scene: Scene | None = None,
-) -> Question:
+) -> QuizQuestion:
     """The question for a number, beside what the usual errors give; all are well apart.
 
     Args:
@@ -106,7 +106,7 @@ def of_count(
     wrong: Sequence[int],
     why: str,
     facts: Mapping[str, Any],
-) -> Question:
+) -> QuizQuestion:
     """The question for a number of things, beside other numbers near it."""
     near = (right + 1, right - 1, right + 2, right - 2, right + 3)
     words = [str(one) for one in (*wrong, *near) if one >= 0]

@@ -11,7 +11,7 @@ import numpy as np
 from abi import arguments
 from abi.errors import ArgumentError
 from abi.teach.quiz import blackboard, curves, in_scenes, motion
-from abi.teach.quiz.question import Question
+from abi.teach.quiz.question import QuizQuestion
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Template:
     """
 
     title: str
-    make: Callable[[np.random.Generator], Question]
+    make: Callable[[np.random.Generator], QuizQuestion]
 
 
 _TEMPLATES: Mapping[str, Template] = MappingProxyType(
@@ -58,7 +58,7 @@ def templates() -> Mapping[str, Template]:
     return _TEMPLATES
 
 
-def question(template: str, seed: int) -> Question:
+def question(template: str, seed: int) -> QuizQuestion:
     """The question of a template and a seed, always the same.
 
     Raises:

@@ -9,7 +9,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.teach.boxes import segment_meets
-from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import point, shown
 
@@ -51,22 +51,22 @@ def _meets(a: Any, b: Any, low: Any, high: Any, grown: Fraction) -> bool:
     return segment_meets(exact_a, exact_b, ([x - grown for x in lower], [x + grown for x in upper]))
 
 
-def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     for call, (value, meets) in enumerate(zip(values, trial.facts["meets"], strict=True)):
         if value is not True and value is not False and value not in (0, 1):
-            return Fault(f"It returns {shown(value)} instead of True or False.", call)
+            return ExerciseFault(f"It returns {shown(value)} instead of True or False.", call)
         if bool(value) == meets:
             continue
         return _fault(trial, call, meets)
     return None
 
 
-def _fault(trial: Trial, call: int, meets: bool) -> Fault:
+def _fault(trial: Trial, call: int, meets: bool) -> ExerciseFault:
     a, b, low, high = trial.calls[call]
     box = f"the box from {point(low)} to {point(high)}"
     truth, claim = ("meets", "is clear of") if meets else ("is clear of", "meets")
     why = _why(a, b, low, high) if meets else "they pass each other."
-    return Fault(
+    return ExerciseFault(
         f"The segment from {point(a)} to {point(b)} {truth} {box}, and yours says that it "
         f"{claim} it: {why}",
         call,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from abi.search.graph import Graph
-from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import is_number, point, shown, text
 
@@ -36,17 +36,19 @@ def _trial(one: HiddenScene, telling: bool) -> Trial:
     )
 
 
-def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     graph, nodes = trial.facts["graph"], trial.facts["nodes"]
     for call, value in enumerate(values):
         if not is_number(value):
             place = point(graph.points[nodes[call]].tolist())
-            return Fault(f"Of the node at {place} it returns {shown(value)}, no number.", call)
+            return ExerciseFault(
+                f"Of the node at {place} it returns {shown(value)}, no number.", call
+            )
     estimates = dict(zip(nodes, map(float, values), strict=True))
     return _goal_fault(graph, estimates) or _edge_fault(graph, estimates) or _use(trial, estimates)
 
 
-def _goal_fault(graph: Graph, estimates: dict[int, float]) -> Fault | None:
+def _goal_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | None:
     at_goal = estimates[graph.goal]
     if abs(at_goal) <= _ROUNDING:
         return None
@@ -54,10 +56,10 @@ def _goal_fault(graph: Graph, estimates: dict[int, float]) -> Fault | None:
     sentence = (
         f"At the goal itself nothing is left to go, so h must be 0; yours is {text(at_goal)}."
     )
-    return Fault(sentence, call, text(at_goal), "0")
+    return ExerciseFault(sentence, call, text(at_goal), "0")
 
 
-def _edge_fault(graph: Graph, estimates: dict[int, float]) -> Fault | None:
+def _edge_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | None:
     """The edge along which the estimate falls by most more than the edge is long."""
     worst, most = None, _ROUNDING
     for node, estimate in estimates.items():
@@ -71,7 +73,7 @@ def _edge_fault(graph: Graph, estimates: dict[int, float]) -> Fault | None:
     node, other, length = worst
     drop = estimates[node] - estimates[other]
     a, b = (point(graph.points[one].tolist()) for one in (node, other))
-    return Fault(
+    return ExerciseFault(
         f"From {a} to {b} the edge is {text(length)} long, but h falls by {text(drop)}, from "
         f"{text(estimates[node])} to {text(estimates[other])}: it promises more than the edge can "
         "give, and A* may miss the shortest path.",
@@ -83,7 +85,7 @@ def _edge_fault(graph: Graph, estimates: dict[int, float]) -> Fault | None:
     )
 
 
-def _use(trial: Trial, estimates: dict[int, float]) -> Fault | None:
+def _use(trial: Trial, estimates: dict[int, float]) -> ExerciseFault | None:
     """The fault of an estimate that spares no node where any useful one does."""
     if not trial.facts["dijkstra"]:
         return None
@@ -91,7 +93,7 @@ def _use(trial: Trial, estimates: dict[int, float]) -> Fault | None:
     steps, best = (expanded_with(graph, one) for one in (estimates, _straight(graph, estimates)))
     if len(steps) < trial.facts["dijkstra"]:
         return None
-    return Fault(
+    return ExerciseFault(
         f"It is consistent, but spares nothing: A* expands {len(steps)} nodes with it, as many as "
         f"Dijkstra's algorithm; with the straight distance it expands {len(best)}.",
         got=f"{len(steps)} nodes expanded",

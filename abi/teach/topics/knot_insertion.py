@@ -9,7 +9,7 @@ import scipy.interpolate
 
 from abi.arrays import FloatArray
 from abi.search.search import search
-from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_points, point, shown, text
 
@@ -46,7 +46,7 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
     return Trial(one.scene, tuple(calls))
 
 
-def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     for call, (value, arguments) in enumerate(zip(values, trial.calls, strict=True)):
         fault = _fault(value, call, *arguments)
         if fault is not None:
@@ -56,13 +56,15 @@ def _judge(trial: Trial, values: list[Any]) -> Fault | None:
 
 def _fault(
     value: Any, call: int, points: list[Any], knots: list[float], degree: int, place: float
-) -> Fault | None:
+) -> ExerciseFault | None:
     asked = f"A knot at {text(place)} in a curve of degree {degree} with {len(points)} points"
     if not are_points(value):
-        return Fault(f"{asked}: it returns {shown(value)}, not a list of points (x, y, z).", call)
+        return ExerciseFault(
+            f"{asked}: it returns {shown(value)}, not a list of points (x, y, z).", call
+        )
     wanted = len(points) + 1
     if len(value) != wanted:
-        return Fault(
+        return ExerciseFault(
             f"{asked} makes {wanted} control points; yours are {len(value)}.",
             *(call, str(len(value)), str(wanted)),
         )
@@ -74,7 +76,7 @@ def _fault(
     worst = int(away.argmax())
     if away[worst] <= _ROUNDING * max(1.0, float(np.abs(points).max())):
         return None
-    return Fault(
+    return ExerciseFault(
         f"{asked} must leave the curve as it was; at the parameter {text(parameters[worst])} it "
         f"was at {point(before[worst])} and with your points is at {point(after[worst])}.",
         *(call, point(after[worst]), point(before[worst])),

@@ -8,7 +8,7 @@ from typing import Any
 
 from abi.search.search import search
 from abi.teach.boxes import segment_meets_any
-from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_points, point, shown, text
 
@@ -27,43 +27,49 @@ def _trial(one: HiddenScene) -> Trial:
     return Trial(one.scene, ((path, list(one.boxes)),))
 
 
-def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     path, boxes = trial.calls[0]
     answer = values[0]
     if not are_points(answer) or len(answer) < 2:
-        return Fault(f"It returns {shown(answer)}, not a list of points (x, y, z).")
+        return ExerciseFault(f"It returns {shown(answer)}, not a list of points (x, y, z).")
     for name, asked, given in (("start", path[0], answer[0]), ("end", path[-1], answer[-1])):
         if math.dist(asked, given) > _ROUNDING:
-            return Fault(f"The path has to {name} at {point(asked)}; yours does at {point(given)}.")
+            return ExerciseFault(
+                f"The path has to {name} at {point(asked)}; yours does at {point(given)}."
+            )
     return _blocked(answer, boxes) or _foreign(answer, path) or _left(answer, path, boxes)
 
 
-def _blocked(answer: list[list[float]], boxes: list[Any]) -> Fault | None:
+def _blocked(answer: list[list[float]], boxes: list[Any]) -> ExerciseFault | None:
     for a, b in itertools.pairwise(answer):
         if segment_meets_any(a, b, boxes):
-            return Fault(f"The leg from {point(a)} to {point(b)} runs into a box.")
+            return ExerciseFault(f"The leg from {point(a)} to {point(b)} runs into a box.")
     return None
 
 
-def _foreign(answer: list[list[float]], path: list[list[float]]) -> Fault | None:
+def _foreign(answer: list[list[float]], path: list[list[float]]) -> ExerciseFault | None:
     """The fault of a corner that the path has not, or not there."""
     place = 0
     for corner in answer:
         while place < len(path) and math.dist(path[place], corner) > _ROUNDING:
             place += 1
         if place == len(path):
-            return Fault(f"The corner {point(corner)} is not the path's, or not in its order.")
+            return ExerciseFault(
+                f"The corner {point(corner)} is not the path's, or not in its order."
+            )
         place += 1
     return None
 
 
-def _left(answer: list[list[float]], path: list[list[float]], boxes: list[Any]) -> Fault | None:
+def _left(
+    answer: list[list[float]], path: list[list[float]], boxes: list[Any]
+) -> ExerciseFault | None:
     """The fault of a corner that could be left out."""
     for a, corner, b in zip(answer, answer[1:], answer[2:], strict=False):
         if not segment_meets_any(a, b, boxes):
             saved = math.dist(a, corner) + math.dist(corner, b) - math.dist(a, b)
             gain = f"{text(saved)} shorter" if saved > _SHORTER else "no longer"
-            return Fault(
+            return ExerciseFault(
                 f"The corner {point(corner)} can be left out: from {point(a)} straight to "
                 f"{point(b)} is clear, and {gain}.",
                 got=f"{len(answer)} points of {len(path)}",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from abi.search.search import search
-from abi.teach.exercise import Exercise, Fault, Trial
+from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_numbers, point, shown, text
 
@@ -33,7 +33,7 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
     return Trial(one.scene, tuple(calls))
 
 
-def _judge(trial: Trial, values: list[Any]) -> Fault | None:
+def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     for call, (value, arguments) in enumerate(zip(values, trial.calls, strict=True)):
         sentence = fault_of(value, *arguments)
         if sentence:
@@ -44,7 +44,7 @@ def _judge(trial: Trial, values: list[Any]) -> Fault | None:
                 f"and slowing down by {text(down)} cm/s²"
             )
             motion = {"speed": speed, "acceleration": up, "deceleration": down}
-            return Fault(
+            return ExerciseFault(
                 f"{case}: {sentence}", call, shown(value), right, change={"motion": motion}
             )
     return None

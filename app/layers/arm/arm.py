@@ -12,7 +12,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, rows_at, segments
 from app.layers.arm import paper_arm, urdf_arm
@@ -25,12 +25,12 @@ from app.ui import style
 from app.ui.layout import Layout
 
 _KINDS: dict[type[AnyArm], Callable[[viser.SceneApi], ArmNodes]] = {
-    Arm: PaperArmNodes,
+    PaperArm: PaperArmNodes,
     UrdfArm: UrdfArmNodes,
 }
 """Nodes of each kind of arm."""
 _BODIES: dict[type[AnyArm], Callable[[AnyArm], object]] = {
-    Arm: paper_arm.bodies,
+    PaperArm: paper_arm.bodies,
     UrdfArm: urdf_arm.bodies,
 }
 """How to make the bodies of each kind, which all tabs share."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.scene.settings import Elbow
@@ -100,7 +100,7 @@ class ArmGhostsLayer(Layer):
 def _poses_of(name: str, frame: Frame) -> FloatArray:
     """Joint positions (k, n) of a ghost, [rad] or [unit]."""
     plan, arm = frame.plan, frame.plan.arm
-    if isinstance(arm, Arm):
+    if isinstance(arm, PaperArm):
         if name == "now":
             return _paper_poses(arm, _tool_at(plan, frame.time)[None], plan, other=True)
         return _paper_poses(arm, np.array([getattr(plan.scene, name)]), plan)
@@ -112,7 +112,7 @@ def _poses_of(name: str, frame: Frame) -> FloatArray:
     return np.empty((0, 0)) if pose is None else pose[None]
 
 
-def _paper_poses(arm: Arm, tool: FloatArray, plan: Plan, other: bool = False) -> FloatArray:
+def _paper_poses(arm: PaperArm, tool: FloatArray, plan: Plan, other: bool = False) -> FloatArray:
     """Joint positions (k, 6) of the paper's arm with its tool at (k, 3), on its branch or not."""
     elbow = elbow_of(plan)
     if other:
@@ -153,7 +153,7 @@ def _places(plan: Plan) -> FloatArray:
 def _courses(plan: Plan) -> tuple[OtherPoses, ...]:
     """Courses of the other poses, at the page's samples of the motion."""
     arm, motion = plan.arm, plan.motion
-    if not isinstance(arm, Arm):
+    if not isinstance(arm, PaperArm):
         return other_courses(plan)
     assert motion is not None
     rows = samples_of(motion)

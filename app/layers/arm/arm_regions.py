@@ -21,7 +21,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
 from app.layers.arm.arm_ghosts import elbow_of
 from app.layers.arm.urdf_poses import end_pose
@@ -78,7 +78,7 @@ class ArmRegionsLayer(Layer):
         if interactive and isinstance(arm, UrdfArm) and drawn[1:] == state[1:]:
             return True
         self._drawn[name] = state
-        if isinstance(arm, Arm):
+        if isinstance(arm, PaperArm):
             self._show(name, _paper_region(name, plan, arm))
         elif isinstance(arm, UrdfArm):
             self._show(name, _chain_region(name, plan, arm))
@@ -107,7 +107,7 @@ def _start_of(plan: Plan) -> object:
     return None if pose is None else (plan.scene.start, *np.round(pose, 6).tolist())
 
 
-def _paper_region(name: str, plan: Plan, arm: Arm) -> FloatArray:
+def _paper_region(name: str, plan: Plan, arm: PaperArm) -> FloatArray:
     """Triangles (n, 3, 3) of a region of the paper's arm, [unit], world."""
     scene, elbow = plan.scene, elbow_of(plan)
     lowest, box = scene.workspace.min[2], (scene.workspace.min, scene.workspace.max)

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.urdf.robot import Shape
+from abi.robot.urdf.robot import LinkShape
 from app.ui import style
 
 if TYPE_CHECKING:
     import trimesh
 
 
-def link_glbs(shapes: Sequence[Shape], pose: FloatArray, scale: float) -> tuple[bytes, bytes]:
+def link_glbs(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> tuple[bytes, bytes]:
     """Binary glTF of a link in its own colours, and in that of what touches something.
 
     Args:
@@ -31,7 +31,7 @@ def link_glbs(shapes: Sequence[Shape], pose: FloatArray, scale: float) -> tuple[
     return own, _glb(mesh)
 
 
-def link_mesh(shapes: Sequence[Shape], pose: FloatArray, scale: float) -> trimesh.Trimesh:
+def link_mesh(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> trimesh.Trimesh:
     """Mesh of a link in its own colours; arguments as for :func:`link_glbs`."""
     parts = [_solid(shape, pose @ shape.pose) for shape in shapes]
     mesh = functools.reduce(operator.add, parts)
@@ -42,7 +42,7 @@ def link_mesh(shapes: Sequence[Shape], pose: FloatArray, scale: float) -> trimes
     return mesh
 
 
-def _solid(shape: Shape, pose: FloatArray) -> trimesh.Trimesh:
+def _solid(shape: LinkShape, pose: FloatArray) -> trimesh.Trimesh:
     import trimesh  # here, since it takes long to import
 
     stretch = np.ones(4)

@@ -12,8 +12,8 @@ from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
 from abi.robot.paper_arm import arm_links
-from abi.robot.paper_arm.arm import JOINT_AXES, SLIDES, Arm
-from abi.robot.urdf.robot import Shape
+from abi.robot.paper_arm.arm import JOINT_AXES, SLIDES, PaperArm
+from abi.robot.urdf.robot import LinkShape
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs
 from app.shared.computed_once import computed_once
@@ -30,7 +30,7 @@ class PaperArmNodes(ArmNodes):
 
     def rest_pose(self, plan: Plan) -> FloatArray:
         """Pose with the tool on the start."""
-        assert isinstance(plan.arm, Arm)
+        assert isinstance(plan.arm, PaperArm)
         return rest_pose(plan.arm, plan.scene.arm, plan.scene.start)
 
     def values(self, positions: FloatArray) -> FloatArray:
@@ -60,7 +60,7 @@ def bodies(arm: AnyArm) -> dict[str, tuple[bytes, bytes]]:
 
 
 def _lengths(arm: AnyArm) -> tuple[float, ...]:
-    assert isinstance(arm, Arm)
+    assert isinstance(arm, PaperArm)
     return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
 
 
@@ -72,14 +72,14 @@ def _links(*lengths: float) -> dict[str, tuple[bytes, bytes]]:
     return {link: link_glbs(own, np.eye(4), 1.0) for link, own in shapes.items()}
 
 
-def _shape(solid: LinkSolid) -> Shape:
+def _shape(solid: LinkSolid) -> LinkShape:
     """A solid with its colour as the links of other arms have them."""
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = rotation_of(solid.rpy), solid.xyz
     radius, _, height = solid.size
     size = solid.size if solid.shape == "box" else (radius, height, 0.0)
     colours = (255 * np.array([arm_links.COLOURS[solid.material]])).astype(np.uint8)
-    return Shape(solid.shape, size, pose, np.empty((0, 3)), np.empty((0, 3), np.int32), colours)
+    return LinkShape(solid.shape, size, pose, np.empty((0, 3)), np.empty((0, 3), np.int32), colours)
 
 
 def _above(height: float) -> viser.transforms.SE3:

@@ -13,7 +13,7 @@ from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from abi.robot.kinematics.chain_kernels import POSE
-from abi.robot.urdf.robot import Robot, Shape
+from abi.robot.urdf.robot import LinkShape, Robot
 from abi.robot.urdf_arm import UrdfArm
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs
@@ -128,7 +128,7 @@ def joint_values(arm: UrdfArm, positions: FloatArray) -> FloatArray:
     return np.asarray(np.where(table.slides, values / arm.metres, values))
 
 
-def _muted(shape: Shape, second: int) -> Shape:
+def _muted(shape: LinkShape, second: int) -> LinkShape:
     """A shape in the colours that it is drawn in; ``second``: whether of every other link."""
     own = muted(shape.colours, bool(second)) if len(shape.colours) else _COLOURS[second]
     return replace(shape, colours=own)

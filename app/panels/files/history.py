@@ -15,7 +15,7 @@ _LONGEST = 200
 
 
 @dataclass(frozen=True)
-class Step:
+class HistoryStep:
     """A scene to go back or forward to.
 
     Attributes:
@@ -34,7 +34,7 @@ class History:
         undo: button to go one back; ``redo``, one forward. Both hidden: the toolbar presses them.
     """
 
-    def __init__(self, gui: viser.GuiApi, first: Step, wake: Wake) -> None:
+    def __init__(self, gui: viser.GuiApi, first: HistoryStep, wake: Wake) -> None:
         self._noted = [first]
         self._current = 0
         self._follows = False  # whether the scene shown is another tab's
@@ -62,7 +62,7 @@ class History:
         """Whether there is a scene after the one shown."""
         return self._current < len(self._noted) - 1
 
-    def note(self, shown: Step) -> None:
+    def note(self, shown: HistoryStep) -> None:
         """Note the scene that is shown; what was undone before it is forgotten."""
         if shown.scene == self.noted:
             self._noted[self._current] = shown  # it may be loaded under another name
@@ -71,7 +71,7 @@ class History:
         self._current = len(self._noted) - 1
         self._follows = False
 
-    def follow(self, own: Step, shown: Step) -> None:
+    def follow(self, own: HistoryStep, shown: HistoryStep) -> None:
         """Note what another tab shows: one step back from it is what was shown before that tab's.
 
         Args:
@@ -85,11 +85,11 @@ class History:
             self.note(shown)
             self._follows = True
 
-    def begin(self, first: Step) -> None:
+    def begin(self, first: HistoryStep) -> None:
         """Begin anew with ``first``."""
         self._noted, self._current, self._follows = [first], 0, False
 
-    def requested(self, shown: Step) -> Step | None:
+    def requested(self, shown: HistoryStep) -> HistoryStep | None:
         """The scene asked for since the last call; None for none, or where there is none.
 
         Args:

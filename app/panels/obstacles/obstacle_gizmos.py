@@ -48,7 +48,7 @@ class Foreseen:
 
 
 @dataclass(eq=False)
-class Shown:
+class ObstacleNodes:
     """An obstacle in the scene.
 
     Attributes:
@@ -89,7 +89,7 @@ class ObstacleGizmos:
         self._scene = client.scene
         self._wake = wake
         self._scene_size = 1.0
-        self.shown: list[Shown] = []
+        self.shown: list[ObstacleNodes] = []
         self._edges: dict[str, tuple[viser.MeshHandle, tuple[Surface, float]]] = {}
         self._added = 0
         self._visible = True
@@ -192,7 +192,7 @@ class ObstacleGizmos:
         share = 2 * radius / (3**0.5 * self._scene_size)
         return add_body(self._scene, f"{gizmo.name}/body", obstacle, share)
 
-    def _embody(self, one: Shown, body: Body) -> None:
+    def _embody(self, one: ObstacleNodes, body: Body) -> None:
         one.body = body
         body.on_click(self._choose_clicked)
         body.on_drag(self._drag_body)
@@ -240,7 +240,7 @@ class ObstacleGizmos:
         )
         data = obstacle.model_dump(mode="json", exclude=_POSE)
         posed = _with_pose(data, gizmo)
-        self.shown.append(one := Shown(data, gizmo, label, posed, obstacle, posed))
+        self.shown.append(one := ObstacleNodes(data, gizmo, label, posed, obstacle, posed))
         if foreseen is not None:
             one.drawn = dict(data)
             foreseen.body.opacity = (foreseen.body.opacity or 1.0) / _FORESEEN
@@ -338,14 +338,14 @@ def _same_shapes(old: Sequence[Obstacle], new: Sequence[Obstacle]) -> bool:
     )
 
 
-def _put(one: Shown, obstacle: Obstacle) -> None:
+def _put(one: ObstacleNodes, obstacle: Obstacle) -> None:
     """Show another obstacle of the same shape."""
     one.gizmo.position, one.gizmo.wxyz = obstacle.position, obstacle.wxyz
     one.data, one.obstacle = obstacle.model_dump(mode="json", exclude=_POSE), obstacle
     one.read = one.valid = _with_pose(one.data, one.gizmo)
 
 
-def _choices(one: Shown) -> tuple[Any, ...]:
+def _choices(one: ObstacleNodes) -> tuple[Any, ...]:
     """An obstacle as it was read, then with its last valid shape, then as it was."""
     if one.read == one.valid:
         return (one.obstacle,)

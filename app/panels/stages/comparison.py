@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import viser
 
-from abi.planner.comparison import Comparison, compare, search_task
+from abi.planner.comparison import SearchComparison, compare, search_task
 from abi.planner.plan import Plan
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
@@ -86,7 +86,7 @@ def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> Repair | None:
     return lifelong_a_star(known, arcs) if can_repair(known, arcs) else None
 
 
-def _told(mended: Repair | None, a_star: Comparison) -> str:
+def _told(mended: Repair | None, a_star: SearchComparison) -> str:
     """Note on mending the search before, as HTML."""
     if mended is None:
         return style.paragraph(f"Move an obstacle and compare again: {_MENDING}")
@@ -104,7 +104,7 @@ def _visited(trace: SearchTrace) -> str:
     return f"{count} rounds" if trace.queue == "rounds" else count
 
 
-def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
+def _table(found: tuple[SearchComparison, ...], weight: Weight, unit: str) -> str:
     """Table I, and the searches that the paper does not have."""
     least = min(one.trace.cost for one in found if COMPARED[one.algorithm].exact)
     rows = []

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import viser
 
 from abi.teach.catalogue import exercise
-from abi.teach.verdict import Counterexample, Verdict
+from abi.teach.verdict import Counterexample, ExerciseVerdict
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
@@ -98,7 +98,7 @@ def _told(checked: Checked) -> str:
     return "<br>".join([f"{name}, checked whenever it is saved:", *lines])
 
 
-def _line(verdict: Verdict) -> str:
+def _line(verdict: ExerciseVerdict) -> str:
     colour = style.readable(style.GOOD if verdict.passed else style.BAD)
     sign = "✓" if verdict.passed else "✗"
     title = html.escape(exercise(verdict.exercise).title)

@@ -14,7 +14,7 @@ from abi.scene.scene import Scene
 from app.panels.widgets import Wake
 from app.state.frame import Frame
 from app.teach.cue import Cue
-from app.teach.lesson import NO_LESSONS, Choice, Library, Setting, Step, scene_of
+from app.teach.lesson import NO_LESSONS, AnswerChoice, Library, Setting, Step, scene_of
 from app.teach.measures import filled
 from app.ui import notices, style
 from app.ui.cards import Card, cards
@@ -342,7 +342,7 @@ class LessonPanel:
             self.next_lesson.label = f"Next lesson: {self._title(self._following)}"
         self.back.disabled = self._number == 0
 
-    def _label(self, choice: Choice, number: int) -> str:
+    def _label(self, choice: AnswerChoice, number: int) -> str:
         """Text of an answer's button; the one that was given has a sign before it."""
         if number != self._answer:
             return choice.text

@@ -8,7 +8,7 @@ from typing import Any
 
 import viser
 
-from abi.teach.quiz.question import Question
+from abi.teach.quiz.question import QuizQuestion
 from abi.teach.quiz.templates import templates
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
@@ -123,7 +123,7 @@ class PracticePanel:
         if asked is not None:
             self._write(asked)
 
-    def _write(self, asked: Question) -> None:
+    def _write(self, asked: QuizQuestion) -> None:
         answer = self.practice.answer
         self._question.content = style.paragraph(f"<b>{html.escape(asked.text)}</b>")
         for number, choice in enumerate(asked.choices):

@@ -23,7 +23,7 @@ from app.panels.widgets import Wake, clamp
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue
 from app.theatre.searches import TheatreSearches
-from app.theatre.theatre import Answer, Theatre, judge, node_at, one_way_search, race_of, where
+from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, one_way_search, race_of, where
 from app.ui import notices, style
 
 FRAME = 1 / 20
@@ -92,7 +92,7 @@ class TheatrePanel:
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
         self._searches = TheatreSearches()
-        self._answer = Answer()
+        self._answer = JudgedGuess()
         self._last: Theatre | None = None
         self._seen: tuple[object, ...] = ()
         for widget in (self.on, self.algorithm, self.weight, self.edges, self.step):
@@ -173,7 +173,7 @@ class TheatrePanel:
             if frame.interactive or frame.partial or frame.outdated:
                 return None
             self._searches, self._last = TheatreSearches(plan), None
-            self._answer = Answer()  # the node was one of another graph
+            self._answer = JudgedGuess()  # the node was one of another graph
         name, trace = self._trace_of(self.chosen)
         racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
         racing = self._written_ones(plan) or racing
@@ -268,7 +268,7 @@ class TheatrePanel:
             self._take(trace, asking)
         step = int(self._position)
         if step != before and not clicked:
-            self._answer = Answer(self._answer.node)
+            self._answer = JudgedGuess(self._answer.node)
         if self.step.value != step:
             self.step.value = step
         self._written = step
@@ -287,12 +287,12 @@ class TheatrePanel:
             node = node_at(points, reached, origin, direction)
         if node < 0:
             return
-        self._answer = Answer(node)
+        self._answer = JudgedGuess(node)
         if not asking or trace.queue == "rounds":
             return
         right, why = judge(state, node)
         word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
-        self._answer = Answer(node, f"The node at {where(state, node)}. {word} {why}", right)
+        self._answer = JudgedGuess(node, f"The node at {where(state, node)}. {word} {why}", right)
         self._position += right
 
     def _view(
@@ -301,7 +301,7 @@ class TheatrePanel:
         step, last = self._written, self._last
         asking = bool(self.ask.value) and not racing
         if self._answer.node >= trace.sides * len(trace.arcs.points):
-            self._answer = Answer()  # of a search from both ends, which has more
+            self._answer = JudgedGuess()  # of a search from both ends, which has more
         if (
             last is not None
             and last.state.trace is trace

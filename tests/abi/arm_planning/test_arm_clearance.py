@@ -23,7 +23,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.arm import PaperArm, place
 from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
@@ -36,7 +36,7 @@ SEED = st.integers(0, 2**32 - 1)
 class Case:
     """An arm on its way, and what is around."""
 
-    arm: Arm
+    arm: PaperArm
     motion: ArmMotion
     obstacles: ObstacleSet
     clearance: ArmClearance
@@ -56,7 +56,7 @@ class Case:
 
 
 def case(settings: ArmSettings, points: FloatArray, obstacles: Obstacles, samples: int) -> Case:
-    arm, curve = Arm.from_settings(settings), clamped(points, min(3, len(points) - 1))
+    arm, curve = PaperArm.from_settings(settings), clamped(points, min(3, len(points) - 1))
     arc = arc_length(curve)
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
     motion = follow(curve, arc, profile, arm, settings, samples)
@@ -210,7 +210,7 @@ def test_a_box_on_the_column_is_seen() -> None:
 def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int) -> None:
     random = np.random.default_rng(seed)
     obstacles = ObstacleSet(tuple(random_obstacle(random) for _ in range(3)))
-    arm, far = Arm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0))), np.inf
+    arm, far = PaperArm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0))), np.inf
     surroundings = arm_surroundings(arm, obstacles, 0.0)
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
@@ -253,7 +253,7 @@ def test_the_nearest_capsule_and_those_that_touch_a_mesh_are_measured(seed: int)
             for name in random.choice(list(source.files), 5)
         )
     )
-    arm = Arm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0)))
+    arm = PaperArm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0)))
     positions = np.zeros((40, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 40)
@@ -283,7 +283,7 @@ def test_what_is_told_of_a_contact_with_a_mesh_is_the_deepest_of_all_its_poses(s
         for mesh in (meshes.room(5), meshes.sphere(2), meshes.knot(500), meshes.soup(50))
     ]
     obstacles = ObstacleSet(tuple(shapes[: random.integers(1, 5)]))
-    arm = Arm.from_settings(ArmSettings(base=(3.0, -1.0, 0.0)))
+    arm = PaperArm.from_settings(ArmSettings(base=(3.0, -1.0, 0.0)))
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 60)

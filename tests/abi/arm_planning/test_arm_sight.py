@@ -8,7 +8,7 @@ import pytest
 from abi.arm_planning.branch.arm_sight import ArmSight
 from abi.arm_planning.world.surroundings import arm_surroundings
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.arm import PaperArm, place
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.link_capsules import COLUMN
 from abi.scene.settings import Elbow
@@ -24,7 +24,7 @@ _SAMPLES = 60
 @pytest.mark.parametrize("seed", range(4))
 def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow) -> None:
     scene = arm_scene(seed)
-    arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
     surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
     sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
     points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
@@ -51,7 +51,7 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
 @pytest.mark.parametrize("elbow", ["up", "down"])
 def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> None:
     scene = arm_scene(1)
-    arm = Arm.from_settings(scene.arm)
+    arm = PaperArm.from_settings(scene.arm)
     surroundings = arm_surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
     sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
     reach = arm.a3 + arm.a4 + arm.a5

@@ -12,7 +12,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.pose_kernels import bend_near, pose_of, rates_near, reaches
 from abi.scene.settings import ArmSettings
 from tests.abi import meshes
@@ -23,10 +23,10 @@ KNOT = clean(*meshes.knot(600))
 SEED = st.integers(0, 2**32 - 1)
 
 
-def random_arm(random: np.random.Generator) -> Arm:
+def random_arm(random: np.random.Generator) -> PaperArm:
     base = (float(random.uniform(1, 5)), float(random.uniform(-4, -1)), 0.0)
     lengths = dict(zip(("a3", "a4", "a5"), random.uniform(2, 6, 3).tolist(), strict=True))
-    return Arm.from_settings(ArmSettings(base=base, **lengths))
+    return PaperArm.from_settings(ArmSettings(base=base, **lengths))
 
 
 @settings(max_examples=60, deadline=None)

@@ -18,7 +18,7 @@ from abi.curves.speed_profile import SpeedProfile
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.kinematics.inverse_dynamics import GRAVITY
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.scene.scene import load_scene
 from abi.verify.verify import verify
 
@@ -40,7 +40,7 @@ def followed(plan: Plan) -> tuple[Curve, ArcLength]:
 def peaks(plan: Plan, samples: int = 3001) -> tuple[float, float]:
     """Largest joint speed and acceleration of q1 to q3, by differences."""
     assert plan.profile is not None
-    assert isinstance(plan.arm, Arm)
+    assert isinstance(plan.arm, PaperArm)
     times = np.linspace(0, plan.profile.duration, samples)
     path = AbiCourse(*followed(plan), plan.arm, plan.scene.arm)
     positions = path.at(plan.profile(times), times)

@@ -14,7 +14,7 @@ from abi.arm_planning.world.surroundings import arm_surroundings
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.pose_kernels import CAPSULE, capsule_ends, pose_of
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
@@ -32,7 +32,7 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     box = {"shape": "box", "size": [1.5, 1, 1], "position": [3, 2, 3.5]}
     ball = {"shape": "sphere", "radius": 0.6, "position": [1.5, 4, 2]}
     scene = Scene.from_dict({"version": 1, "obstacles": [box, ball]})
-    arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
     surroundings = arm_surroundings(arm, obstacles, 0.0)
     triangles = shadow(arm, elbow, 0.0, surroundings, (scene.workspace.min, scene.workspace.max))
     assert len(triangles) > 100
@@ -56,7 +56,7 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
     scene = arm_scene(seed)
-    arm, most = Arm.from_settings(scene.arm), 0.3
+    arm, most = PaperArm.from_settings(scene.arm), 0.3
     elbow: Elbow = "up" if seed % 2 else "down"
     surroundings = arm_surroundings(arm, ObstacleSet(scene.obstacles), 0.0)
     solids = surroundings.only(surroundings.numbers >= 0).beyond(0.0)
@@ -84,7 +84,7 @@ def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
 
 @pytest.mark.slow
 def test_the_reach_is_where_inverse_kinematics_keeps_the_limits() -> None:
-    arm = Arm.from_settings(Scene.from_dict({"version": 1}).arm)
+    arm = PaperArm.from_settings(Scene.from_dict({"version": 1}).arm)
     triangles = reachable(arm, "up", 0.0, 0.0)
     surroundings = arm_surroundings(arm, ObstacleSet(()), -100.0)
     sight = ArmSight(arm, "up", surroundings.only(surroundings.numbers > 0), (0.0, 0.0), 0.0, 0.0)

@@ -13,7 +13,7 @@ from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 
@@ -24,7 +24,7 @@ _SURFACES = clean(*meshes.sphere(1, 0.4)), clean(*meshes.soup(40))
 def test_rows_that_stay_are_those_made_anew(seed: int) -> None:
     random, arm, table = (
         np.random.default_rng(seed),
-        Arm.from_settings(ArmSettings(), "cm"),
+        PaperArm.from_settings(ArmSettings(), "cm"),
         RowTable(),
     )
     obstacles = [_obstacle(random) for _ in range(6)]

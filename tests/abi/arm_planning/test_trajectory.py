@@ -18,7 +18,7 @@ from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
 from abi.errors import ArgumentError, OutOfReach
 from abi.paper import printed
-from abi.robot.paper_arm.arm import JOINTS, Arm
+from abi.robot.paper_arm.arm import JOINTS, PaperArm
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.settings import ArmSettings
 from tests.abi.bezier import interpolated
@@ -64,7 +64,7 @@ def run(
     arm = ArmSettings() if arm is None else arm
     arc = arc_length(curve)
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
-    return follow(curve, arc, profile, Arm.from_settings(arm), arm, samples)
+    return follow(curve, arc, profile, PaperArm.from_settings(arm), arm, samples)
 
 
 def random_curve(seed: int) -> Polynomial:
@@ -263,7 +263,7 @@ def test_several_stretches_are_told_apart() -> None:
 def test_joints_past_their_limits_are_named() -> None:
     arm = ArmSettings(forces=(100.0, 2.0, 0.0))
     motion = run(printed_quadratic(), arm)
-    limits = Arm.from_settings(arm).limits
+    limits = PaperArm.from_settings(arm).limits
     past = (motion.positions < limits[:, 0]) | (motion.positions > limits[:, 1])
     expected = [name for name, column in zip(JOINTS, past.T, strict=True) if column.any()]
     assert {"q4", "q5"} <= set(expected)

@@ -23,7 +23,7 @@ from abi.obstacles.pose import METRES, rotation
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
-from abi.robot.paper_arm.arm import JOINTS, Arm, forward
+from abi.robot.paper_arm.arm import JOINTS, PaperArm, forward
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.robot.urdf.urdf_files import files_of
 from abi.scene.scene import Scene, load_scene
@@ -118,7 +118,7 @@ def test_the_ros_message_leads_the_tool_along_the_curve(planned: Plan) -> None:
     positions = np.array([point["positions"] for point in points])
     velocities = np.array([point["velocities"] for point in points])
     arm, motion = planned.arm, planned.motion
-    assert isinstance(arm, Arm)
+    assert isinstance(arm, PaperArm)
     assert motion is not None
     scene_units = positions / np.where(np.array(JOINTS) == "q5", METRES["cm"], 1.0)
 
@@ -216,7 +216,7 @@ def test_the_recording_plays_the_motion(planned: Plan) -> None:
     attached = {part.name: part.data.decode() for part in reader.iter_attachments()}
 
     arm, motion = planned.arm, planned.motion
-    assert isinstance(arm, Arm)
+    assert isinstance(arm, PaperArm)
     assert motion is not None
     assert len(messages["/joint_states"]) == len(messages["/tool"]) == len(motion.time)
     stamps = [stamp for stamp, _ in messages["/tool"]]
@@ -333,7 +333,7 @@ def test_yourdfpy_moves_the_arm_to_where_the_motion_does(planned: Plan) -> None:
     robot = yourdfpy.URDF.load(io.BytesIO(content(planned, "urdf")))
     points = json.loads(content(planned, "ros", "a.json"))["points"]
     arm, motion = planned.arm, planned.motion
-    assert isinstance(arm, Arm)
+    assert isinstance(arm, PaperArm)
     assert motion is not None
 
     for index in (0, 100, 400):

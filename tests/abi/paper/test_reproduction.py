@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 
 from abi.curves.curve import arc_length
 from abi.paper import printed
-from abi.paper.comparison import Comparison
+from abi.paper.comparison import PaperComparison
 from abi.paper.reproduction import compare
-from abi.robot.paper_arm.arm import Arm, forward
+from abi.robot.paper_arm.arm import PaperArm, forward
 from abi.scene.scene import Scene
 
 
 @pytest.fixture(scope="module")
-def comparisons() -> dict[str, Comparison]:
+def comparisons() -> dict[str, PaperComparison]:
     found = compare()
     by_subject = {one.subject: one for one in found}
     assert len(by_subject) == len(found)
@@ -37,12 +37,12 @@ def comparisons() -> dict[str, Comparison]:
     ],
 )
 def test_what_was_checked_by_hand_is_found(
-    comparisons: dict[str, Comparison], what: str, found: str
+    comparisons: dict[str, PaperComparison], what: str, found: str
 ) -> None:
     assert found in comparisons[what].ours
 
 
-def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, Comparison]) -> None:
+def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, PaperComparison]) -> None:
     wrong = {one.subject for one in comparisons.values() if one.verdict == "does not hold"}
     for what in (
         "B-spline on the path's vertices",
@@ -54,7 +54,7 @@ def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, Comparison])
 
 
 def test_our_path_shortens_from_stage_to_stage_as_the_papers(
-    comparisons: dict[str, Comparison],
+    comparisons: dict[str, PaperComparison],
 ) -> None:
     spline = comparisons["length of the B-spline, degree 4"]
     square = comparisons["length of the quadratic"]
@@ -74,7 +74,7 @@ def test_the_printed_quadratic_is_as_long_as_printed_and_ends_where_it_should() 
 @given(st.floats(-np.pi, np.pi), st.floats(0.1, 1.5), st.floats(0.1, 1.5))
 def test_printed_q1_is_right_in_one_quadrant(q1: float, q2: float, q3: float) -> None:
     assume(min(abs(q1), abs(q1 - np.pi / 2)) > 1e-5)
-    arm = Arm.from_settings(Scene(version=1).arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
+    arm = PaperArm.from_settings(Scene(version=1).arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
     tool = forward(arm, np.array([[q1, q2, q3, 0, 0, 0]]))
     (found,) = printed.q1(tool)
     assert (abs(found - q1) < 1e-6) == (0 < q1 < np.pi / 2)

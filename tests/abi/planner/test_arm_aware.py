@@ -18,7 +18,7 @@ from abi.planner.arm_diagnosis import _bases
 from abi.planner.arm_words import contact_sentence
 from abi.planner.diagnosis import explain
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
 from abi.search.build_graph import build_graph
@@ -32,7 +32,7 @@ _ON_WALL = (0.5**0.5, 0.0, 0.5**0.5, 0.0)
 
 
 def sight_of(scene: Scene, elbow: Elbow = "up", slack: float = 0.0) -> ArmSight:
-    arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
     surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
     return ArmSight(arm, elbow, surroundings, (0.0, 0.0), scene.arm.clearance, slack)
 
@@ -46,7 +46,7 @@ def test_a_motion_is_found_and_no_dense_sample_touches(seed: int) -> None:
         return  # the tool has none
     assert found.error is None
     assert found.motion is not None
-    assert isinstance(found.arm, Arm)
+    assert isinstance(found.arm, PaperArm)
     assert found.arm_clearance is not None
     assert found.arm_clearance.certified
     assert found.motion.within_limits

@@ -18,7 +18,7 @@ from abi import Plan, Planner, Scene, load_scene, plan, scene_names
 from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import JOINTS, Arm, forward
+from abi.robot.paper_arm.arm import JOINTS, PaperArm, forward
 from abi.robot.paper_arm.arm import place as place_capsules
 from abi.scene.lattices import LATTICES
 from abi.tet_mesh.lattice import REGULAR
@@ -423,7 +423,7 @@ def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
     made, data = told(variant)
     asked, found, arm = made.scene.motion, data["timing"], data["arm"]
     t1, t2, t3, peak = (found[key] for key in ("t1", "t2", "t3", "peak_speed"))
-    assert isinstance(made.arm, Arm)
+    assert isinstance(made.arm, PaperArm)
 
     assert found["duration"] == pytest.approx(t1 + t2 + t3, rel=1e-12) == arm["time"][-1]
     length = data[found["curve"]]["length"]
@@ -473,7 +473,7 @@ def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
 @pytest.mark.parametrize("name", ["paper", "wall-with-window", "sculpture"])
 def test_the_json_has_the_clearance_of_the_arm_at_every_time(name: str) -> None:
     made = plan(load_scene(name))
-    assert isinstance(made.arm, Arm)
+    assert isinstance(made.arm, PaperArm)
     for full in (False, True):
         arm = json.loads(json.dumps(made.to_dict(full=full), allow_nan=False))["arm"]
         found = np.array(arm["clearances"])
@@ -509,7 +509,7 @@ def test_the_paper_shortens_stage_by_stage() -> None:
 def test_forward_kinematics_of_the_plan_meet_its_tool(name: str) -> None:
     made = plan(load_scene(name))
     data = made.to_dict(full=True)
-    assert isinstance(made.arm, Arm)
+    assert isinstance(made.arm, PaperArm)
 
     tool = forward(made.arm, np.array(data["arm"]["positions"]))
 

@@ -19,7 +19,7 @@ from abi.arrays import FloatArray
 from abi.robot.bodies.link_solid import LinkSolid
 from abi.robot.bodies.urdf_writer import DENSITY, inertia
 from abi.robot.paper_arm import arm_links
-from abi.robot.paper_arm.arm import JOINTS, STROKE, Arm, forward, urdf
+from abi.robot.paper_arm.arm import JOINTS, STROKE, PaperArm, forward, urdf
 from abi.scene.settings import ArmSettings
 
 LENGTH = st.floats(-1.5, 1.5).map(lambda power: 10.0**power)
@@ -29,22 +29,24 @@ METRES: dict[Unit, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 
 @st.composite
-def arms(draw: st.DrawFn) -> Arm:
+def arms(draw: st.DrawFn) -> PaperArm:
     lengths = {name: draw(LENGTH) for name in ("a1", "a2", "a3", "a4", "a5")}
     base = (draw(COORDINATE), draw(COORDINATE), draw(COORDINATE))
-    return Arm.from_settings(ArmSettings(base=base, **lengths), draw(st.sampled_from(list(METRES))))
+    return PaperArm.from_settings(
+        ArmSettings(base=base, **lengths), draw(st.sampled_from(list(METRES)))
+    )
 
 
 def load(text: str) -> yourdfpy.URDF:
     return yourdfpy.URDF.load(io.BytesIO(text.encode()), build_scene_graph=True, load_meshes=False)
 
 
-def random_positions(arm: Arm, count: int, seed: int) -> FloatArray:
+def random_positions(arm: PaperArm, count: int, seed: int) -> FloatArray:
     low, high = arm.limits.T
     return np.asarray(low + np.random.default_rng(seed).random((count, 6)) * (high - low))
 
 
-def solids(arm: Arm) -> list[LinkSolid]:
+def solids(arm: PaperArm) -> list[LinkSolid]:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
     return [solid for link in links.values() for solid in link]
 
@@ -52,7 +54,7 @@ def solids(arm: Arm) -> list[LinkSolid]:
 @pytest.mark.slow
 @settings(max_examples=12)
 @given(arms(), st.integers(0, 2**32 - 1))
-def test_the_urdf_moves_as_forward_says(arm: Arm, seed: int) -> None:
+def test_the_urdf_moves_as_forward_says(arm: PaperArm, seed: int) -> None:
     positions = random_positions(arm, 4, seed)
     tool = (forward(arm, positions) - arm.base) * arm.metres
     robot = load(urdf(arm))
@@ -67,7 +69,7 @@ def test_the_urdf_moves_as_forward_says(arm: Arm, seed: int) -> None:
 @pytest.mark.slow
 @settings(max_examples=100)
 @given(arms(), st.integers(0, 2**32 - 1))
-def test_forward_is_the_printed_formula(arm: Arm, seed: int) -> None:
+def test_forward_is_the_printed_formula(arm: PaperArm, seed: int) -> None:
     positions = random_positions(arm, 10, seed)
     q1, q2, q3, _, q5, _ = positions.T
     a6 = arm.a4 + arm.a5 + q5
@@ -80,7 +82,7 @@ def test_forward_is_the_printed_formula(arm: Arm, seed: int) -> None:
 @pytest.mark.slow
 @settings(max_examples=50)
 @given(arms(), st.integers(0, 2**32 - 1))
-def test_links_keep_their_lengths_and_their_plane(arm: Arm, seed: int) -> None:
+def test_links_keep_their_lengths_and_their_plane(arm: PaperArm, seed: int) -> None:
     positions = random_positions(arm, 10, seed)
     folded = positions.copy()
     folded[:, 4] = -arm.a4 - arm.a5  # a forearm of no length: the tool is at the elbow
@@ -97,7 +99,7 @@ def test_links_keep_their_lengths_and_their_plane(arm: Arm, seed: int) -> None:
 @pytest.mark.slow
 @settings(max_examples=12)
 @given(arms())
-def test_the_urdf_is_sound(arm: Arm) -> None:
+def test_the_urdf_is_sound(arm: PaperArm) -> None:
     robot = load(urdf(arm))
     assert robot.validate(), robot.errors
     assert tuple(robot.actuated_joint_names) == JOINTS
@@ -118,7 +120,7 @@ def test_the_urdf_is_sound(arm: Arm) -> None:
 
 
 def test_the_urdf_can_be_written_in_the_scenes_unit() -> None:
-    arm = Arm.from_settings(ArmSettings(), "cm")
+    arm = PaperArm.from_settings(ArmSettings(), "cm")
     robot = load(urdf(arm, 1.0))
     positions = np.array([[0.4, 0.3, 1.1, 0.2, 1.5, 0.5]])
     robot.update_cfg(positions[0])
@@ -128,25 +130,25 @@ def test_the_urdf_can_be_written_in_the_scenes_unit() -> None:
 
 def test_the_tool_can_reach_its_limits_in_every_unit() -> None:
     for unit, metres in METRES.items():
-        arm = Arm.from_settings(ArmSettings(a4=3.0), unit)
+        arm = PaperArm.from_settings(ArmSettings(a4=3.0), unit)
         slide = load(urdf(arm)).joint_map["q5"].limit
         assert slide.upper == pytest.approx(STROKE * 3.0 * metres, rel=1e-12)
 
 
 def test_equal_link_lengths_give_equal_text_wherever_the_arm_stands() -> None:
-    here = Arm.from_settings(ArmSettings(base=(0.0, 0.0, 0.0)))
-    there = Arm.from_settings(ArmSettings(base=(1.0, 2.0, 3.0), elbow="down", q5=1.0))
+    here = PaperArm.from_settings(ArmSettings(base=(0.0, 0.0, 0.0)))
+    there = PaperArm.from_settings(ArmSettings(base=(1.0, 2.0, 3.0), elbow="down", q5=1.0))
     assert urdf(here) == urdf(there)
-    assert urdf(here) != urdf(Arm.from_settings(ArmSettings(a3=6.5)))
+    assert urdf(here) != urdf(PaperArm.from_settings(ArmSettings(a3=6.5)))
 
 
 def test_the_shipped_file_is_the_generators() -> None:
     shipped = assets.path("urdf", "abi.urdf").read_text(encoding="utf-8")
-    assert shipped == urdf(Arm.from_settings(ArmSettings(), "cm"))
+    assert shipped == urdf(PaperArm.from_settings(ArmSettings(), "cm"))
 
 
 def test_the_text_has_no_rounding_noise() -> None:
-    text = urdf(Arm.from_settings(ArmSettings(), "m"))
+    text = urdf(PaperArm.from_settings(ArmSettings(), "m"))
     for number in re.findall(r"[\d.]+e-\d+", text):
         assert float(number) > 1e-9
 
@@ -154,7 +156,7 @@ def test_the_text_has_no_rounding_noise() -> None:
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms())
-def test_every_solid_has_a_size(arm: Arm) -> None:
+def test_every_solid_has_a_size(arm: PaperArm) -> None:
     for solid in solids(arm):
         assert min(solid.size) > 0
         assert all(map(math.isfinite, (*solid.size, *solid.xyz, *solid.rpy)))
@@ -164,7 +166,7 @@ def test_every_solid_has_a_size(arm: Arm) -> None:
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms())
-def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
+def test_solids_of_different_colours_never_share_a_face(arm: PaperArm) -> None:
     """Faces in one plane flicker: caps of cylinders along one axis must lie apart or inside."""
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
     for link in links.values():
@@ -181,7 +183,7 @@ def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms())
-def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) -> None:
+def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: PaperArm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
     lows = [solid.xyz[2] - solid.size[2] / 2 for solid in links["base_link"]]
     assert min(lows) == pytest.approx(0, abs=1e-12)
@@ -193,7 +195,7 @@ def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) 
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms())
-def test_the_rod_never_leaves_its_sleeve(arm: Arm) -> None:
+def test_the_rod_never_leaves_its_sleeve(arm: PaperArm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
     rod = links["rod"][0]
     tail = rod.xyz[2] - rod.size[2] / 2
@@ -205,7 +207,7 @@ def test_the_rod_never_leaves_its_sleeve(arm: Arm) -> None:
 @pytest.mark.slow
 @settings(max_examples=100)
 @given(arms())
-def test_the_upper_arm_is_the_hull_of_its_ends(arm: Arm) -> None:
+def test_the_upper_arm_is_the_hull_of_its_ends(arm: PaperArm) -> None:
     link = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)["upper_arm"]
     size = arm_links.proportions(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
     lower, upper = 0.88 * size.shoulder, 0.9 * size.elbow

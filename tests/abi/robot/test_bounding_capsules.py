@@ -6,13 +6,13 @@ import trimesh
 
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.bodies.bounding_capsules import Capsule, bounding_capsules
+from abi.robot.bodies.bounding_capsules import BoundingCapsule, bounding_capsules
 from abi.robot.urdf.robot import Link
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from tests.abi.robot.robots import arm, packed
 
 
-def lacks(capsules: tuple[Capsule, ...], points: FloatArray) -> float:
+def lacks(capsules: tuple[BoundingCapsule, ...], points: FloatArray) -> float:
     """Largest distance by which the points stick out of all capsules."""
     away = np.full(len(points), np.inf)
     for low, high, radius in capsules:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.robot.paper_arm.arm import Arm, forward
+from abi.robot.paper_arm.arm import PaperArm, forward
 from abi.robot.paper_arm.inverse_kinematics import Solution, solve
 from abi.scene.settings import ArmSettings
 
@@ -20,17 +20,17 @@ SEED = st.integers(0, 2**32 - 1)
 
 
 @st.composite
-def arms(draw: st.DrawFn) -> Arm:
+def arms(draw: st.DrawFn) -> PaperArm:
     lengths = {name: draw(LENGTH) for name in ("a1", "a2", "a3", "a4", "a5")}
     base = tuple(draw(st.floats(-20, 20)) for _ in range(3))
-    return Arm.from_settings(ArmSettings(base=base, **lengths))
+    return PaperArm.from_settings(ArmSettings(base=base, **lengths))
 
 
-def default_arm(**changes: float) -> Arm:
-    return Arm.from_settings(ArmSettings(base=(0.0, 0.0, 0.0), **changes))
+def default_arm(**changes: float) -> PaperArm:
+    return PaperArm.from_settings(ArmSettings(base=(0.0, 0.0, 0.0), **changes))
 
 
-def tool(arm: Arm, found: Solution, q5: FloatArray) -> FloatArray:
+def tool(arm: PaperArm, found: Solution, q5: FloatArray) -> FloatArray:
     zero = np.zeros_like(q5)
     return forward(arm, np.stack([found.q1, found.q2, found.q3, zero, q5, zero], axis=1))
 
@@ -41,7 +41,7 @@ def tangents_of(points: FloatArray) -> FloatArray:
     return np.asarray(np.divide(slopes, size, out=np.zeros_like(slopes), where=size > 0))
 
 
-def follow(arm: Arm, points: FloatArray, elbow: Elbow = "up") -> tuple[Solution, FloatArray]:
+def follow(arm: PaperArm, points: FloatArray, elbow: Elbow = "up") -> tuple[Solution, FloatArray]:
     """Solve along a path, check that the tool is on it, return joints and the largest steps."""
     q5 = np.zeros(len(points))
     found = solve(arm, points, q5, elbow, tangents_of(points))
@@ -51,7 +51,7 @@ def follow(arm: Arm, points: FloatArray, elbow: Elbow = "up") -> tuple[Solution,
     return found, np.abs(np.diff(joints, axis=0)).max(axis=0)
 
 
-def reachable_points(arm: Arm, count: int, seed: int) -> tuple[FloatArray, FloatArray]:
+def reachable_points(arm: PaperArm, count: int, seed: int) -> tuple[FloatArray, FloatArray]:
     """Points from random joints, spread over all quadrants, and the extension of each."""
     rng = np.random.default_rng(seed)
     positions = rng.uniform(-np.pi, np.pi, (count, 6))
@@ -62,7 +62,7 @@ def reachable_points(arm: Arm, count: int, seed: int) -> tuple[FloatArray, Float
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms(), SEED, st.sampled_from(ELBOWS))
-def test_the_tool_is_on_every_reachable_point(arm: Arm, seed: int, elbow: Elbow) -> None:
+def test_the_tool_is_on_every_reachable_point(arm: PaperArm, seed: int, elbow: Elbow) -> None:
     points, q5 = reachable_points(arm, 40, seed)
     for row in range(0, 40, 8):
         chosen = slice(row, row + 8)
@@ -77,7 +77,7 @@ def test_the_tool_is_on_every_reachable_point(arm: Arm, seed: int, elbow: Elbow)
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms(), SEED)
-def test_solving_gives_back_the_joints_that_made_the_point(arm: Arm, seed: int) -> None:
+def test_solving_gives_back_the_joints_that_made_the_point(arm: PaperArm, seed: int) -> None:
     rng = np.random.default_rng(seed)
     positions = rng.uniform(-np.pi, np.pi, (1, 6))
     q5 = positions[:, 4] = rng.uniform(0, arm.limits[4, 1], 1)
@@ -106,7 +106,7 @@ def test_the_arm_faces_the_point_in_every_quadrant(x: float, y: float, elbow: El
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms(), SEED)
-def test_elbow_up_is_the_more_upright_upper_arm(arm: Arm, seed: int) -> None:
+def test_elbow_up_is_the_more_upright_upper_arm(arm: PaperArm, seed: int) -> None:
     points, q5 = reachable_points(arm, 1, seed)
     up, down = (solve(arm, points, q5, elbow, np.zeros((1, 3))) for elbow in ELBOWS)
     np.testing.assert_allclose(up.q3, -down.q3)
@@ -116,7 +116,7 @@ def test_elbow_up_is_the_more_upright_upper_arm(arm: Arm, seed: int) -> None:
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms(), SEED)
-def test_the_corrected_printed_formula_gives_both_elbows(arm: Arm, seed: int) -> None:
+def test_the_corrected_printed_formula_gives_both_elbows(arm: PaperArm, seed: int) -> None:
     """The paper's q2 with a3³·Pza for the printed a3²·Pza, over both signs of its root."""
     points, q5 = reachable_points(arm, 1, seed)
     x, y, z = points[0] - arm.shoulder
@@ -152,7 +152,7 @@ def test_joints_are_as_continuous_as_the_path(seed: int, elbow: Elbow) -> None:
     assert np.all(found.q3 > 0) if elbow == "up" else np.all(found.q3 < 0)
 
 
-def _smallest_singular_values(arm: Arm, joints: FloatArray) -> FloatArray:
+def _smallest_singular_values(arm: PaperArm, joints: FloatArray) -> FloatArray:
     """Least tool speeds (n,) per joint speed, from differences of the forward kinematics."""
     step = 1e-6
     rows = np.zeros((len(joints), 6, 6))
@@ -265,7 +265,7 @@ def test_along_the_base_axis_q1_turns_between_arrival_and_departure() -> None:
 @pytest.mark.slow
 @settings(max_examples=60)
 @given(arms(), SEED, st.sampled_from(ELBOWS))
-def test_out_of_reach_is_told_by_distance(arm: Arm, seed: int, elbow: Elbow) -> None:
+def test_out_of_reach_is_told_by_distance(arm: PaperArm, seed: int, elbow: Elbow) -> None:
     """The stretched or folded arm points at the point, as near as it can come."""
     rng = np.random.default_rng(seed)
     direction = rng.normal(size=(20, 3))
@@ -287,7 +287,9 @@ def test_out_of_reach_is_told_by_distance(arm: Arm, seed: int, elbow: Elbow) -> 
 @pytest.mark.slow
 @settings(max_examples=100)
 @given(arms(), SEED, st.sampled_from(ELBOWS))
-def test_full_stretch_and_full_fold_are_within_reach(arm: Arm, seed: int, elbow: Elbow) -> None:
+def test_full_stretch_and_full_fold_are_within_reach(
+    arm: PaperArm, seed: int, elbow: Elbow
+) -> None:
     direction = np.random.default_rng(seed).normal(size=3)
     direction /= np.linalg.norm(direction)
     forearm = arm.a4 + arm.a5

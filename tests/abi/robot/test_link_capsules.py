@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.robot.paper_arm.arm import JOINTS, Arm, forward, place, urdf
+from abi.robot.paper_arm.arm import JOINTS, PaperArm, forward, place, urdf
 from abi.robot.paper_arm.link_capsules import FOREARM, SLIDE, UPPER_ARM
 from abi.scene.settings import ArmSettings
 
@@ -20,9 +20,9 @@ LENGTH = st.floats(-0.7, 0.7).map(lambda power: 3 * 10.0**power)
 
 
 @st.composite
-def arms(draw: st.DrawFn) -> Arm:
+def arms(draw: st.DrawFn) -> PaperArm:
     lengths = {name: draw(LENGTH) for name in ("a1", "a2", "a3", "a4", "a5")}
-    return Arm.from_settings(ArmSettings(base=(1.0, -2.0, 0.5), **lengths))
+    return PaperArm.from_settings(ArmSettings(base=(1.0, -2.0, 0.5), **lengths))
 
 
 def from_segment(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:
@@ -36,7 +36,7 @@ def from_segment(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray
 @pytest.mark.slow
 @settings(max_examples=12)
 @given(arms(), st.integers(0, 2**32 - 1))
-def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: Arm, seed: int) -> None:
+def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: PaperArm, seed: int) -> None:
     low, high = arm.limits.T
     positions = low + np.random.default_rng(seed).random(6) * (high - low)
     # one metre of the text is one unit of the scene
@@ -64,7 +64,7 @@ def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: Arm, seed: int) -> N
 
 @settings(max_examples=50)
 @given(arms(), st.integers(0, 2**32 - 1))
-def test_capsules_lie_along_the_links(arm: Arm, seed: int) -> None:
+def test_capsules_lie_along_the_links(arm: PaperArm, seed: int) -> None:
     low, high = arm.limits.T
     positions = low + np.random.default_rng(seed).random((3, 6)) * (high - low)
     ends, tools = place(arm, positions), forward(arm, positions)
@@ -80,7 +80,7 @@ def test_capsules_lie_along_the_links(arm: Arm, seed: int) -> None:
 @settings(max_examples=50)
 @given(arms(), st.floats(0, 1))
 def test_at_the_limit_of_q3_the_forearms_end_keeps_off_the_upper_arm(
-    arm: Arm, share: float
+    arm: PaperArm, share: float
 ) -> None:
     extension = share * arm.limits[4, 1]
     positions = np.array([[0.3, 0.4, arm.limits[2, 1], 0.0, extension, 0.0]])

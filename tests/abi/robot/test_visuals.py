@@ -15,7 +15,7 @@ from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.bodies.bounding_capsules import bounding_capsules
 from abi.robot.urdf import mesh_lookup
-from abi.robot.urdf.robot import Robot, Shape
+from abi.robot.urdf.robot import LinkShape, Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive, unpacked
 from abi.robot.urdf.urdf_files import description_of
 from tests.abi.robot.robots import arm, packed
@@ -48,7 +48,7 @@ def read(files: dict[str, str | bytes]) -> tuple[Robot, Robot]:
     return robot_from_archive(content), load_robot("r.zip", source, plain=True)
 
 
-def corners(shapes: tuple[Shape, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def corners(shapes: tuple[LinkShape, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     parts = [shape.vertices @ shape.pose[:3, :3].T + shape.pose[:3, 3] for shape in shapes]
     return np.concatenate(parts)
 

@@ -25,7 +25,7 @@ from abi.search.heuristic_kernels import INSIDE, NO_METRIC, ON_A_FACE, Metric, t
 from abi.search.search import SEARCHES, search
 from abi.search.search_kernels import Ends, Problem
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
-from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, OpenEdges, Shape, cell, node_at
+from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, MeshSizes, OpenEdges, cell, node_at
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import tetrahedralise
@@ -199,7 +199,7 @@ def test_the_heuristic_never_falls_by_more_than_an_edge_costs(seed: int, weight:
 def test_with_all_diagonals_the_cost_is_the_greatest_of_six_linear_forms(seed: int) -> None:
     rng = np.random.default_rng(seed)
     x, y, z = rng.uniform(0.1, 2, 3)
-    shape = Shape(KUHN, 9, 9, 9, 1000, 1000, 14, 0, 14)
+    shape = MeshSizes(KUHN, 9, 9, 9, 1000, 1000, 14, 0, 14)
     costs = {axes: np.linalg.norm([(x, y, z)[k] for k in axes]) for axes in subsets(range(3))}
     for way in rng.integers(0, 5, (30, 3)).tolist():
         forms = []
@@ -240,7 +240,7 @@ def test_a_node_is_found_at_its_place_however_many_there_are(seed: int) -> None:
     cells = [int(10 ** rng.uniform(0, 3.1)) for _ in range(3)]
     nx, ny, nz = cells
     corners = (nx + 1) * (ny + 1) * (nz + 1)
-    shape = Shape(BCC, nx, ny, nz, corners, corners + nx * ny * nz, 14, 8, 14)
+    shape = MeshSizes(BCC, nx, ny, nz, corners, corners + nx * ny * nz, 14, 8, 14)
     for node in rng.integers(0, shape.nodes, 3000).tolist():
         a, b, c = cell(shape, node)
         assert 0 <= a <= 2 * nx

@@ -159,7 +159,7 @@ def test_a_file_has_the_function(tmp_path: Path) -> None:
 
 
 def test_many_at_once_do_not_hinder_each_other() -> None:
-    verdicts: list[abi.teach.Verdict] = []
+    verdicts: list[abi.teach.ExerciseVerdict] = []
     threads = [
         threading.Thread(target=lambda: verdicts.append(abi.teach.check("heuristic", math.dist)))
         for _ in range(4)

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from abi import Scene, load_scene, plan
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.scene.settings import ArmSettings
 from abi.verify.arm_capsules import capsules_of
 from abi.verify.exact_arm import ExactArm
@@ -196,7 +196,7 @@ def test_no_capsule_may_be_less_than_its_link(
 @given(st.lists(st.floats(0.05, 20.0), min_size=5, max_size=5))
 def test_capsules_of_every_arm_leave_no_gap(lengths: list[float]) -> None:
     names = ("a1", "a2", "a3", "a4", "a5")
-    arm = Arm.from_settings(ArmSettings(**dict(zip(names, lengths, strict=True))), "cm")
+    arm = PaperArm.from_settings(ArmSettings(**dict(zip(names, lengths, strict=True))), "cm")
     a1, a2, a3, a4, a5 = map(Fraction, lengths)
     exact = ExactArm((Fraction(0),) * 3, a1 + a2, a3, a4 + a5, 1)
     written = json.loads(json.dumps(arm.proof_data()))

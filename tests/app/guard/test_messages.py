@@ -155,7 +155,7 @@ def test_a_camera_has_a_direction_and_an_upward_one(
     changes: dict[str, Any], somewhere: bool
 ) -> None:
     camera = messages.decode(msgspec.msgpack.encode({**CAMERA, **changes}))
-    assert isinstance(camera, messages.Camera)
+    assert isinstance(camera, messages.CameraMoved)
     assert camera.looks_somewhere is somewhere
 
 

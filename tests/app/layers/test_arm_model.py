@@ -16,7 +16,7 @@ from abi import compiling, plan
 from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.kinematics.chain_kernels import POSE
-from abi.robot.paper_arm.arm import Arm
+from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
@@ -85,7 +85,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     assert panel(session).model.mount.value == "on the ceiling"
 
     fake.set(panel(session).model.model, "the paper's arm")
-    until(lambda: isinstance(planned_arm(session), Arm))
+    until(lambda: isinstance(planned_arm(session), PaperArm))
     until(lambda: drawn._nodes.root.name == "/arm" and drawn._nodes.root.visible)
     assert not drawn._kinds[UrdfArm].root.visible
     assert panel(session).links.visible
@@ -99,7 +99,7 @@ def test_an_upload_is_an_arm_or_a_sentence(
     told = notified(monkeypatch, session)
     upload(session, "bad.zip", b"PK\x03\x04")
     until(lambda: any("zip" in sentence for _, sentence in told))
-    assert isinstance(planned_arm(session), Arm)
+    assert isinstance(planned_arm(session), PaperArm)
 
     upload(session, "own arm.zip", packed({"x/own.urdf": arm()}))
     until(lambda: isinstance(planned_arm(session), UrdfArm))
@@ -139,7 +139,7 @@ def test_one_of_several_robots_in_a_file_is_chosen_by_name(
     model = panel(session).model
     until(lambda: model.robot.visible)
     assert model.robot.options[1:] == ("p/urdf/one.urdf", "p/urdf/two.urdf")
-    assert isinstance(planned_arm(session), Arm)
+    assert isinstance(planned_arm(session), PaperArm)
     for name in ("two", "one"):
         fake.set(model.robot, f"p/urdf/{name}.urdf")
         until(lambda: session.plan.scene.arm.urdf == f"{name}.zip")  # type: ignore[union-attr]  # noqa: B023

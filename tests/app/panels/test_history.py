@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from abi.scene.scene import Scene, load_scene
 from app.panels.files.files import Loaded
-from app.panels.files.history import History, Step
+from app.panels.files.history import History, HistoryStep
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -27,15 +27,15 @@ class _Gui:
     add_command = add_button
 
 
-def _step(number: int) -> Step:
+def _step(number: int) -> HistoryStep:
     scene = Scene(version=1, motion={"speed": float(number + 1)})
-    return Step(scene, Loaded(f"scene {number}", scene))
+    return HistoryStep(scene, Loaded(f"scene {number}", scene))
 
 
 @given(st.lists(st.sampled_from(["undo", "redo", *range(5)]), max_size=30))
 def test_history_is_that_of_an_editor(steps: list[str | int]) -> None:
     history = History(_Gui(), _step(0), lambda _: None)  # type: ignore[arg-type]
-    before, now, after = list[Step](), _step(0), list[Step]()
+    before, now, after = list[HistoryStep](), _step(0), list[HistoryStep]()
     for step in steps:
         if isinstance(step, int):
             if _step(step) != now:

@@ -10,7 +10,7 @@ from PIL import Image
 from abi import load_scene, plan
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.paper_arm.arm import Arm, place
+from abi.robot.paper_arm.arm import PaperArm, place
 from abi.scene.scene import Scene
 from app.layers.result.motion_curves import acceleration, links_clearance, tool_clearance
 from app.panels.files.share import png
@@ -247,7 +247,7 @@ def test_the_clearance_of_the_links_is_measured_at_all_times_beside_a_mesh() -> 
     result = plan(load_scene("sculpture"))
     motion, arm = result.motion, result.arm
     assert motion is not None
-    assert isinstance(arm, Arm)
+    assert isinstance(arm, PaperArm)
     stride = 20
     distances = links_clearance(result, stride)
     assert distances is not None

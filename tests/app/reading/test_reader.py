@@ -20,7 +20,7 @@ from abi.robot.urdf.robot_files import robot_from_archive
 from abi.scene.scene import Scene
 from app.reading import reader as module
 from app.reading.reader import Reader, StoppedError
-from app.reading.running_reader import AT_ONCE, Limits, reading_memory
+from app.reading.running_reader import AT_ONCE, ReaderLimits, reading_memory
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_robot_files import HOSTILE
@@ -150,8 +150,10 @@ def test_half_a_letter_and_a_huge_number_are_refused(reader: Reader) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("limits", [Limits(seconds=0), Limits(patience=0.0)], ids=["cpu", "time"])
-def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: Limits) -> None:
+@pytest.mark.parametrize(
+    "limits", [ReaderLimits(seconds=0), ReaderLimits(patience=0.0)], ids=["cpu", "time"]
+)
+def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: ReaderLimits) -> None:
     reader = Reader(limits)
     many = trimesh.creation.icosphere(subdivisions=7)  # over a second, the least limit there is
     with pytest.raises(SceneError, match="less time"):
@@ -159,14 +161,14 @@ def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: Limi
     assert len(reader.lost) == 1
     assert reader.lost[0] < 0
 
-    reader.limits = Limits()
+    reader.limits = ReaderLimits()
     assert len(reader.mesh(file_of(".stl"), "a.stl").faces) == 320
     reader.close()
 
 
 @pytest.mark.slow
 def test_too_much_memory_is_refused_and_the_next_file_is_read() -> None:
-    reader = Reader(Limits(memory=60_000_000))
+    reader = Reader(ReaderLimits(memory=60_000_000))
     many = trimesh.creation.icosphere(subdivisions=7)
     with pytest.raises(SceneError, match="memory"):
         reader.mesh(meshes.stl((many.vertices, many.faces)), "many.stl")
@@ -181,7 +183,7 @@ def test_what_is_not_wanted_any_more_is_not_waited_for(reader: Reader) -> None:
         reader.mesh(file_of(".stl"), "a.stl", stopped)
 
 
-def _occupied(monkeypatch: pytest.MonkeyPatch, limits: Limits | None = None) -> Reader:
+def _occupied(monkeypatch: pytest.MonkeyPatch, limits: ReaderLimits | None = None) -> Reader:
     """A reader that others' files keep busy for good."""
     monkeypatch.setattr(module, "_LONG", 0.05)
     reader = Reader(limits)
@@ -211,7 +213,7 @@ def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(
 def test_a_file_is_refused_when_others_are_read_for_too_long(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    reader = _occupied(monkeypatch, Limits(patience=0.2))
+    reader = _occupied(monkeypatch, ReaderLimits(patience=0.2))
     with pytest.raises(SceneError, match="the server reads fewer files"):
         reader.scene(b"{}", "a.json")
     assert not reader._places._waiting

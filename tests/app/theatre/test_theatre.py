@@ -14,7 +14,7 @@ from app.layers.search_step import NODE_BUDGET, TheatreLayer, few, order_colours
 from app.tab.session import Session
 from app.teach.lesson import load_lessons, scene_of
 from app.theatre.text import describe, legend
-from app.theatre.theatre import Answer, Theatre, judge, node_at, priorities, race_of
+from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, priorities, race_of
 from app.ui import style
 from tests.app.fake_tab import FakeTab, drawn_points, layer, until
 
@@ -97,9 +97,9 @@ def test_nodes_that_may_be_next_are_the_least_of_what_orders_them(name: str) -> 
 
 def test_a_guess_is_not_given_away_until_it_was_wrong() -> None:
     state = state_of("a_star", 6)
-    wrong = Answer(int(state.closed[0]), "no", right=False)
+    wrong = JudgedGuess(int(state.closed[0]), "no", right=False)
     assert Theatre("a_star", state, asking=True).ringed.size == 0
-    assert Theatre("a_star", state, asking=True, answer=Answer(3, "yes")).ringed.size == 0
+    assert Theatre("a_star", state, asking=True, answer=JudgedGuess(3, "yes")).ringed.size == 0
     assert state.following in Theatre("a_star", state, asking=True, answer=wrong).ringed
     assert "next" not in legend(Theatre("a_star", state, asking=True))
 

@@ -16,8 +16,8 @@ from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.search_joints import (
-    Effort,
     JointSearch,
+    JointSearchEffort,
     paths_found,
     search_joints,
 )
@@ -32,11 +32,11 @@ from abi.arrays import BoolArray, FloatArray
 from abi.errors import ArgumentError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Sphere
-from abi.progress import CancelledError, Question, watched_by
+from abi.progress import CancelledError, QuietWatch, watched_by
 from tests.abi.arm_planning.test_chain_certificate import between, some_arm, some_obstacles
 
 ARMS = ("ur5e", "panda", "sliding", "linkage")
-FEW = Effort(samples=400, nodes=400, shortcuts=20)
+FEW = JointSearchEffort(samples=400, nodes=400, shortcuts=20)
 seeds = st.integers(0, 2**31)
 
 
@@ -48,7 +48,7 @@ class Task(NamedTuple):
     start: FloatArray
     goal: FloatArray
 
-    def found(self, effort: Effort = FEW) -> list[JointSearch]:
+    def found(self, effort: JointSearchEffort = FEW) -> list[JointSearch]:
         """All that the search finds, one after the other."""
         return list(paths_found(self.space, self.start[None], self.goal[None], effort))
 
@@ -89,7 +89,7 @@ def test_every_path_found_is_proven_keeps_limits_and_leads_from_start_to_goal(
 def test_every_edge_of_both_trees_is_clear_at_dense_samples(name: str, seed: int) -> None:
     task = some_task(name, seed)
     space, arm = task.space, task.space.arm
-    for tree in task.found(Effort(samples=40, nodes=40, shortcuts=0))[-1].trees:
+    for tree in task.found(JointSearchEffort(samples=40, nodes=40, shortcuts=0))[-1].trees:
         assert (tree.parents < np.arange(len(tree.parents))).all()
         assert space.is_within(tree.positions)
         for edge in tree.edges:
@@ -118,7 +118,7 @@ def test_a_path_gets_shorter_and_no_shorter_than_the_straight_way(name: str, see
 @given(st.sampled_from(ARMS), seeds)
 def test_equal_seeds_give_equal_searches_within_their_bounds(name: str, seed: int) -> None:
     task = some_task(name, seed)
-    effort = Effort(seed=seed, samples=30, nodes=12, shortcuts=5)
+    effort = JointSearchEffort(seed=seed, samples=30, nodes=12, shortcuts=5)
     first, second = (task.found(effort)[-1] for _ in range(2))
     assert first.samples <= 30
     assert all(len(tree.positions) <= 12 for tree in first.trees)
@@ -182,7 +182,7 @@ def test_it_finds_a_path_where_a_grid_has_one_and_none_where_a_grid_shows_that_t
         a, b = (tuple(inside[k]) for k in random.choice(len(inside), 2, replace=False))
         if (surely[a] == surely[b]) == (perhaps[a] == perhaps[b]):
             joined = bool(surely[a] == surely[b])
-            effort = Effort(samples=20_000 if joined else 300, shortcuts=0)
+            effort = JointSearchEffort(samples=20_000 if joined else 300, shortcuts=0)
             result = search_joints(space, grid.poses[a][None], grid.poses[b][None], effort)
             assert (result.path is not None) == joined
             seen[joined] += 1
@@ -215,7 +215,7 @@ def test_a_search_that_is_not_wanted_any_more_ends() -> None:
     task_arm = some_arm("ur5e")
     space = JointSpace(task_arm, chain_surroundings(task_arm, ObstacleSet(()), -1e3), 0.0)
     pose = np.array([[0.0, -1.2, 1.0, 0.3, 0.2, 0.0]])
-    with pytest.raises(CancelledError), watched_by(Question(lambda: True)):
+    with pytest.raises(CancelledError), watched_by(QuietWatch(lambda: True)):
         search_joints(space, pose, pose + 0.5)
 
 
@@ -228,4 +228,4 @@ def test_wrong_ends_are_named() -> None:
     with pytest.raises(ArgumentError, match="starts"):
         search_joints(space, pose + 100, pose)
     with pytest.raises(ArgumentError, match="samples"):
-        Effort(samples=0)
+        JointSearchEffort(samples=0)

@@ -23,7 +23,7 @@ from abi.search.taut.geodesic_kernels import around_ball, solid_bounds
 from abi.search.taut.lower_bound import Bound, lower_bound
 from abi.search.taut.obstacle_edges import obstacle_edges
 from abi.search.taut.taut_kernels import taut_paths
-from abi.search.taut.visibility_graph_kernels import Effort
+from abi.search.taut.visibility_graph_kernels import PathSearchEffort
 from tests.abi import meshes
 from tests.abi.bezier import polyline
 from tests.abi.scene.test_scene import obstacles, points
@@ -43,7 +43,9 @@ def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
     edges = obstacle_edges(solids, CLEARANCE, (x, y, z))
     limits = read_only(np.full(4 * len(solids), CLEARANCE))
     space = FreeSpace(pack(solids), limits, (-20.0, -20.0, -20.0), (20.0, 20.0, 20.0))
-    effort = Effort(samples=21, slack=1.5, paths=30, least_gain=1e-7, weight=1.0, sights=10**9)
+    effort = PathSearchEffort(
+        samples=21, slack=1.5, paths=30, least_gain=1e-7, weight=1.0, sights=10**9
+    )
     length = math.inf
     pull: Any = taut_paths
     for _ in range(20):

@@ -20,7 +20,7 @@ from abi.search.build_graph import REACH
 from abi.search.taut import theta_star_kernels as kernels
 from abi.search.taut.taut_path import _margins
 from abi.tet_mesh import tet_mesh as mesh
-from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Shape
+from abi.tet_mesh.adjacency_kernels import BCC, KUHN, MeshSizes
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -231,7 +231,7 @@ def test_the_coarse_lattice_lies_in_the_middle(kind: int, cross: int, stride: in
         x, y, z = cells
         corners = (x + 1) * (y + 1) * (z + 1)
         nodes = corners + (x * y * z if cross else 0)
-        fine = Shape(kind, x, y, z, corners, nodes, 0, cross, 0)
+        fine = MeshSizes(kind, x, y, z, corners, nodes, 0, cross, 0)
         coarse = kernels._coarse(fine, stride)
         halves = np.array([kernels._fine(fine, coarse, stride, k) for k in range(coarse.nodes)])
         low, high = halves.min(axis=0), 2 * np.array(cells) - halves.max(axis=0)
