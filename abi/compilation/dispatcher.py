@@ -14,7 +14,7 @@ import numba
 from abi.compilation import helpers
 from abi.compilation.borrowing import Borrowing
 from abi.compilation.jitable import UNDECLARED, options_of
-from abi.compilation.kernel_cache import KernelCache, kernel_folder
+from abi.compilation.kernel_cache import KernelCache, ReadyKernels, kernel_folder
 from abi.compilation.kernel_stamp import fields_of, stamp
 
 
@@ -45,17 +45,15 @@ class Dispatcher:
         options = _OPTIONS | options
         self._signature = tuple(map(numba.typeof, example))
         self.of_numba: Any = numba.njit(**options)(function)
-        self._cache: KernelCache | None = None
-        if (folder := kernel_folder()) is not None:
-            described = repr(sorted(options.items())) + fields_of(example)
-            self._cache = KernelCache(function, folder, stamp(function, described))
+        described = repr(sorted(options.items())) + fields_of(example)
+        self._cache = self._cache_of(function, stamp(function, described))
+        if self._cache is not None:
             self.of_numba._cache = self._cache
 
     @property
     def cached(self) -> bool:
-        """Whether an earlier run cached the compiled form."""
-        codegen = self.of_numba.targetctx.codegen()
-        return self._cache is not None and self._cache.has(self._signature, codegen)
+        """Whether an earlier run cached the compiled form, or the wheel brought it."""
+        return self._cache is not None and self._has(self._cache)
 
     def compile(self) -> None:
         """Compile the function, or load its cached form."""
@@ -72,6 +70,17 @@ class Dispatcher:
             if not self.of_numba.signatures:
                 raise
         self.of_numba.disable_compile()
+
+    def _cache_of(self, function: Callable[..., Any], stamp: str) -> KernelCache | None:
+        """The wheel's cache if that has the compiled form, else the user's; None without any."""
+        ready = ReadyKernels(function, stamp)
+        if self._has(ready):
+            return ready
+        folder = kernel_folder()
+        return None if folder is None else KernelCache(function, folder, stamp)
+
+    def _has(self, cache: KernelCache) -> bool:
+        return cache.has(self._signature, self.of_numba.targetctx.codegen())
 
 
 def declare_helpers() -> None:

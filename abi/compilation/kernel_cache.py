@@ -1,4 +1,4 @@
-"""Where the compiled forms of kernels are kept, for all clones and environments of a user."""
+"""Where compiled kernels are: a user's, for all clones and environments, and those of a wheel."""
 
 from __future__ import annotations
 
@@ -116,6 +116,36 @@ class KernelCache(FunctionCache):
 def _age(file: Path) -> float:
     """Seconds since a file was written, or its use was noted."""
     return time.time() - file.stat().st_mtime
+
+
+class ReadyKernels(KernelCache):
+    """Compiled forms that a wheel brings, for any processor of its platform; nothing is written."""
+
+    FOLDER = Path(__file__).resolve().parents[1] / "ready_kernels"
+    """Where an installed wheel has them; ``tools/ready_kernels.py`` puts them there."""
+
+    def __init__(self, function: Callable[..., Any], stamp: str) -> None:
+        super().__init__(function, self.FOLDER, stamp)
+
+    def save_overload(self, _signature: Any, _compiled: Any) -> None:
+        """Keep nothing."""
+
+    def _index_key(self, signature: Any, codegen: Any) -> Any:
+        return super()._index_key(signature, _AnyProcessor(codegen))  # type: ignore[no-untyped-call]
+
+    def _remove(self) -> None:
+        pass
+
+
+class _AnyProcessor:
+    """Numba's code generator, as an index names it that was written for any processor."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def magic_tuple(self) -> tuple[str, str, str]:
+        platform, _, _ = self._codegen.magic_tuple()
+        return platform, "generic", ""
 
 
 class _Implementation(CompileResultCacheImpl):

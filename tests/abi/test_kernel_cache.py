@@ -6,6 +6,7 @@ import logging
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -19,7 +20,7 @@ import pytest
 import abi
 from abi import compiling
 from abi.compilation.dispatcher import Dispatcher
-from abi.compilation.kernel_cache import KernelCache, kernel_folder
+from abi.compilation.kernel_cache import KernelCache, ReadyKernels, kernel_folder
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
 from tests.abi.test_compiled import CACHED, run
 
@@ -138,3 +139,41 @@ def test_clones_share_what_they_compile_and_an_edit_affects_what_depends_on_it(
     source = second / "compilation" / "borrowing.py"
     source.write_text(source.read_text() + "\n_ANOTHER = 1\n")
     assert run(CACHED, **of_second).split() == ["0", "0"]
+
+
+@pytest.fixture
+def ready(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder with the compiled form for any processor, as another process wrote it for a wheel."""
+    code = "from tests.abi.test_kernel_cache import dispatcher; dispatcher().compile()"
+    place = tmp_path / "wheel"
+    environment = {"NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(place)}
+    subprocess.run([sys.executable, "-c", code], check=True, env=os.environ | environment)
+    monkeypatch.setattr(ReadyKernels, "FOLDER", place / "abi-visualiser")
+    return place / "abi-visualiser"
+
+
+@pytest.mark.slow
+def test_what_a_wheel_brings_is_neither_compiled_nor_written(folder: Path, ready: Path) -> None:
+    before = {file: file.read_bytes() for file in ready.iterdir()}
+    loaded = dispatcher()
+    assert loaded.cached
+    loaded.compile()
+    loaded.of_numba(np.ones(2), found := np.zeros(2))
+    assert found.tolist() == [0.5, 0.5]
+    with pytest.raises(TypeError):
+        loaded.of_numba(np.ones(2, int), found)
+    assert not list(folder.glob("*"))
+    assert {file: file.read_bytes() for file in ready.iterdir()} == before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_what_is_missing_of_a_wheel_is_compiled_and_kept_for_the_user(
+    folder: Path, ready: Path, ending: str
+) -> None:
+    [file] = ready.glob(f"*.{ending}")
+    file.unlink()
+    dispatcher().compile()
+    assert list(folder.glob("*.nbc"))
+    assert dispatcher().cached
+    assert len(list(ready.iterdir())) == 1
