@@ -37,12 +37,12 @@ from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, 
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
-from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.triangle_mesh.bvh import tree_of
 
 _MOST_TRIES = 20_000  # for each obstacle, and 64 for each polynomial
 _CHORDS = 8  # of each polynomial, to see which meshes it may be near
-_PLACED = 1e-10  # of the curve's size: more than the error of a mesh's place and of its box's
+_PLACED = 1e-10  # of a mesh's coordinates: more than the error of its place and of its box's
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -135,7 +135,8 @@ def _behind_boxes(
     points, away = curve.chords(_CHORDS)
     starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
     # a box and its mesh are placed with roundings of their own
-    beyond = margin + _PLACED * curve.size
+    sides = obstacles.packed_mesh_boxes.reshape(-1, WIDTH)[:, BOUNDS : BOUNDS + 6]
+    beyond = margin + _PLACED * float(np.abs(sides).max())
     limits = np.full(len(starts), beyond + away)
     found = [number for number, _, _ in obstacles.near_meshes(starts, ends, limits)]
     near = np.isin(obstacles.mesh_numbers, found)

@@ -9,6 +9,7 @@ most √3 S from the origin, and the corner of a core at most S from its centre.
 from __future__ import annotations
 
 import importlib
+import itertools
 import math
 import re
 from collections.abc import Callable
@@ -22,22 +23,30 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from abi.arm_planning.certificates import arm_certificate
 from abi.arm_planning.certificates.separate_arm_kernels import allowance_of
 from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES
-from abi.clearance import separation_kernels
+from abi.clearance import certificate, separation_kernels
 from abi.clearance.certificate import Certificate, certify
 from abi.curves.bspline import clamped
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner
+from abi.robot.paper_arm import pose_kernels
 from abi.robot.paper_arm.pose_kernels import ArmNumbers, pose_of, rates_near, reaches
 from abi.robot.urdf.robot import MOST_JOINTS
 from abi.robot.urdf.urdf_reader import MAX_LINKS
-from abi.verify import exact_chain
+from abi.scene.scene import load_scene
+from abi.search.taut import geodesic_box_kernels
+from abi.search.taut.geodesic_box_kernels import around_box
+from abi.verify import exact_chain, verify_arm
 from abi.verify.exact import vector
 from abi.verify.exact_arm import ExactArm
 from abi.verify.interval import Interval
+from abi.verify.plan_curves import curve_of
 from tests.abi import meshes
 from tests.kernel_forms import kernels_as
 
@@ -133,6 +142,18 @@ def chain_allowance() -> float:
     return (MOST_JOINTS * ROOT3 * (9 + 15 + 9 + 4 + 2 * largest) + per_size()) * U
 
 
+def cosine_of_elbow() -> float:
+    """Rounding of cos q3 in :func:`rates_near`, as a part of the squares D² + a3² + a6².
+
+    The nearest and the farthest distance of shoulder and tool are wrong by 6 (of the root of a sum
+    of squares, and the difference), their squares by 13; the forearm's square by 3, the upper arm's
+    by 1; two differences add 2 of D² and a3² together. The denominator and the quotient add 4 of
+    the cosine, at most 1; and 1 less its square is wrong by 1, of which half counts. The squares
+    are at least the denominator, so all that is part of them.
+    """
+    return (13 + 2 + 4 + 0.5) * U
+
+
 def longer() -> float:
     """Distance of two points: differences; squares and sums, halved by the root; root; product."""
     return (1 + (1 + 2) / 2 + 1 + 1) * U
@@ -212,6 +233,7 @@ CONSTANTS = [
     Constant("abi.arm_planning.certificates.separate_pairs_kernels", "ALLOWANCE", arm_allowance),
     Constant("abi.arm_planning.certificates.separate_pairs_kernels", "ALLOWANCE", chain_allowance),
     Constant("abi.arm_planning.certificates.separate_pairs_kernels", "LONGER", longer, 1),
+    Constant("abi.robot.paper_arm.pose_kernels", "COSINE_ROUNDING", cosine_of_elbow),
     Constant("abi.arm_planning.certificates.separate_chain_kernels", "WIDER", wider, 1),
     Constant("abi.verify.exact_chain", "WIDER", verifier_wider, 1),
     Constant("abi.verify.exact_mesh", "_ROUNDING", mesh_rounding),
@@ -302,6 +324,99 @@ def test_an_elbow_is_as_near_as_the_allowance_says(seed: int, near_axis: float) 
     elbow = [float(part.low) for part in found.elbow]
     around = NO_OBSTACLES._replace(size=size)
     assert math.dist(elbow, pose.elbow) <= allowance_of(around, rates)
+
+
+def elbow_is_bounded(seed: int) -> bool:
+    """Check in exact numbers if the bound of 1 / |sin q3| holds near a pose, often near its end."""
+    random = np.random.default_rng(seed)
+    upper, lower = np.exp(random.uniform(-2, 2, 2)).tolist()
+    reach = (upper + lower) * (1 - 10.0 ** random.uniform(-7, -2))
+    away = reach * 10.0 ** random.uniform(-12, -3)
+    numbers = ArmNumbers(0.0, 0.0, 0.0, 0.0, upper, lower, 1.0, -1.0, -1.0)
+    tool = (0.6 * reach, 0.0, 0.8 * reach)
+    rates = rates_near(numbers, pose_of(numbers, tool, lower), away, 0.0)
+    if math.isinf(rates.slide):
+        return True
+    far = Fraction(math.hypot(tool[0], tool[2])) + Fraction(away)
+    a, b = Fraction(upper), Fraction(lower)
+    cosine = (far * far - a * a - b * b) / (2 * a * b)
+    # the roots of both sides and the quotient round, too, by 3 U in all
+    return Fraction(rates.slide) ** 2 * (1 - cosine * cosine) >= 1 - Fraction(8, 2**53)
+
+
+def test_the_elbow_is_bounded_near_where_the_arm_is_stretched(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert all(map(elbow_is_bounded, range(400)))
+    monkeypatch.setattr(pose_kernels, "COSINE_ROUNDING", 0.0)
+    assert not all(map(elbow_is_bounded, range(400)))
+
+
+def behind_its_box(margin: float) -> bool:
+    """Whether a short line is separated from a large mesh's box, in the exact distance 1 of it."""
+    large = MeshShape.of(clean(*meshes.box((2e5, 2e5, 2e5)))).model_copy(
+        update={"position": (-1e5, 0.0, 0.0)}
+    )
+    other = large.model_copy(update={"position": (-4e5, 0.0, 0.0)})
+    line = clamped(np.array([[1.0, -1e-3, 0], [1, 1e-3, 0]]), 1)
+    near, _ = certificate._behind_boxes(line.bezier(), ObstacleSet((large, other)), margin)
+    return not near[0]
+
+
+def test_of_a_large_mesh_the_error_of_its_place_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    error = certificate._PLACED * 5e5
+    allowance = separation_kernels.allowance_of(2e5 + 1, 1, 0, 1.0)
+    with kernels_as(compiled=False):
+        assert not behind_its_box(1 - 0.99 * error)
+        assert behind_its_box(1 - 1.01 * error - allowance)
+        monkeypatch.setattr(certificate, "_PLACED", certificate._PLACED / 2)
+        assert behind_its_box(1 - 0.99 * error)
+
+
+def is_within_proven(plan: Plan) -> bool:
+    """Whether the verifier's bounds of q5 lie in those for which a motion is proven."""
+    assert plan.motion is not None
+    assert plan.followed is not None
+    data, slide = plan.to_dict(), plan.motion.slide
+    curve = curve_of(plan.followed, data[plan.followed])
+    checked = verify_arm._slide(plan.scene, data["timing"], curve)
+    # the verifier takes 64 parts of each polynomial, the proof 16
+    parts = itertools.pairwise(checked.parameters[::4])
+    found = [checked.within(start, end) for start, end in parts]
+    low, high = slide.low[:-1].tolist(), slide.high[1:].tolist()
+    return all(
+        least <= float(one.low) and float(one.high) <= most
+        for one, least, most in zip(found, low, high, strict=True)
+    )
+
+
+@pytest.mark.slow
+def test_a_proof_leaves_room_for_coarser_bounds_of_the_slide(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = load_scene("paper").replace(arm={"forces": [0.0, 0.2, 0.0]})
+    assert is_within_proven(Planner(compile=False)(scene))
+    monkeypatch.setattr(arm_certificate, "_SLIDE_PAD", 0.0)
+    assert not is_within_proven(Planner(compile=False)(scene))
+
+
+def grazes(seed: int) -> bool:
+    """Whether the bound around a box is no longer than a straight line that grazes a face of it."""
+    random = np.random.default_rng(seed)
+    half, radius = random.uniform(0.3, 3, 3), float(random.uniform(0.1, 2))
+    axis = int(random.integers(2))
+    start, goal = np.zeros((2, 3))
+    start[axis], goal[axis] = random.uniform(1.1, 3, 2) * (half[axis] + radius) * (-1, 1)
+    start[2] = goal[2] = half[2] + radius
+    found, _ = around_box(tuple(half), radius, tuple(start), tuple(goal))
+    return bool(found <= math.dist(start, goal) * (1 + 8 * U))
+
+
+@pytest.mark.slow
+def test_a_path_that_grazes_a_face_of_a_box_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert all(map(grazes, range(60)))
+    monkeypatch.setattr(geodesic_box_kernels, "_ROUNDING", 0.0)
+    assert not all(map(grazes, range(60)))
 
 
 def test_the_table_in_the_documentation_has_them_all() -> None:

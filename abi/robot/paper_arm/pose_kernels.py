@@ -34,7 +34,9 @@ from abi.obstacles.vector_kernels import Vec3, axpy, sub
 CAPSULE = 4
 """Numbers that describe a capsule."""
 
-_LEAST_SINE = 1e-3  # of q3: nearer to stretched or folded nothing is claimed
+_LEAST_SINE = 1e-3  # of q3: nearer to stretched or folded no proof would come to an end
+COSINE_ROUNDING = 2.0**-48
+"""Rounding of a cosine of q3, as a part of the squares that it is made of."""
 COLUMN, UPPER_ARM, FOREARM = 0, 1, 2
 """Bodies of capsules; another one slides."""
 
@@ -155,7 +157,8 @@ def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> PaperArmPose:
 def rates_near(arm: ArmNumbers, pose: PaperArmPose, tool: float, slide: float) -> Rates:
     """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
 
-    cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator.
+    cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator. Near to
+    stretched or folded its rounding counts: that of sin q3 is cot q3 times as large.
     """
     upper = arm.upper
     near, far = pose.reach - tool, pose.reach + tool
@@ -167,7 +170,8 @@ def rates_near(arm: ArmNumbers, pose: PaperArmPose, tool: float, slide: float) -
     high = far * far - upper * upper - short * short
     low /= 2 * upper * (short if low < 0 else long)
     high /= 2 * upper * (short if high > 0 else long)
-    cosine = max(abs(low), abs(high))
+    squares = far * far + upper * upper + long * long
+    cosine = max(abs(low), abs(high)) + COSINE_ROUNDING * squares / (2 * upper * short)
     if cosine >= 1:
         return none
     sine = math.sqrt(1 - cosine * cosine)
