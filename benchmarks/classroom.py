@@ -101,6 +101,12 @@ async def _ask(teacher: WebTab, students: Sequence[WebTab]) -> bool:
         await tab.until(lambda tab=tab: _CHOICES[1] in tab.labels, _PATIENCE)  # type: ignore[misc]
     for number, tab in enumerate(students):
         await tab.press(_CHOICES[number % 3 == 0])
+    try:
+        everybody = f"{len(students)} of {len(students)} have answered"
+        await teacher.until(lambda: any(everybody in text for text in teacher.texts))
+    except TimeoutError:
+        return False
+    await teacher.press("Reveal the answers")
     right = sum(number % 3 == 0 for number in range(len(students)))
     told = f"{_CHOICES[0]}: <b>{len(students) - right}</b>", f"{_CHOICES[1]}: <b>{right}</b>"
     try:

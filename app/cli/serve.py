@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import signal
 import threading
@@ -66,6 +67,11 @@ _PERIOD = 1.0
     help="Secret of the teacher's link, for --classroom.  [default: a new one]",
 )
 @click.option(
+    "--results",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File for the answers of a class as CSV, which outlast the server, for --classroom.",
+)
+@click.option(
     "--exercise",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Your file with the functions of exercises; it is checked whenever it is saved.",
@@ -121,6 +127,7 @@ def serve(
     lessons: Path | None,
     classroom: bool,
     teach: str | None,
+    results: Path | None,
     exercise: Path | None,
     log_level: str,
     workers: int,
@@ -143,7 +150,7 @@ def serve(
     if exercise is not None and workers > 1:
         raise click.UsageError("--exercise needs one process.")
     helpers = _workers(workers, classroom)
-    room = _room(teach, policy.token) if classroom else None
+    room = _room(teach, policy.token, results) if classroom else None
     announce = functools.partial(_announce, open_tab, room)
     address = Address(host, port, helpers.seats, helpers.porter)
     if joins is not None:
@@ -168,6 +175,8 @@ def serve(
         click.echo()
     finally:
         server.stop()
+        if room is not None:
+            room.end()
         helpers.stop()
 
 
@@ -185,14 +194,22 @@ def _workers(count: int, classroom: bool) -> Workers:
     return Workers(count - 1)
 
 
-def _room(secret: str | None, token: str | None) -> Classroom:
-    """The class that all tabs join; its teacher knows the secret."""
+def _room(secret: str | None, token: str | None, results: Path | None) -> Classroom:
+    """The class that all tabs join; its teacher knows the secret.
+
+    With the same secret, or the same results, it goes on where a server that was killed left it.
+    """
+    from app.teach.class_file import ClassFile
     from app.teach.classroom import Classroom
 
     _check_secret("--teach", secret)
     if secret is not None and secret == token:
         raise click.UsageError("--teach must differ from --token, which all visitors know.")
-    return Classroom(secret)
+    file = None if results is None else ClassFile.beside(results)
+    if file is None and secret is not None:
+        with contextlib.suppress(OSError):  # then it ends with this server
+            file = ClassFile.of_secret(secret)
+    return Classroom(secret, file)
 
 
 def _arguments(scene: str, **options: Any) -> list[str]:

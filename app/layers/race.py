@@ -29,7 +29,7 @@ _COLOURS = ((30, 44, 84), (150, 182, 232))
 _HEIGHT = 9.0
 """Height of the copies over the workspace, in its sizes: so far that it is out of their picture."""
 _LEGEND = (
-    "Dark blue nodes were visited early, light ones late, the purple one last; green ones wait."
+    "Dark blue nodes were visited early, light ones late, the magenta one last; green ones wait."
 )
 
 

@@ -242,7 +242,8 @@ class Session:
         restored = report is not None and self._restore(report)
         if self._class is not None:
             if report is not None:
-                self._class.recognise(report.query.get("teach", ""), report.student)
+                fresh = not report.state
+                self._class.recognise(report.query.get("teach", ""), report.student, fresh)
             restored |= self._mirror(self._class)
         written = None if self._exercise is None else self._exercise.cue()
         if (cue := self.panels.cue(self._scene) or written) is not None:

@@ -87,7 +87,8 @@ class TabView:
         """Add the panel of the class that the tab joins."""
         with self.panels.layout.learn:
             overlay = self.panels.layout.overlay
-            panel = ClassroomPanel(self._client, overlay, classroom, wake, nudge)
+            lessons = self.panels.lessons
+            panel = ClassroomPanel(self._client, overlay, classroom, lessons, wake, nudge)
         quick, slow = self.parts
         self.parts = ((*quick, panel), slow)
         return panel

@@ -2,32 +2,22 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
+from abi.obstacles.pose import Vec3
 from app.shared.shared_plans import SharedPlans
 from app.state.tab_state import TabState
+from app.teach.class_file import ClassFile
+from app.teach.class_table import table
+from app.teach.poll import ROUNDS, Answer, Asked, Poll, Record, poll_of
 
-MAX_CHOICES = 4
-_MAX_TEXT = 300
-"""Letters of a question and of an answer."""
-
-
-@dataclass(frozen=True)
-class Poll:
-    """A question to all.
-
-    Attributes:
-        number: from 1 on, another for each question.
-        text: the question.
-        choices: answers to choose from; 2 to ``MAX_CHOICES``.
-    """
-
-    number: int
-    text: str
-    choices: tuple[str, ...]
+_log = logging.getLogger("abi.class")
+_MAX_WORD = 30
+"""Letters of a student's word."""
 
 
 class Classroom:
@@ -40,20 +30,41 @@ class Classroom:
         secret: what a teacher's address has and no other: ``?teach=…``.
         plans: of what the teacher shows; one tab makes them for all.
         view: number of the view sent last, 0 for none, and the view.
-        poll: the question asked last; None before the first.
     """
 
-    def __init__(self, secret: str | None = None) -> None:
-        """Begin without tabs; without a secret, one is made."""
+    def __init__(self, secret: str | None = None, file: ClassFile | None = None) -> None:
+        """Begin without tabs, with what ``file`` has; without a secret, one is made."""
         self.secret = secret or secrets.token_urlsafe(16)
         self.plans = SharedPlans()
         self._lock = threading.Lock()
         self._wakes: dict[int, Callable[[], None]] = {}
         self.view: tuple[int, TabState | None] = (0, None)
-        self.poll: Poll | None = None
-        self._answers: dict[str, int] = {}
+        self._file = file
+        self._record = Record() if file is None else file.read()
         self._students: dict[int, str] = {}
         self._teachers: set[int] = set()
+
+    @property
+    def asked(self) -> Asked | None:
+        """The question that is asked now, with its answers; None without one."""
+        record = self._record
+        return None if record.closed or not record.asked else record.asked[-1]
+
+    @property
+    def poll(self) -> Poll | None:
+        """The question that is asked now; None without one."""
+        asked = self.asked
+        return None if asked is None else asked.poll
+
+    @property
+    def lead(self) -> bool:
+        """Whether all follow the teacher."""
+        return self._record.lead
+
+    @property
+    def draft(self) -> tuple[str, ...]:
+        """Question and answers that the teacher is writing."""
+        return tuple(self._record.draft)
 
     def is_teacher(self, secret: str) -> bool:
         """Check whether that is the teacher's secret; takes the same time for every wrong one."""
@@ -68,7 +79,7 @@ class Classroom:
         """Count a tab among those of a student; an answer that it gave before is forgotten."""
         with self._lock:
             if tab in self._students and student:
-                self._answers.pop(f"tab {tab}", None)
+                self._forget(f"tab {tab}")
                 self._students[tab] = f"student {student}"
 
     def teach(self, tab: int) -> None:
@@ -77,13 +88,17 @@ class Classroom:
             self._teachers.add(tab)
 
     def leave(self, tab: int) -> None:
-        """Forget a tab, and its student's answer with the last of them."""
+        """Forget a tab; its student's answer stays, unless nobody could say again whose it is."""
         with self._lock:
             self._wakes.pop(tab, None)
             self._teachers.discard(tab)
-            student = self._students.pop(tab, "")
-            if student not in self._students.values():
-                self._answers.pop(student, None)
+            if self._students.pop(tab, "") == f"tab {tab}":
+                self._forget(f"tab {tab}")
+
+    def end(self) -> None:
+        """Delete the answers, unless the results are kept."""
+        if self._file is not None:
+            self._file.end()
 
     def show(self, view: TabState) -> None:
         """Send a view to all tabs; one that has not taken the last yet goes on to this."""
@@ -91,43 +106,83 @@ class Classroom:
             self.view = (self.view[0] + 1, view)
         self._wake_all()
 
-    def ask(self, text: str, choices: tuple[str, ...]) -> bool:
-        """Ask all tabs; False where that is no question with two answers or more."""
-        kept = tuple(choice[:_MAX_TEXT] for choice in choices if choice.strip())[:MAX_CHOICES]
-        if not text.strip() or len(kept) < 2:
-            return False
+    def set(self, lead: bool, draft: tuple[str, ...]) -> None:
+        """Note what the teacher has set, for tabs that are opened again."""
         with self._lock:
-            number = 1 if self.poll is None else self.poll.number + 1
-            self.poll, self._answers = Poll(number, text[:_MAX_TEXT], kept), {}
-        self._wake_all()
-        return True
+            if (lead, list(draft)) == (self._record.lead, self._record.draft):
+                return
+            self._record.lead, self._record.draft = lead, list(draft)
+            self._write()
 
-    def answer(self, tab: int, number: int, choice: int) -> None:
+    def ask(self, text: str, choices: tuple[str, ...], right: int = -1, why: str = "") -> bool:
+        """Ask all tabs; False where that is no question with two answers or more."""
+        poll = poll_of(self._next, text, choices, right, why)
+        if poll is not None:
+            self._begin(poll)
+        return poll is not None
+
+    def ask_place(self, text: str, places: tuple[Vec3, ...] = ()) -> None:
+        """Ask all tabs for a place in the scene, of which ``places`` are right."""
+        self._begin(Poll(self._next, text, places=places))
+
+    def reveal(self) -> None:
+        """Show the answers to all."""
+        self._change(lambda asked: replace(asked, revealed=True))
+
+    def ask_again(self) -> None:
+        """Begin the second round of the present question."""
+        self._change(_second_round)
+
+    def close_poll(self) -> None:
+        """Ask the present question no more; its answers stay in the results."""
+        with self._lock:
+            self._record.closed = True
+            self._write()
+        self._wake_all()
+
+    def answer(self, tab: int, number: int, answer: Answer) -> None:
         """Count a student's answer, the last one, if the question is still the one asked."""
         with self._lock:
-            poll = self.poll
-            if poll is None or poll.number != number or not 0 <= choice < len(poll.choices):
+            asked, student = self.asked, self._students.get(tab)
+            if asked is None or student is None:
                 return
-            student = self._students.get(tab)
-            if student is None:
+            if asked.poll.number != number or not asked.poll.takes(answer):
                 return
-            self._answers[student] = choice
+            rounds = (*asked.rounds[:-1], {**asked.answers, student: answer})
+            self._record.asked[-1] = replace(asked, rounds=rounds)
+            self._write()
             own = {other for other, whose in self._students.items() if whose == student} - {tab}
-            wakes = [wake for other, wake in self._wakes.items() if other in self._teachers | own]
+            told = set(self._wakes) if asked.revealed else self._teachers | own
+            wakes = [wake for other, wake in self._wakes.items() if other in told and other != tab]
         for wake in wakes:
             wake()
 
-    def answer_of(self, tab: int) -> int:
-        """Answer of a tab's student; -1 for none."""
-        return self._answers.get(self._students.get(tab, ""), -1)
+    def answer_of(self, tab: int) -> Answer | None:
+        """Answer of a tab's student in this round; None without one."""
+        asked = self.asked
+        return None if asked is None else asked.answers.get(self._students.get(tab, ""))
 
     def counts(self) -> tuple[int, ...]:
         """Number of students for each answer of the present question."""
+        asked = self.asked
+        return () if asked is None else asked.counts()
+
+    def name(self, tab: int, word: str) -> None:
+        """Give a tab's student the word that it has chosen for the results."""
         with self._lock:
-            if self.poll is None:
-                return ()
-            given = list(self._answers.values())
-            return tuple(given.count(choice) for choice in range(len(self.poll.choices)))
+            student = self._students.get(tab, "")
+            if self._record.words.get(student, "") != word[:_MAX_WORD]:
+                self._record.words[student] = word[:_MAX_WORD]
+                self._write()
+
+    def word(self, tab: int) -> str:
+        """Word of a tab's student; empty without one."""
+        return self._record.words.get(self._students.get(tab, ""), "")
+
+    def results(self) -> str:
+        """All answers so far as CSV."""
+        with self._lock:
+            return table(self._record.asked, self._record.words)
 
     @property
     def students(self) -> int:
@@ -136,8 +191,63 @@ class Classroom:
             tabs = self._students.items()
             return len({student for tab, student in tabs if tab not in self._teachers})
 
+    @property
+    def taking_part(self) -> int:
+        """Number of students who are here, or have answered the present question."""
+        asked = self.asked
+        with self._lock:
+            tabs = self._students.items()
+            here = {student for tab, student in tabs if tab not in self._teachers}
+        answers: Mapping[str, Answer] = {} if asked is None else asked.answers
+        return len(here | set(answers))
+
+    @property
+    def _next(self) -> int:
+        """Number of the next question."""
+        return 1 + max((one.poll.number for one in self._record.asked), default=0)
+
+    def _begin(self, poll: Poll) -> None:
+        with self._lock:
+            self._record.asked.append(Asked(poll))
+            self._record.closed = False
+            self._write()
+        self._wake_all()
+
+    def _change(self, change: Callable[[Asked], Asked]) -> None:
+        """Change the present question, if there is one."""
+        with self._lock:
+            asked = self.asked
+            if asked is None:
+                return
+            self._record.asked[-1] = change(asked)
+            self._write()
+        self._wake_all()
+
+    def _forget(self, student: str) -> None:
+        """Forget the answer of whoever is asked now; the lock is held."""
+        asked = self.asked
+        if asked is not None and student in asked.answers:
+            left = {key: value for key, value in asked.answers.items() if key != student}
+            self._record.asked[-1] = replace(asked, rounds=(*asked.rounds[:-1], left))
+
+    def _write(self) -> None:
+        """Keep the record; the lock is held."""
+        if self._file is None:
+            return
+        try:
+            self._file.write(self._record)
+        except OSError as error:
+            _log.warning("the class cannot be kept", extra={"reason": str(error)})
+
     def _wake_all(self) -> None:
         with self._lock:
             wakes = list(self._wakes.values())
         for wake in wakes:
             wake()
+
+
+def _second_round(asked: Asked) -> Asked:
+    """The question in its second round, which hides the answers again."""
+    if len(asked.rounds) >= ROUNDS:
+        return asked
+    return replace(asked, rounds=(*asked.rounds, {}), revealed=False)

@@ -142,6 +142,19 @@ class FakeTab:
         uuid = handle._impl.uuid
         self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
 
+    def click(self, origin: FloatArray, direction: FloatArray) -> None:
+        """Click in the scene, where a ray goes."""
+        self.send(
+            {
+                "type": "ScenePointerMessage",
+                "event_type": "click",
+                "ray_origin": origin.tolist(),
+                "ray_direction": direction.tolist(),
+                "screen_pos": [[0.5, 0.5]],
+                "modifier": None,
+            }
+        )
+
     def drag(self, gizmo: Any, position: list[float]) -> None:
         """Move a gizmo there, as one step of a drag."""
         self.send(

@@ -14,7 +14,15 @@ from abi.scene.scene import Scene
 from app.panels.widgets import Wake
 from app.state.frame import Frame
 from app.teach.cue import Cue
-from app.teach.lesson import NO_LESSONS, AnswerChoice, Library, Setting, Step, scene_of
+from app.teach.lesson import (
+    NO_LESSONS,
+    AnswerChoice,
+    Library,
+    Question,
+    Setting,
+    Step,
+    scene_of,
+)
 from app.teach.measures import filled
 from app.ui import notices, style
 from app.ui.cards import Card, cards
@@ -86,6 +94,12 @@ class LessonPanel:
         """Whether the page asks a question that has not been answered yet."""
         step = self._step
         return step is not None and step.question is not None and not self._is_passed
+
+    @property
+    def question(self) -> Question | None:
+        """The question of the page; None without one."""
+        step = self._step
+        return None if step is None else step.question
 
     @property
     def place(self) -> str:

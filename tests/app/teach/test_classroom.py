@@ -7,12 +7,14 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from app.panels.teach.classroom import ClassroomPanel, bars
+from app.panels.teach.classroom import ClassroomPanel
+from app.panels.teach.poll_text import bars
 from app.server.address import Address
 from app.server.server import Server, start
 from app.state.look import PLAIN
 from app.tab.session import Session
-from app.teach.classroom import MAX_CHOICES, Classroom
+from app.teach.classroom import Classroom
+from app.teach.poll import MAX_CHOICES
 from benchmarks.classroom import follow
 from benchmarks.tabs import SCENE
 from tests.app.fake_tab import FakeTab, until
@@ -86,13 +88,33 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     until(lambda: classroom.counts() == (0, 3))
     until(lambda: "3 of 3 have answered" in panel(taught)._text.content)
     assert "<b>?" not in panel(taught)._text.content
+    # nobody's answer is seen before all are
+    assert "two" not in panel(taught)._text.content
+    teacher.set(panel(taught).reveal, True)
+    until(lambda: "two: <b>3</b>" in panel(taught)._text.content)
+    for _, session in students:
+        until(lambda session=session: "two: <b>3</b>" in panel(session)._text.content)  # type: ignore[misc]
+        assert not panel(session).answers[0].visible
+
+    # a second round hides them again
+    teacher.set(panel(taught).again, True)
+    until(lambda: panel(students[1][1]).answers[1].visible)
+    assert classroom.counts() == (0, 0)
+    assert "two: <b>3</b>" not in panel(taught)._text.content
+    for fake, session in students:
+        fake.set(panel(session).answers[0], True)
+    until(lambda: "3 of 3 have answered" in panel(taught)._text.content)
+    assert not panel(taught).again.visible
     teacher.set(taught.panels.lecture.toggle, True)
     until(lambda: "3 of 3 have answered" in over_scene(taught))
 
     for fake, _ in (*students, (teacher, taught)):
         fake.close()
     until(lambda: classroom.students == 0)
+    # tabs that no browser has named cannot be recognised again
     assert classroom.counts() == (0, 0)
+    classroom.close_poll()
+    assert classroom.poll is None
 
 
 def test_only_the_secret_makes_a_teacher(room: tuple[Server, Classroom]) -> None:
@@ -186,10 +208,13 @@ def test_all_tabs_of_a_student_have_one_answer() -> None:
     classroom.leave(0)
     assert classroom.counts() == (1, 2)
     classroom.leave(1)
-    assert classroom.counts() == (1, 1)
+    # a student who reloads or leaves has answered all the same
+    assert classroom.counts() == (1, 2)
+    assert classroom.students == 2
+    assert classroom.taking_part == 3
     # one that says only later who it is does not count twice
     classroom.recognise(3, "b")
-    assert classroom.counts() == (1, 0)
+    assert classroom.counts() == (1, 1)
     classroom.recognise(9, "b")
     assert classroom.students == 1
 

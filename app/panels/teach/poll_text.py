@@ -1,0 +1,57 @@
+"""A class's question and its answers as HTML: bars once they are revealed, and the gain."""
+
+from __future__ import annotations
+
+import html
+
+from app.teach.poll import Asked
+from app.ui import style
+from app.ui.numbers import with_minus
+
+
+def question_text(asked: Asked, students: int, answered: bool) -> str:
+    """The question, and what may be seen of its answers.
+
+    Args:
+        asked: the question.
+        students: number of those who take part.
+        answered: whether to say how many have answered while the answers are hidden.
+    """
+    poll = asked.poll
+    again = " <i>Second round: talk with your neighbour, then answer again.</i>"
+    text = f"<b>{html.escape(poll.text)}</b>{again if len(asked.rounds) > 1 else ''}"
+    if poll.asks_place and not asked.revealed:
+        text += " Click a node in the scene."
+    text = style.paragraph(text)
+    if asked.revealed:
+        return text + _revealed(asked, students)
+    if answered:
+        text += style.paragraph(f"{len(asked.answers)} of {students} have answered.")
+    return text
+
+
+def bars(choices: tuple[str, ...], counts: tuple[int, ...], students: int, right: int = -1) -> str:
+    """Bar plot of the answers, as HTML; ``right`` is the number of the one to be marked."""
+    most = max(*counts, 1)
+    rows = "".join(
+        f"<div>{'✓ ' if number == right else ''}{html.escape(choice)}: <b>{count}</b>"
+        '<div style="height:8px;border-radius:3px;'
+        f'background:{style.css(style.POINT)};width:{100 * count / most:.0f}%"></div></div>'
+        for number, (choice, count) in enumerate(zip(choices, counts, strict=True))
+    )
+    return style.paragraph(f"{rows}{sum(counts)} of {students} have answered.")
+
+
+def _revealed(asked: Asked, students: int) -> str:
+    poll = asked.poll
+    if poll.asks_place:
+        text = style.paragraph(f"{len(asked.answers)} of {students} have answered.")
+    else:
+        text = bars(poll.choices, asked.counts(), students, poll.right)
+    shares = [asked.right_share(number) for number in range(len(asked.rounds))]
+    told = [f"{100 * share:.0f} %" for share in shares if share is not None]
+    if told:
+        gain = asked.gain
+        more = "" if gain is None else f" (gain {with_minus(f'{gain:.2f}')} of what was missing)"
+        text += style.paragraph(f"Right: {' → '.join(told)}{more}.")
+    return text + (style.paragraph(html.escape(poll.why)) if poll.why else "")

@@ -1,0 +1,58 @@
+"""Results of a class as a table: one row for each answer."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+
+from app.teach.poll import Answer, Asked
+
+_HEAD = ("question", "text", "round", "student", "answer", "right")
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""Beginnings of what a spreadsheet would take for a formula."""
+
+
+def table(asked: Sequence[Asked], words: Mapping[str, str]) -> str:
+    """The answers as CSV; a student is a word that it chose, or a number.
+
+    Args:
+        asked: the questions in their order.
+        words: by student.
+    """
+    students = {
+        student: number
+        for number, student in enumerate(
+            dict.fromkeys(key for one in asked for answers in one.rounds for key in answers), 1
+        )
+    }
+    target = io.StringIO()
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(_HEAD)
+    for one in asked:
+        for number, answers in enumerate(one.rounds, 1):
+            for student, answer in answers.items():
+                name = words.get(student) or f"student {students[student]}"
+                right = {True: "yes", False: "no"}[one.poll.is_right(answer)]
+                writer.writerow(
+                    (
+                        one.poll.number,
+                        _harmless(one.poll.text),
+                        number,
+                        _harmless(name),
+                        _harmless(_told(one, answer)),
+                        right if one.poll.has_right else "",
+                    )
+                )
+    return target.getvalue()
+
+
+def _told(asked: Asked, answer: Answer) -> str:
+    if isinstance(answer, int):
+        return asked.poll.choices[answer]
+    return f"({', '.join(f'{x:.4g}' for x in answer)})"
+
+
+def _harmless(text: str) -> str:
+    """Text that no spreadsheet takes for a formula: students write some of it."""
+    return f"'{text}" if text.startswith(_FORMULA) else text

@@ -1,0 +1,234 @@
+"""A class's answers: rounds, what outlasts a reload and a killed server, places, and results."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.panels.teach.poll_text import question_text
+from app.server.address import Address
+from app.server.server import start
+from app.state.look import PLAIN
+from app.tab.session import Session
+from app.teach.class_file import ClassFile
+from app.teach.class_table import table
+from app.teach.classroom import Classroom
+from app.teach.poll import Asked, Poll
+from tests.app.fake_tab import FakeTab, until
+from tests.app.teach.test_classroom import open_tab, panel
+
+_POLL = Poll(1, "Why?", ("one", "two"), right=1, why="Because.")
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_votes_settings_and_words_outlast_a_server_that_is_killed(tmp_path: Path) -> None:
+    file = ClassFile(tmp_path / "record")
+    before = Classroom("mine", file)
+    before.join(1, print)
+    before.recognise(1, "a")
+    before.name(1, "heron")
+    before.set(True, ("draft", "x", "y"))
+    before.ask("Why?", ("one", "two"), right=1)
+    before.answer(1, 1, 1)
+    before.reveal()
+    before.ask_again()
+    before.answer(1, 1, 0)
+
+    after = Classroom("mine", ClassFile(tmp_path / "record"))  # nothing was closed
+    assert after.asked == before.asked
+    assert after.counts() == (1, 0)
+    assert (after.lead, after.draft) == (True, ("draft", "x", "y"))
+    after.join(7, print)
+    after.recognise(7, "a")
+    assert after.answer_of(7) == 0
+    assert after.word(7) == "heron"
+    after.ask("And now?", ("a", "b"))
+    assert after.poll is not None
+    assert after.poll.number == 2
+    after.end()
+    assert not (tmp_path / "record").exists()
+    assert Classroom("mine", ClassFile(tmp_path / "record")).asked is None
+
+
+def test_results_that_are_kept_are_a_table_for_spreadsheets(tmp_path: Path) -> None:
+    target = tmp_path / "results.csv"
+    classroom = Classroom("mine", ClassFile.beside(target))
+    for tab, student in enumerate("ab"):
+        classroom.join(tab, print)
+        classroom.recognise(tab, student)
+    classroom.name(0, "=1+1")
+    classroom.ask("Why?", ("one", "two"), right=1)
+    classroom.answer(0, 1, 1)
+    classroom.answer(1, 1, 0)
+    classroom.ask_place("Where?", ((1.0, 2.0, 3.0),))
+    classroom.answer(1, 2, (1.0, 2.0, 3.0))
+    classroom.end()
+    found = rows(target.read_text(encoding="utf-8-sig"))
+    assert [row["student"] for row in found] == ["'=1+1", "student 2", "student 2"]
+    assert [row["answer"] for row in found] == ["two", "one", "(1, 2, 3)"]
+    assert [row["right"] for row in found] == ["yes", "no", "yes"]
+    # and the class goes on with it
+    assert Classroom(None, ClassFile.beside(target)).poll == classroom.poll
+
+
+def test_a_damaged_record_is_none(tmp_path: Path) -> None:
+    (tmp_path / "record").write_bytes(b'{"asked": 3}')
+    assert Classroom("mine", ClassFile(tmp_path / "record")).asked is None
+
+
+@given(
+    st.lists(st.integers(0, 1), min_size=1, max_size=9),
+    st.lists(st.integers(0, 1), min_size=1, max_size=9),
+)
+def test_the_gain_is_the_part_of_what_was_missing(first: list[int], second: list[int]) -> None:
+    rounds = tuple(
+        {f"student {k}": answer for k, answer in enumerate(answers)} for answers in (first, second)
+    )
+    asked = Asked(_POLL, rounds, revealed=True)
+    missing = first.count(0) / len(first)
+    gain = asked.gain
+    if missing == 0:
+        assert gain is None
+    else:
+        assert gain is not None
+        reached = first.count(1) / len(first) + gain * missing
+        assert math.isclose(reached, second.count(1) / len(second), abs_tol=1e-12)
+    assert len(rows(table([asked], {}))) == len(first) + len(second)
+
+
+def test_nothing_is_told_before_it_is_revealed() -> None:
+    hidden = Asked(_POLL, ({"student a": 1},))
+    told = question_text(hidden, 2, answered=True)
+    assert "1 of 2 have answered" in told
+    assert not {"two", "Because", "✓", "Right"} & set(told.replace(".", " ").split())
+    shown = question_text(Asked(_POLL, hidden.rounds, revealed=True), 2, answered=True)
+    assert "✓ two: <b>1</b>" in shown
+    assert "Because." in shown
+
+
+def test_what_is_no_answer_is_not_counted() -> None:
+    classroom = Classroom()
+    classroom.join(1, print)
+    classroom.ask("Why?", ("one", "two"))
+    classroom.answer(1, 1, (0.0, 0.0, 0.0))
+    assert classroom.answer_of(1) is None
+    classroom.ask_place("Where?")
+    classroom.answer(1, 2, 1)
+    classroom.answer(1, 2, (math.nan, 0.0, 0.0))
+    assert classroom.answer_of(1) is None
+
+
+@pytest.mark.slow
+def test_places_that_students_click_are_balls_in_the_teachers_scene() -> None:
+    classroom = Classroom()
+    server = start(Address(port=0), "paper", classroom=classroom, look=PLAIN)
+    try:
+        teacher, taught = open_tab(server, classroom.secret)
+        students = [open_tab(server) for _ in range(3)]
+        until(lambda: panel(taught).teaches)
+        teacher.set(panel(taught).ask_place, True)
+        until(lambda: not panel(taught).ask_place.value)
+        assert classroom.poll is None  # there was no question
+        teacher.set(panel(taught).question, "Where will the path pass?")
+        teacher.set(panel(taught).ask_place, True)
+        until(lambda: classroom.poll is not None)
+        graph = taught.frame.plan.graph
+        assert graph is not None
+        targets = [graph.start, graph.goal, graph.goal]
+        for (fake, session), target in zip(students, targets, strict=True):
+            until(lambda session=session: "Click a node" in panel(session)._text.content)  # type: ignore[misc]
+            click(fake, graph.points[target])
+        until(lambda: "3 of 3 have answered" in panel(taught)._text.content)
+        assert not balls(taught)
+        assert [len(balls(session)) for _, session in students] == [1, 1, 1]
+
+        teacher.set(panel(taught).reveal, True)
+        until(lambda: len(balls(taught)) == 2)
+        assert sorted(balls(taught)) == sorted({tuple(graph.points[t].tolist()) for t in targets})
+        # what is answered after that is seen at once
+        click(students[0][0], graph.points[graph.goal])
+        until(lambda: len(balls(taught)) == 1)
+        teacher.set(panel(taught).close_poll, True)
+        until(lambda: not balls(taught))
+    finally:
+        server.stop()
+
+
+@pytest.mark.slow
+def test_the_next_node_of_the_teachers_search_is_asked_for_and_judged() -> None:
+    classroom = Classroom()
+    server = start(Address(port=0), "paper", classroom=classroom, look=PLAIN)
+    try:
+        teacher, taught = open_tab(server, classroom.secret)
+        student, session = open_tab(server)
+        until(lambda: panel(taught).teaches)
+        teacher.set(panel(taught).lead, True)
+        teacher.set(taught.panels.theatre.on, True)
+        teacher.set(taught.panels.theatre.step, 5)
+        until(lambda: session.frame.theatre is not None and session.frame.theatre.state.step == 5)
+        until(lambda: panel(taught).ask_next.visible)
+        teacher.set(panel(taught).ask_next, True)
+        until(lambda: classroom.poll is not None)
+        assert classroom.poll is not None
+        assert session.frame.theatre is not None
+        state = session.frame.theatre.state
+        points = state.trace.arcs.points
+        wanted = {tuple(points[node].tolist()) for node in state.candidates()}
+        assert set(classroom.poll.places) == wanted
+        click(student, points[state.following])
+        until(lambda: classroom.answer_of(session.client.client_id) is not None)
+        assert classroom.asked is not None
+        assert classroom.asked.right_share() == 1.0
+    finally:
+        server.stop()
+
+
+@pytest.mark.slow
+def test_who_follows_again_is_back_and_a_reloaded_teacher_goes_on() -> None:
+    classroom = Classroom()
+    server = start(Address(port=0), "paper", classroom=classroom, look=PLAIN)
+    try:
+        teacher, taught = open_tab(server, classroom.secret)
+        student, session = open_tab(server)
+        until(lambda: panel(taught).teaches)
+        teacher.set(taught.panels.stages.mesh.pitch, 1.1)
+        teacher.set(panel(taught).question, "Draft?")
+        teacher.set(panel(taught).lead, True)
+        until(lambda: session.frame.plan.scene.mesh.pitch == 1.1)
+        student.set(panel(session).follow, False)
+        student.set(session.panels.stages.mesh.pitch, 1.25)
+        until(lambda: session.resting and session.frame.plan.scene.mesh.pitch == 1.25)
+        student.set(panel(session).follow, True)
+        until(lambda: session.frame.plan.scene.mesh.pitch == 1.1, 10)
+
+        teacher.close()
+        until(lambda: len(server.sessions) == 1)
+        _, again = open_tab(server, classroom.secret)
+        until(lambda: panel(again).teaches and bool(panel(again).lead.value))
+        assert panel(again).question.value == "Draft?"
+        until(lambda: again.frame.plan.scene.mesh.pitch == 1.1)
+        assert session.frame.plan.scene.mesh.pitch == 1.1
+    finally:
+        server.stop()
+
+
+def click(fake: FakeTab, target: object) -> None:
+    """Click at a place of the scene, from above."""
+    place = np.asarray(target, float)
+    direction = np.array([0.2, 0.3, -0.93])
+    direction /= np.linalg.norm(direction)
+    fake.click(place - 30.0 * direction, direction)
+
+
+def balls(session: Session) -> list[tuple[float, ...]]:
+    return list(panel(session)._dots.places)
