@@ -84,11 +84,17 @@ class Visit:
 
 
 @contextmanager
-def visit(browser: Browser, scene: Scene | str, width: int = WIDTH) -> Iterator[Visit]:
+def visit(
+    browser: Browser,
+    scene: Scene | str,
+    width: int = WIDTH,
+    height: int = HEIGHT,
+    dark: bool = True,
+) -> Iterator[Visit]:
     """The scene, or the shipped one of that name, in a tab of a server of its own."""
-    server = _server(scene)
+    server = _server(scene, dark)
     # of two ratios in an address the first counts: every pixel, where tests take few
-    page = Page(browser, server.url + "/?fixedDpr=1", width, HEIGHT, draws=True)
+    page = Page(browser, server.url + "/?fixedDpr=1", width, height, draws=True)
     page.tab.set_default_timeout(1000 * PATIENCE)
     try:
         page.until(lambda: len(server.sessions) == 1, "a session")
@@ -107,10 +113,11 @@ def visit(browser: Browser, scene: Scene | str, width: int = WIDTH) -> Iterator[
         server.stop()
 
 
-def _server(scene: Scene | str) -> Server:
+def _server(scene: Scene | str, dark: bool) -> Server:
+    look = Look(plain=True, dark=dark)
     if isinstance(scene, str):
-        return start(Address(port=0), scene=scene, look=Look(plain=True, dark=True))
+        return start(Address(port=0), scene=scene, look=look)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.json"
         scene.save(file)
-        return start(Address(port=0), scene=str(file), look=Look(plain=True, dark=True))
+        return start(Address(port=0), scene=str(file), look=look)

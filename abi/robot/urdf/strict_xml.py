@@ -78,8 +78,11 @@ class XmlElement:
             yield XmlElement(element, self.file, self.title, self.told)
 
     def child(self, tag: str) -> XmlElement | None:
-        """First child with a tag; None if there is none."""
-        return next(self.all(tag), None)
+        """First child with a tag; None if there is none. That it is not the only one is told."""
+        found = list(self.all(tag))
+        if len(found) > 1:
+            self.tell(f"Of more than one <{tag}> the first counts:")
+        return found[0] if found else None
 
     def needed(self, tag: str) -> XmlElement:
         """First child with a tag; SceneError if there is none."""

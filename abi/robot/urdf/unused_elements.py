@@ -13,15 +13,18 @@ _USED: Mapping[str, frozenset[str]] = {
     "joint": frozenset(
         ("origin", "parent", "child", "axis", "limit", "mimic", "safety_controller")
     ),
+    "collision": frozenset(("origin", "geometry")),
 }
 """Names of the elements that are read, by that of the one that they are in."""
 _NAMED = 6
 
 
 def unused(root: XmlElement) -> tuple[str, ...]:
-    """A sentence on the elements of a robot, its links and its joints that are not used, if any."""
+    """A sentence on what is not used of a robot, its links, their shapes and its joints, if any."""
     found: dict[str, None] = {}
-    for parent in (root, *root.all("link"), *root.all("joint")):
+    links = list(root.all("link"))
+    shapes = (shape for link in links for shape in link.all("collision"))
+    for parent in (root, *links, *shapes, *root.all("joint")):
         for element in parent.xml:
             if element.tag not in _USED[str(parent.xml.tag)]:
                 found[str(element.tag)] = None

@@ -41,7 +41,7 @@ def read_link(element: XmlElement, meshes: Meshes, masses: bool = True) -> Link:
     Raises:
         SceneError: one of its numbers or meshes makes no sense.
     """
-    kind = "visual" if element.child("collision") is None else "collision"
+    kind = "visual" if next(element.all("collision"), None) is None else "collision"
     inertial = read_inertial(element) if masses else WEIGHTLESS
     return Link(element.text("name"), _shapes(element, kind, meshes), *inertial)
 
@@ -54,7 +54,7 @@ def add_visuals(root: XmlElement, links: dict[str, Link], meshes: Meshes) -> tup
     plain: list[str] = []
     for element in root.all("link"):
         link = links[element.text("name")]
-        if element.child("collision") is not None:
+        if next(element.all("collision"), None) is not None:
             try:
                 visuals = _shapes(element, "visual", meshes)
                 if not _are_same(visuals, link.shapes):
@@ -107,6 +107,9 @@ def _shapes(element: XmlElement, kind: str, meshes: Meshes) -> tuple[LinkShape, 
 def _solids(element: XmlElement, meshes: Meshes) -> Iterator[LinkShape]:
     """A shape; of a capsule its cylinder and both its balls."""
     geometry = element.needed("geometry")
+    solids = [str(x.tag) for one in element.all("geometry") for x in one.xml if x.tag in _KINDS]
+    if len(solids) > 1:
+        raise element.refuse("geometry", " and ".join(solids[:4]), "one solid; give each its own")
     part = next(
         (XmlElement(x, element.file, element.title, element.told) for x in geometry.xml), None
     )

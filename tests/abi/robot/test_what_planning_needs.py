@@ -223,3 +223,34 @@ def test_what_follows_a_joint_that_is_not_there_is_fixed_at_its_offset() -> None
         np.testing.assert_allclose(found.origin, plain.origin @ plain.motion(at), atol=1e-15)
     told = "Fixed, as it follows a joint that is not there: joint p, joint q."
     assert robot.notes == (told,)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("<collision>", '<collision><origin/><origin xyz="1 0 0"/>', "<origin>"),
+        ('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><axis xyz="1 0 0"/>', "<axis>"),
+        ('<child link="b"/>', '<child link="b"/><child link="c"/>', "<child>"),
+        (LIMIT, LIMIT + '<limit lower="-9" upper="9"/>', "<limit>"),
+    ],
+)
+def test_what_stands_there_twice_is_told(old: str, new: str, told: str) -> None:
+    robot, plain = read_of(arm((old, new))), read_of(arm())
+    assert [note for note in robot.notes if f"Of more than one {told} the first counts" in note]
+    for one, other in zip(robot.joints, plain.joints, strict=True):
+        np.testing.assert_array_equal(one.axis, other.axis)
+        assert (one.low, one.high, one.child) == (other.low, other.high, other.child)
+    np.testing.assert_array_equal(robot.links["a"].shapes[0].pose, np.eye(4))
+
+
+def test_no_solid_of_a_link_is_left_out_without_a_word() -> None:
+    box, ball = '<box size="0.1 0.1 0.3"/>', '<sphere radius="3"/>'
+    for second in (box + ball, f"{box}</geometry><geometry>{ball}"):
+        with pytest.raises(SceneError, match=r"link a, geometry is 'box and sphere'"):
+            read_of(arm((box, second)))
+    several = f"</collision><collision><geometry>{ball}</geometry></collision>"
+    robot = read_of(arm(("</collision>", several)))
+    assert [shape.kind for shape in robot.links["a"].shapes] == ["box", "sphere"]
+    assert not robot.notes
+    group = f"</geometry><group><geometry>{ball}</geometry></group>"
+    assert read_of(arm(("</geometry>", group))).notes == ("Not used: group.",)
