@@ -175,10 +175,13 @@ def _points(source: etree._Element) -> FloatArray:
     if array is None or name_of(array) not in ("float_array", "int_array"):
         raise ValueError(f"numbers in the file itself for {where(accessor)}")
     numbers = floats(array)
-    columns = [k for k, one in enumerate(children(accessor, "param")) if one.get("name")]
+    named = {k: str(one.get("name", "")) for k, one in enumerate(children(accessor, "param"))}
+    columns = [k for k, name in named.items() if name]
+    if sorted(named[k] for k in columns) == ["X", "Y", "Z"]:  # in any order
+        columns.sort(key=named.__getitem__)
     count, stride = integer(accessor, "count"), integer(accessor, "stride", "1")
     offset = integer(accessor, "offset", "0")
-    if len(columns) != 3 or columns[-1] >= stride:
+    if len(columns) != 3 or max(columns) >= stride:
         raise ValueError(f"positions of three numbers in {where(accessor)}")
     if offset + count * stride > len(numbers) or integer(array, "count") != len(numbers):
         raise ValueError(f"as many numbers as {where(array)} announces, it has {len(numbers):,}")

@@ -24,6 +24,26 @@ _CURVED = {"surf", "bzp", "bsp", "cdp"}
 """Statements of free-form surfaces, the last three from old versions of the format."""
 _TEXT = re.compile(r"\s*(?:#|(?:[gos]|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)\s)").match
 """Lines of text, at whose end a backslash is that of a path."""
+_WITHOUT_SURFACE = {
+    *(
+        "vt",
+        "vn",
+        "vp",
+        "g",
+        "o",
+        "s",
+        "mg",
+        "usemtl",
+        "mtllib",
+        "usemap",
+        "maplib",
+        "lod",
+        "bevel",
+    ),
+    *("c_interp", "d_interp", "shadow_obj", "trace_obj", "cstype", "deg", "bmat", "step", "parm"),
+    *("trim", "hole", "scrv", "sp", "end", "con", "curv2", "ctech", "stech", "res", "maxsec"),
+}
+"""Statements that add nothing to polygons."""
 _LINES = {"l": "line", "p": "point", "curv": "curve", "cdc": "curve"}
 
 
@@ -49,6 +69,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     counts: list[int] = []
     numbers: list[int] = []
     left_out: dict[str, int] = {}
+    unknown: dict[str, int] = {}
     for number, line in _lines(text):
         if len(counts) > most_faces:
             break
@@ -80,6 +101,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
             )
         elif kind in ("call", "csh"):
             raise ValueError(f"an OBJ on its own, line {number} calls another file")
+        elif kind and not kind.startswith("#") and kind not in _WITHOUT_SURFACE:
+            unknown.setdefault(shown(kind), number)
     check_count(len(counts), most_faces)
     points = np.array(vertices, dtype=np.float64)
     ids, sizes = np.array(corners, dtype=np.int32), np.array(counts, dtype=np.int32)
@@ -90,7 +113,10 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         )
     cut = triangulate(points, ids, sizes, lambda k: f"line {numbers[k]}")
     check_count(len(cut.faces), most_faces)
-    notes = (f"{counted(n, noun)} left out: no surface." for noun, n in left_out.items())
+    notes = [f"{counted(n, noun)} left out: no surface." for noun, n in left_out.items()]
+    if unknown:
+        first = ", ".join(f"{kind} in line {number:,}" for kind, number in [*unknown.items()][:3])
+        notes.append(f"What is no statement of OBJ is left out: {first}.")
     parts = Parts(points, cut.faces)
     return MeshFile(parts, _unit(text), (*cut.notes, *notes, *loose_points(parts)))
 

@@ -222,3 +222,18 @@ def test_a_scene_that_is_packed_keeps_the_unit_of_its_files(tmp_path: Any) -> No
     scene = Scene.from_dict({"version": 1, "obstacles": [mesh]}, {"a.3mf": INCH})
     (tmp_path / "a.zip").write_bytes(scene.pack())
     assert load_scene(tmp_path / "a.zip") == scene
+
+
+@pytest.mark.parametrize("statement", ["F 1 2 3", "face 1 2 3", "\ufefff 1 2 3", "v1 0 0 0"])
+def test_what_is_no_statement_of_obj_is_noted(statement: str) -> None:
+    usual = b"mtllib a.mtl\ng a\nvn 0 0 1\ns off\nusemtl b\n# F 1 2 3\n" + OBJ
+    assert read_file(usual, "a.obj").notes == ()
+    (note,) = read_file(usual + f"\n{statement}\n".encode(), "a.obj").notes
+    assert note.startswith("What is no statement of OBJ is left out: ")
+
+
+def test_coordinates_of_a_dae_may_stand_in_any_order() -> None:
+    x, y, z = (f'<param name="{axis}" type="float"/>' for axis in "XYZ")
+    usual = read_file(DAE.encode(), "a.dae").parts
+    turned = read_file(dae(x + y + z, z + x + y), "a.dae").parts
+    np.testing.assert_array_equal(turned.vertices, usual.vertices[:, [1, 2, 0]])
