@@ -13,6 +13,7 @@ from types import MappingProxyType
 from abi import compiling, progress
 from abi.compiled import interpreted_calls
 from abi.errors import ArmNotClear, StageError
+from abi.obstacles.mesh_shape import MeshShape
 from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
 from abi.planner.branch import BranchResults, TimedMotion
@@ -84,8 +85,7 @@ class Planner:
 
     def _plan(self, scene: Scene, chosen_only: bool) -> Plan:
         """Plan a scene, as the only call that runs."""
-        if self._compile and scene.arm.model == "urdf":
-            # loading takes a second, and such a plan without compiled loops many
+        if self._compile and is_slow_without_compiler(scene):
             compiling.begin()
         # a tab's first plan does not wait: until it is drawn the page is empty
         if self._planned or self._compile:
@@ -186,6 +186,15 @@ class Planner:
         parts = self._stages.parts.items()
         names = {name for name, stages in parts if any(stage.interpreted for stage in stages)}
         return frozenset(names | {"arm_aware"} if self._arm_aware_interpreted else names)
+
+
+def is_slow_without_compiler(scene: Scene) -> bool:
+    """Check whether a scene's first plan waits for kernels, or takes long while they run as Python.
+
+    Loading takes a second, and compiling is faster in the background, where two processes do it.
+    """
+    meshes = any(isinstance(shape, MeshShape) for shape in scene.obstacles)
+    return meshes or scene.arm.model == "urdf"
 
 
 def _wait_for_compiler(scene: Scene) -> None:

@@ -86,10 +86,13 @@ class WarmUp:
     def _plan_opening(self) -> None:
         """Plan what tabs will open with, unless one is there that does."""
         from abi.planner.live_planner import LivePlanner
+        from abi.planner.planner import is_slow_without_compiler
 
         with self._lock:
             if self._clients:
                 return
+        if is_slow_without_compiler(self._scene):
+            compiling.begin()
         planner = LivePlanner()
         plan = planner(self._scene)
         # as of a tab: of code that is not compiled the times say nothing

@@ -12,6 +12,7 @@ import pytest
 
 from abi import compiling
 from abi.compiling import Remaining
+from abi.planner.live_planner import LivePlanner
 from abi.scene.scene import load_scene
 from app.server import warm_up
 from app.server.warm_up import WarmUp, _faster, _words
@@ -72,3 +73,24 @@ def test_all_tabs_are_told_how_far_it_is_until_it_is_done(
     titles = [_words(state)[0] for state in states]
     assert told == [[[], []], [[titles[0]], []], [[titles[1]]] * 2, [[titles[2]]] * 2]
     assert not first.notices + second.notices
+
+
+@pytest.mark.parametrize(
+    ("name", "first"), [("sculpture", "compiler"), ("kitchen-ur5e", "compiler"), ("paper", "plan")]
+)
+def test_what_is_slow_without_the_compiler_is_not_planned_before_that_begins(
+    name: str, first: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[str] = []
+
+    def plan(_: object, scene: object) -> Any:
+        begun.append("plan")
+        raise InterruptedError
+
+    monkeypatch.setattr(warm_up, "prepare_picture", lambda: None)
+    monkeypatch.setattr(warm_up, "loaded", lambda: None)
+    monkeypatch.setattr(compiling, "begin", lambda *_, **__: begun.append("compiler"))
+    monkeypatch.setattr(LivePlanner, "__call__", plan)
+    monkeypatch.setattr(threading, "excepthook", lambda _: None)  # of the plan that does not come
+    WarmUp(load_scene(name), SharedPlans()).thread.join()
+    assert begun[0] == first
