@@ -50,8 +50,8 @@ def _card(uuid: str, card: Card) -> str:
 
 @functools.cache
 def _picture(file: Path) -> str:
-    """The picture as HTML; an empty place where there is none, as for a teacher's own lesson."""
+    """The picture as HTML; nothing where there is none, as for a teacher's own lesson."""
     if not file.is_file():
-        return "<i></i>"
+        return ""
     data = base64.b64encode(file.read_bytes()).decode()
     return f'<img alt="" src="data:image/webp;base64,{data}">'

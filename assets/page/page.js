@@ -696,9 +696,10 @@ body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-par
   padding: 3px; border: 1px solid rgba(128, 128, 128, .35); border-radius: 6px; background: none; color: inherit;
   font: 12.5px/1.3 var(--mantine-font-family); cursor: pointer;
 }
+.abi-cards button:not(:has(img)) { grid-template-columns: 1fr; padding: 6px 9px; }
 .abi-cards button:is(:hover, :focus-visible) { border-color: #1f84d6; }
 .abi-cards button[aria-pressed=true] { border-color: #1f84d6; background: color-mix(in srgb, #1f84d6 12%, transparent); }
-.abi-cards :is(img, i) { width: 84px; height: 52px; border-radius: 4px; object-fit: cover; background: rgba(128, 128, 128, .2); }
+.abi-cards img { width: 84px; height: 52px; border-radius: 4px; object-fit: cover; background: rgba(128, 128, 128, .2); }
 .abi-spotlight {
   position: fixed; z-index: 90; pointer-events: none; border: 3px solid #1f84d6; border-radius: 8px;
   box-shadow: 0 0 0 4px rgba(31, 132, 214, .25);
