@@ -150,6 +150,13 @@ class FileUploads(Generic[_T]):
         """Deal with no more files: the tab is gone."""
         self._stopped.set()
 
+    def drop(self) -> None:
+        """Let all files be: something else was chosen meanwhile."""
+        self._stopped.set()
+        while not self._news.empty():
+            self._news.get()
+        self._show(None, 0.0)
+
     def _announce(self, name: str, part: float | None) -> None:
         """Tell how much of a file is there, unless another one is being dealt with."""
         with self._lock:

@@ -125,15 +125,14 @@ class FilesPanel:
         """
         if pressed(self.reset):
             return self.loaded
-        opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
-        if any(opened):
-            return self.loaded
         name = self.choice.value
         # a page may send anything: only listed scenes are opened
         if name != self.name and (name in self._opened or name in scene_names()):
+            self.uploads.drop()
             self.last = Loaded(name, self._opened.get(name) or load_scene(name))
             return self.loaded
-        return None
+        opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
+        return self.loaded if any(opened) else None
 
     def _open(self, name: str, found: SceneFile | SceneError | None, meshes: MeshSource) -> bool:
         """Load what was read; False where that is no scene."""

@@ -108,6 +108,7 @@ class ArmModelPanel:
             visible=False,
         )
         self.gripper = GripperPanel(gui, wake)
+        self._model_shown = self.model.value
         self._kept = _OF_ONE_ARM
         self._kept_of: tuple[str, str, str] | None = None
         self._scene_axis: tuple[float, float, float] | None = None
@@ -129,6 +130,8 @@ class ArmModelPanel:
 
     def read(self) -> dict[str, Any]:
         """Read the fields of the section ``arm`` as typed."""
+        if self.model.value != self._model_shown:
+            self.uploads.drop()
         for one in self.uploads.news():
             if isinstance(one.result, SeveralRobots):
                 self._offer(one.result)
@@ -140,6 +143,7 @@ class ArmModelPanel:
                 title = f"{one.name} is not added"
                 notices.notify_refused_file(self._client, title, one.result.message)
         self._read_chosen()
+        self._model_shown = self.model.value
         name = self._name()
         if name is None:
             self._take_size_back()
@@ -180,14 +184,14 @@ class ArmModelPanel:
         is_urdf = arm.model == "urdf"
         self._show(is_urdf)
         if not is_urdf:
-            self.model.value = _PAPER
+            self.model.value = self._model_shown = _PAPER
             return
         if arm.urdf not in SHIPPED:
             is_new = self.files.get(arm.urdf) != arm.robot.archive
             self._add(arm.urdf, arm.robot.archive)
             if is_new:
                 self._tell(arm.urdf, arm.notes(METRES[scene.unit]))
-        self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
+        self.model.value = self._model_shown = _SHIPPED.get(arm.urdf, arm.urdf)
         self._list_tips(arm.urdf, arm.tip, arm.base_link)
         self._list_bases(arm.urdf, arm.base_link)
         self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz

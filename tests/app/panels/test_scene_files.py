@@ -153,3 +153,24 @@ def test_a_scene_is_reset_beside_the_list_and_that_is_undone(
     assert files.choice.value == "paper"
     # it stands right below the list, before what opens and saves
     assert files.choice.order < files.reset.order < files.upload.order
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["scene", "arm"])
+def test_a_file_on_its_way_is_dropped_once_something_else_is_chosen(
+    tab: tuple[FakeTab, Session], held: threading.Event, kind: str
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    uploads = _begin(session, kind)
+    until(lambda: uploads._stop.visible)
+    if kind == "scene":
+        fake.set(session.panels.files.choice, "two-boxes")
+        until(lambda: session.frame.plan.scene == load_scene("two-boxes"))
+    else:
+        fake.set(session.panels.stages.arm.model.model, "UR5e")
+        until(lambda: session.frame.plan.scene.arm.urdf == "ur5e")
+    until(lambda: not uploads._stop.visible)
+    held.set()
+    until(lambda: uploads._pending == 0 and session.resting)
+    assert not _is_taken(session, kind)
