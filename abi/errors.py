@@ -308,10 +308,56 @@ class ArmNotClear(StageError):
             text = " ".join(filter(None, (f"{tried}." if tried else "", first._sentences[0], note)))
         return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
 
+    def nor_in_joints(self, fault: NoJointMotion) -> ArmNotClear:
+        """The same, and why there is no motion in the space of the joints, either."""
+        text = " ".join(self._sentences[:1] + fault._sentences[:1])
+        return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
+
     def along_tool(self, touched: str) -> ArmNotClear:
         """The same, and what the arm touches along the curve of the tool alone, as a sentence."""
         text = f"{self._sentences[0]} Along the curve of the tool tip alone {touched}."
         return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
+
+
+class NoJointMotion(StageError):
+    """Error if no motion of the arm was found in the space of its joints.
+
+    Args:
+        where: ``start`` or ``goal`` if the arm has no clear pose there, ``path`` if the search has
+            found none in its time, ``curve`` if no smooth curve near its path is clear, ``same`` if
+            the joints are at the goal already.
+        link: link that is in the way at start or goal; empty if no pose was found there.
+        obstacle: index of what it touches, from 0, or its name.
+        poses: number of poses that were tried there.
+        samples: number of random positions that were searched towards.
+    """
+
+    def __init__(
+        self,
+        where: str,
+        link: str = "",
+        obstacle: int | str | None = None,
+        poses: int = 0,
+        samples: int = 0,
+    ) -> None:
+        name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
+        message = {
+            "path": "No motion was found in the space of the joints, towards "
+            f"{samples:,} random positions of them.",
+            "curve": "A path was found in the space of the joints, but no smooth curve near it "
+            "along which the arm is proven clear.",
+            "same": "The joints are at the goal already.",
+        }.get(where)
+        if message is None and obstacle is None:
+            message = f"No joint positions were found for what is asked at the {where}."
+        elif message is None:
+            tried = "In the first of the" if poses > 1 else "In the"
+            poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
+            touched = f"the {link.replace('_', ' ')} touches {name}"
+            message = f"{tried} {poses_there} at the {where} {touched}."
+        hint = "Move an obstacle or the arm's base, or ask for another start or goal."
+        super().__init__("arm", "no_joint_motion", message, hint)
+        self.where = where
 
 
 class NotFollowed(StageError):

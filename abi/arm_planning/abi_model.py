@@ -48,6 +48,11 @@ class AbiCourse:
     settings: ArmSettings
 
     @property
+    def length(self) -> float:
+        """Arc length of the curve, [unit]."""
+        return self.arc.length
+
+    @property
     def speeds(self) -> FloatArray:
         """Largest speed of each joint, nominal, (3,), [rad/s]."""
         return np.full(MOVED, JOINT_SPEED)

@@ -29,8 +29,8 @@ class Course(Protocol):
     """Joint positions of an arm along a curve, on one of its branches."""
 
     @property
-    def arc(self) -> ArcLength:
-        """Arc length of the curve."""
+    def length(self) -> float:
+        """Distance from start to goal, [unit]: of most the arc length of the tool's curve."""
 
     @property
     def speeds(self) -> FloatArray:

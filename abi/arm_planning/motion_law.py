@@ -48,7 +48,7 @@ def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
         path: joints along the curve.
         settings: law, speeds and accelerations.
     """
-    length = path.arc.length
+    length = path.length
     rates = settings.speed, settings.acceleration, settings.deceleration
     if settings.law == "three_phase":
         return three_phase(length, *rates)
@@ -101,7 +101,7 @@ def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
 
 def _time_optimal(path: Course, limits: JointLimits) -> TimedProfile:
     """Fastest motion along the curve under the joints' limits."""
-    length = path.arc.length
+    length = path.length
     distances = np.linspace(0.0, length, _GRID)
     joints = path.at(distances)
     squared, sets = np.zeros(len(joints)), np.zeros(2 * len(joints))

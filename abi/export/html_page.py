@@ -107,8 +107,8 @@ def _steps(plan: Plan) -> list[dict[str, Any]]:
     if plan.quadratic is not None and plan.quadratic_arc is not None:
         text = f"{_length(plan.quadratic_arc.length, unit)}, {_kept(plan, 'quadratic')}."
         steps.append(_step("5 Quadratic", "A simple formula", text, ["bspline", "quadratic"]))
-    if plan.motion is not None and plan.followed is not None:
-        steps.append(_arm_step(plan, plan.followed, float(plan.motion.time[-1])))
+    if plan.motion is not None and (plan.followed or plan.joint_search):
+        steps.append(_arm_step(plan, float(plan.motion.time[-1])))
     if plan.error is not None and plan.error.message not in steps[-1]["text"]:
         steps[-1]["text"] += f" {plan.error.message}"
     return steps
@@ -118,15 +118,19 @@ def _step(name: str, title: str, text: str, draw: list[str]) -> dict[str, Any]:
     return {"name": name, "title": title, "text": text, "draw": draw, "bar": "", "seconds": 0}
 
 
-def _arm_step(plan: Plan, followed: str, duration: float) -> dict[str, Any]:
+def _arm_step(plan: Plan, duration: float) -> dict[str, Any]:
     """The last stage: whether the whole arm is clear, or what it touches when and how deep."""
     faults = [*arm_faults(plan), *filter(None, [limits_warning(plan)])]
     unproven = "The motion is NOT proven clear. " if arm_faults(plan) else ""
-    name = {"bspline": "B-spline"}.get(followed, followed)
-    text = f"The arm follows the {name}. " + (
-        f"✗ {unproven}{' '.join(faults)}" if faults else clearance_sentence(plan)
+    name = {"bspline": "B-spline", "quadratic": "quadratic"}.get(plan.followed or "")
+    text = f"The arm follows the {name}. " if name else "The joints follow a curve of their own. "
+    text += f"✗ {unproven}{' '.join(faults)}" if faults else clearance_sentence(plan)
+    step = _step(
+        "6 Arm ✗" if faults else "6 Arm",
+        "The motion",
+        text,
+        [*filter(None, [plan.followed]), "arm"],
     )
-    step = _step("6 Arm ✗" if faults else "6 Arm", "The motion", text, [followed, "arm"])
     return step | {"bar": "time", "seconds": duration}
 
 

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, TypeAlias
 
+from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.curves.bspline import BSpline
@@ -132,6 +133,7 @@ class BranchResults:
     motion: ArmMotion | None = None
     arm_clearance: ArmClearance | None = None
     tool_only: AnyFit | None = None
+    joint_search: JointSearch | None = None
 
     @property
     def followed_fit(self) -> AnyFit | None:

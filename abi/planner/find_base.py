@@ -18,6 +18,7 @@ from abi.arrays import FloatArray
 from abi.errors import ArmNotClear, SceneError, StageError
 from abi.obstacles.pose import Vec3
 from abi.planner.base_map import BaseMap, BaseTrial
+from abi.planner.joint_branch import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene, require_scene
@@ -82,7 +83,7 @@ def base_maps(scene: Scene, low: Sequence[float], high: Sequence[float]) -> Iter
     """
     found = BaseMap(scene, *_region(low, high))
     coarse = _coarser(scene)
-    planner = Planner(compile=False)
+    planner = Planner(compile=False, effort=HASTY)
     cells = _first_cells(found.low, found.high)
     for number in range(_ROUNDS + 1):
         later = (_ROUNDS - number) * _SPLIT * _parts(cells[0])

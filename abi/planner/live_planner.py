@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abi.planner.joint_branch import HASTY
 from abi.planner.node_budget import NodeBudget
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
@@ -46,7 +47,8 @@ class LivePlanner:
 
     def forget(self) -> None:
         """Drop the memory of earlier plans, but not what the budget has learnt from them."""
-        self._planner, self._coarse_planner = Planner(compile=False), Planner(compile=False)
+        self._planner = Planner(compile=False)
+        self._coarse_planner = Planner(compile=False, effort=HASTY)
         self._last_settings = ()
 
     def finish(self, scene: Scene) -> Plan:

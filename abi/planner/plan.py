@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates, joint_rates, passed_limits
+from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
 from abi.arm_planning.motion.liquid import largest_tilt
 from abi.arm_planning.motion.trajectory import ArmMotion, Violation
@@ -59,6 +60,8 @@ class Plan(ReadOnlyCopies):
         motion: its joint positions over time.
         arm_clearance: distance of its links to the obstacles along the motion.
         tool_only: the curve planned for the tool alone, if the whole arm follows another one.
+        joint_search: the search in the space of the joints, if the motion is found there; the arm
+            then follows no curve of the tool.
         error: why the plan ends early, or None.
         ms: time of each stage when it last ran, [ms].
         interpreted: stages whose inner loops were not compiled then: their times say little.
@@ -84,6 +87,7 @@ class Plan(ReadOnlyCopies):
     motion: ArmMotion | None = None
     arm_clearance: ArmClearance | None = None
     tool_only: AnyFit | None = None
+    joint_search: JointSearch | None = None
     error: StageError | None = None
     ms: Mapping[str, float] = field(default_factory=dict)
     interpreted: frozenset[str] = frozenset()
@@ -91,9 +95,12 @@ class Plan(ReadOnlyCopies):
 
     def __repr__(self) -> str:
         """One line: what is followed, or why there is no plan."""
-        if self.error is not None or self.followed_arc is None or self.profile is None:
+        if self.error is not None or self.profile is None:
             return f"<Plan: {self.error or 'incomplete'}>"
         clear = "proven" if self.is_arm_clear else "not proven"
+        if self.followed_arc is None:
+            seconds = f"{self.profile.duration:.3g} s"
+            return f"<Plan: joints alone, in {seconds}, whole arm {clear} clear>"
         return (
             f"<Plan: {self.followed} of {self.followed_arc.length:.4g} {self.scene.unit} "
             f"in {self.profile.duration:.3g} s, whole arm {clear} clear>"
@@ -118,6 +125,11 @@ class Plan(ReadOnlyCopies):
     def followed_arc(self) -> ArcLength | None:
         """Arc length of the curve that the arm executes."""
         return self.curves[self.followed][1] if self.followed else None
+
+    @property
+    def _moves_along(self) -> str | None:
+        """Name of the curve that is followed: one of the tool, or ``joints``."""
+        return self.followed if self.joint_search is None else "joints"
 
     @property
     def is_arm_clear(self) -> bool:
@@ -201,7 +213,8 @@ class Plan(ReadOnlyCopies):
                 self.quadratic, self.quadratic_arc, self.scene.quadratic.mode, self.ms
             ),
             "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
-            "timing": plan_json.timing(self.profile, self.followed, self.liquid_tilt, self.ms),
+            "timing": plan_json.timing(self.profile, self._moves_along, self.liquid_tilt, self.ms),
+            "joint_search": plan_json.joint_search(self.joint_search, self.arm, self.ms, full),
             "arm": plan_json.arm(
                 self.arm,
                 self.motion,

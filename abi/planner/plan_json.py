@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates
+from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.links_clearance import links_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion, Violation
@@ -27,6 +28,7 @@ from abi.errors import StageError
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_certificate_json import arm_certificate
 from abi.robot.any_arm import AnyArm
+from abi.robot.urdf_arm import UrdfArm
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.taut.lower_bound import Bound
@@ -188,6 +190,31 @@ def timing(
         "liquid_tilt": tilt,
         "ms": ms["timing"],
     }
+
+
+def joint_search(found: JointSearch | None, model: AnyArm | None, ms: Times, full: bool) -> Section:
+    """The search in the space of the joints; ``full`` adds its trees, and the tool's places."""
+    if found is None or found.path is None or not isinstance(model, UrdfArm):
+        return None
+    section: dict[str, Any] = {
+        "path": found.path.tolist(),
+        "length": found.length,
+        "samples": found.samples,
+        "nodes": [len(tree.positions) for tree in found.trees],
+        "proofs": found.proofs,
+        "refused": found.refused,
+        "ms": ms["joint_search"],
+    }
+    if full:
+        section["trees"] = [
+            {
+                "positions": tree.positions.tolist(),
+                "parents": tree.parents.tolist(),
+                "tool": model.tool(tree.positions).tolist(),
+            }
+            for tree in found.trees
+        ]
+    return section
 
 
 def arm(

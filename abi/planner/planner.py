@@ -8,18 +8,23 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import suppress
 from types import MappingProxyType
 
 from abi import compiling, progress
+from abi.arm_planning.joint_search.search_joints import JointSearchEffort
 from abi.compiled import interpreted_calls
-from abi.errors import ArmNotClear, StageError
+from abi.errors import ArmNotClear, NoJointMotion, StageError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
-from abi.planner.branch import BranchResults, TimedMotion
+from abi.planner.branch import BranchResults, QuadraticOnSpline, SplineOnPath, TimedMotion
+from abi.planner.joint_branch import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.pipeline import find_path, fit_curves, move_arm
 from abi.planner.plan import Plan
 from abi.planner.tool_branch import ToolBranch, ToolStages
+from abi.robot.urdf_arm import UrdfArm
+from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene, require_scene
 from abi.search.search import SEARCHES
 
@@ -49,13 +54,15 @@ class Planner:
     their calls take turns. To plan at the same time, each needs its own.
     """
 
-    def __init__(self, compile: bool = True) -> None:
+    def __init__(self, compile: bool = True, effort: JointSearchEffort = THOROUGH) -> None:
         """Start without any remembered results.
 
         Args:
             compile: whether to compile the inner loops in the background from the first plan on. A
                 plan that would take longer than the compiler waits for it all the same.
+            effort: how long a motion is sought in the space of the joints.
         """
+        self._effort = effort
         self._compile, self._planned = compile, False
         self._turn = threading.Lock()
         self._stages = ToolStages()
@@ -125,6 +132,7 @@ class Planner:
             motion=results.motion,
             arm_clearance=results.arm_clearance,
             tool_only=results.tool_only,
+            joint_search=results.joint_search,
             error=fault,
             ms=MappingProxyType(self._times()),
             interpreted=self._interpreted(),
@@ -144,10 +152,12 @@ class Planner:
         Raises:
             StageError: there is no path or no curve for the tool, or no motion for the arm.
         """
-        path = find_path(tool, results)
-        results.optimum = tool.optimum()
-        curve = fit_curves(tool, path, results)
         scene = tool.task.scene
+        if asks_for_joints(scene.arm):
+            with suppress(StageError):  # what there is of the tool's own curve is shown, too
+                self._curve(tool, results)
+            return self._through_joints(tool, results)
+        curve = self._curve(tool, results)
         if not scene.arm.avoid:
             if (error := move_arm(tool, curve, results).motion.error) is not None:
                 raise error
@@ -159,7 +169,41 @@ class Planner:
             return self._avoid(tool, results)
         except ArmNotClear as fault:
             moved = move_arm(tool, curve, results)
-            raise moved.motion.error or _with_contact(fault, moved, scene) from None
+            on_mesh = moved.motion.error or _with_contact(fault, moved, scene)
+        if not may_search_joints(scene.arm):
+            raise on_mesh
+        try:
+            return self._through_joints(tool, results)
+        except NoJointMotion as fault:
+            if isinstance(on_mesh, ArmNotClear) and fault.where not in ENDS:
+                on_mesh = on_mesh.nor_in_joints(fault)
+            raise on_mesh from None
+
+    def _curve(self, tool: ToolBranch, results: BranchResults) -> SplineOnPath | QuadraticOnSpline:
+        """The curve of the tool alone that the arm is to follow.
+
+        Raises:
+            StageError: there is no path or no curve.
+        """
+        path = find_path(tool, results)
+        results.optimum = tool.optimum()
+        return fit_curves(tool, path, results)
+
+    def _through_joints(self, tool: ToolBranch, results: BranchResults) -> BranchResults:
+        """Results of a motion that is sought in the space of the joints.
+
+        Raises:
+            NoJointMotion: there is none.
+        """
+        task = tool.task
+        assert isinstance(task.model.arm, UrdfArm)
+        found = self._stages.joints(
+            task.scene, task.model.arm, task.obstacles, tool.surroundings, self._effort
+        )
+        results.tool_only, results.followed = results.followed_fit, None
+        results.joint_search = found.search
+        results.profile, results.motion, results.arm_clearance = found.moved
+        return results
 
     def _avoid(self, tool: ToolBranch, results: BranchResults) -> BranchResults:
         """Results on the branch of the arm whose motion is clear and shortest.

@@ -29,6 +29,7 @@ from abi.planner.branch import (
     TimedMotion,
 )
 from abi.planner.exclusion_cache import ExclusionCache
+from abi.planner.joint_branch import move_joints
 from abi.planner.planning_task import SAMPLES, PlanningTask
 from abi.planner.shared_mesh import shared_mesh
 from abi.planner.stage import Stage
@@ -71,6 +72,7 @@ class ToolStages:
         self.motions: list[Stage[..., ArmMotion]]
         self.motions = [Stage(operator.call) for _ in range(_COURSES)]
         self.arm_clearances: list[Stage[..., ArmClearance]]
+        self.joints = Stage(move_joints)
         self.arm_clearances = [Stage(operator.call) for _ in range(_COURSES)]
 
     @property
@@ -86,6 +88,7 @@ class ToolStages:
             "bspline": (self.bspline, self.bspline_arc),
             "quadratic": (self.quadratic, self.quadratic_arc),
             "timing": (self.profiles,),
+            "joint_search": (self.joints,),
             "arm": (self.model, self.surroundings, self.courses, *self.along_courses),
         }
 

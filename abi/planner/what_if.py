@@ -14,6 +14,7 @@ from abi.arrays import IntArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
+from abi.planner.joint_branch import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.planner.shared_mesh import shared_mesh
@@ -36,7 +37,7 @@ class WhatIf:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.obstacles = ObstacleSet(scene.obstacles)
-        self._planner = Planner()
+        self._planner = Planner(effort=HASTY)
         self._exclude = ExclusionCache()
 
     def plan_past(self, stage: str, **change: Any) -> Plan | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import itertools
+import typing
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -128,5 +129,6 @@ def _fields_at(location: tuple[int | str, ...], scene: type[BaseModel]) -> list[
         return list(_SHAPES[str(location[-1])].model_fields)
     model: Any = scene
     for part in location:
-        model = model.model_fields[part].annotation
+        annotation = model.model_fields[part].annotation
+        model = next(filter(None, typing.get_args(annotation)), annotation)  # of a section or None
     return list(model.model_fields)

@@ -24,9 +24,11 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
+from abi.scene.arm_end import ENDS, with_arm_ends, without_stale_ends
 from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import ENDINGS, parse, read_file, write
+from abi.scene.section import Settings
 from abi.scene.settings import (
     ArmSettings,
     Count,
@@ -34,7 +36,6 @@ from abi.scene.settings import (
     MotionSettings,
     QuadraticSettings,
     SearchSettings,
-    Settings,
     SplineSettings,
     Workspace,
 )
@@ -100,8 +101,17 @@ class Scene(Settings):
             scaled[index] = shape
         return tuple(scaled)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _move_ends(cls, data: object) -> object:
+        return with_arm_ends(data) if isinstance(data, dict) else data
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        for end in ENDS:
+            place = self.arm.tool_at(end, METRES[self.unit])
+            if place is not None:  # what the arm's joints or pose say counts; frozen from here on
+                object.__setattr__(self, end, place)
         for name in ("start", "goal"):
             point = getattr(self, name)
             for axis, number, low, high in zip(
@@ -109,6 +119,10 @@ class Scene(Settings):
             ):
                 if low <= number <= high:
                     continue
+                if getattr(self.arm, name) is not None:
+                    bounds = with_minus(f"{low:g} and {high:g}")
+                    expected = f"the tool in the workspace, {axis} between {bounds} {self.unit}"
+                    raise SceneError(f"arm.{name}", f"the tool at {point}", expected)
                 if name not in self.model_fields_set:  # a default, which nobody has given
                     expected = f"a point of the workspace, as the default {point} is outside"
                     raise SceneError(name, Missing(), expected)
@@ -193,6 +207,7 @@ class Scene(Settings):
         data: dict[str, Any] = dict(vars(self))
         for name, change in changes.items():
             data[name] = changed_value(data.get(name), change)
+        data = without_stale_ends(data, vars(self))
         data["obstacles"] = without_stale_meshes(data["obstacles"], files or {})
         if len(data) == len(type(self).model_fields) and all(
             data[name] is value for name, value in vars(self).items()

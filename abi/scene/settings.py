@@ -6,9 +6,7 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     PrivateAttr,
     Strict,
@@ -17,7 +15,7 @@ from pydantic import (
 )
 
 from abi.errors import SceneError
-from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
+from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.held_joints import (
     held_in_metres,
@@ -27,9 +25,12 @@ from abi.robot.urdf.held_joints import (
 )
 from abi.robot.urdf.robot import Robot, bases_to, joints_to, part_from
 from abi.robot.urdf.robot_files import SHIPPED, load_robot
+from abi.robot.urdf.tip_pose import tip_pose
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.usual_tip import usual_tip
+from abi.scene.arm_end import ArmEnd
 from abi.scene.lattices import LATTICES, Lattice
+from abi.scene.section import Settings
 
 Elbow = Literal["up", "down"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
@@ -38,6 +39,11 @@ Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
 def _plain(value: object) -> object:
     """A count or a truth value of numpy as Python's own, as strict fields want it."""
     return value.item() if isinstance(value, np.integer | np.bool_) else value
+
+
+def _end(value: object) -> object:
+    """A list of joint positions as the fields of an end."""
+    return {"joints": value} if isinstance(value, list | tuple) else value
 
 
 Count = Annotated[int, Strict(), BeforeValidator(_plain)]
@@ -68,12 +74,6 @@ FINEST_PITCH = 1e-6
 
 _SLACK = 1e-3
 """Of the workspace's longest side: see :attr:`Workspace.slack`."""
-
-
-class Settings(BaseModel):
-    """One section of a scene: frozen fields; unknown ones are refused."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
 
 class Workspace(Settings):
@@ -184,6 +184,9 @@ class MotionSettings(Settings):
     jerk: Rate = 40.0
 
 
+_POINT_ALONE = "a point: joints and orientation can be asked only of an arm from a URDF"
+
+
 class ArmSettings(Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
@@ -200,6 +203,10 @@ class ArmSettings(Settings):
     obstacle; ``elbow`` auto takes the branch with the shorter path. ``forces``, ``masses`` and
     ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised forces [kg·unit²/s² for q4
     and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
+
+    ``start`` and ``goal`` say more than the places of the tool: the joints there, or the tool's
+    orientation, too. ``search`` is where a motion is sought: on the mesh of places of the tool, in
+    the space of the joints, or by ``auto`` in that if the mesh has none, or joints are asked for.
     """
 
     model: Literal["abi", "urdf"] = "abi"
@@ -212,6 +219,9 @@ class ArmSettings(Settings):
     )
     allowed: Annotated[tuple[AllowedPair, ...], Field(max_length=10_000)] = ()
     axis: Vec3 | None = None
+    start: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
+    goal: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
+    search: Literal["auto", "mesh", "joints"] = "auto"
     base: Vec3 = (3.0, -3.0, 0.0)
     base_wxyz: Quaternion = UNTURNED
     a1: Length = 1.0
@@ -237,6 +247,12 @@ class ArmSettings(Settings):
         if self.model == "abi" and abs(self.base_wxyz[0]) < math.hypot(*self.base_wxyz):
             expected = "[1, 0, 0, 0]: the paper's arm stands upright, only a URDF may be turned"
             raise SceneError("arm.base_wxyz", self.base_wxyz, expected)
+        if self.search == "joints" and self.model != "urdf":
+            raise SceneError("arm.search", self.search, "auto or mesh for the paper's arm")
+        asked = self.start is not None or self.goal is not None or self.search == "joints"
+        if self.axis is not None and asked:
+            expected = "none where joints or poses are asked for: no direction is held meanwhile"
+            raise SceneError("arm.axis", self.axis, expected)
         if self.model == "urdf":
             meshes = (info.context or {}).get("meshes", MeshSource())
             self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)
@@ -275,6 +291,45 @@ class ArmSettings(Settings):
                 if not isinstance(one, str) and not 0 <= one < obstacles:
                     expected = f"the number of an obstacle, below {obstacles}"
                     raise SceneError("arm.allowed", one, expected)
+
+    def joints_at(self, name: Literal["start", "goal"], metres: float) -> dict[str, float] | None:
+        """Positions of all planned joints that ``start`` or ``goal`` asks for, [rad] or [m].
+
+        None if it asks for none.
+
+        Args:
+            name: of the end.
+            metres: one [unit] of the scene in metres.
+
+        Raises:
+            SceneError: the arm has no such joints, limits or state.
+        """
+        end: ArmEnd | None = getattr(self, name)
+        if end is None or end.is_pose:
+            return None
+        return end.positions(f"arm.{name}", self.robot, self.tool, metres)
+
+    def tool_at(self, name: Literal["start", "goal"], metres: float) -> Vec3 | None:
+        """Place of the tool that ``start`` or ``goal`` asks for, [unit], world; None for any.
+
+        Args:
+            name: of the end.
+            metres: one [unit] of the scene in metres.
+
+        Raises:
+            SceneError: the arm has no such joints, limits or state.
+        """
+        end: ArmEnd | None = getattr(self, name)
+        if end is None:
+            return None
+        if self.model != "urdf":
+            raise SceneError(f"arm.{name}", end.model_dump(exclude_none=True), _POINT_ALONE)
+        joints = self.joints_at(name, metres)
+        if joints is None:
+            return end.position
+        place = tip_pose(self.robot, self.tool, joints)[:3, 3] / metres
+        x, y, z = (rotation(self.base_wxyz) @ place + np.array(self.base)).tolist()
+        return (x, y, z)
 
     def notes(self, metres: float) -> tuple[str, ...]:
         """Sentences on a URDF: which link and joints are planned, and what is left out of it.

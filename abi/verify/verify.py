@@ -61,7 +61,9 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
         raise SceneError("version", version, "1")
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = obstacles_of(plan["scene"], scene)
-    verdicts = [_curve_verdict(name, plan[name], scene, obstacles) for name in CURVES]
+    # a motion from the space of the joints follows no curve of the tool
+    curves = CURVES if plan.get("joint_search") is None else [c for c in CURVES if plan[c]]
+    verdicts = [_curve_verdict(name, plan[name], scene, obstacles) for name in curves]
     if "arm" in plan:
         verdicts.append(_arm_verdict(plan, scene, obstacles))
     return tuple(verdicts)

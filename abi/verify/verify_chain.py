@@ -9,6 +9,7 @@ that they hold all of them.
 from __future__ import annotations
 
 import itertools
+import math
 from collections import Counter
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.obstacles.pose import METRES
+from abi.obstacles.pose import METRES, Quaternion, rotation
+from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene
 from abi.verify.allowed_contacts import Other, allowed_contacts
 from abi.verify.certificate import (
@@ -41,6 +43,8 @@ from abi.verify.sides import check_apart
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
+_ASKED = 1e-5
+"""Error of a joint, or of the tool's direction, that is let pass at start and goal."""
 _PAST = Fraction(1, 10**9)
 """Distance that a joint may be past its limit, [rad] or [unit]."""
 
@@ -207,16 +211,34 @@ def _rows(
 
 
 def _check_ends(motion: _JointMotion, scene: Scene) -> None:
-    """Raise where the tool does not go from start to goal."""
+    """Raise where the arm does not go from start to goal, or not from and to what is asked."""
     zero = Fraction(0), Fraction(0), Fraction(0)
     chain = motion.chain
     above = chain.above(chain.before[-1])
     length = sum(sum(map(abs, chain.origins[k].origin)) for k in (*above[:-1], -1))
-    rows, points = (motion.rows[0], motion.rows[-1]), (scene.start, scene.goal)
-    for name, row, point in zip(("start", "goal"), rows, points, strict=True):
-        place, _ = chain.place(row)[-1].place(zero)
-        if max(map(abs, sub(place, vector(point)))) > _REACHED * length:
+    metres = METRES[scene.unit]
+    slides = {one.name for one in scene.arm.robot.joints if one.kind == "prismatic"}
+    for name, row in zip(ENDS, (motion.rows[0], motion.rows[-1]), strict=True):
+        frame, end = chain.place(row)[-1], getattr(scene.arm, name)
+        place, _ = frame.place(zero)
+        allowed = _REACHED * length + Fraction(0 if end is None else end.position_tolerance)
+        if max(map(abs, sub(place, vector(getattr(scene, name))))) > allowed:
             raise Fault(f"the tool tip is not at the {name}")
+        if end is not None and end.is_pose and _turned(frame, end.wxyz) > end.angle_tolerance:
+            raise Fault(f"the tool tip is turned otherwise at the {name}")
+        for joint, asked in (scene.arm.joints_at(name, metres) or {}).items():
+            at = float(row[chain.coordinates.index(joint)])
+            if abs(at - (asked / metres if joint in slides else asked)) > _ASKED:
+                raise Fault(f"the joints are not those asked for at the {name}")
+
+
+def _turned(frame: ExactFrame, wxyz: Quaternion) -> float:
+    """Angle by which a frame is turned beside an orientation, less the error let pass, [rad]."""
+    origin, *axes = (frame.place(vector(one))[0] for one in ((0, 0, 0), *np.eye(3).tolist()))
+    turn = np.array([[float(part) for part in sub(axis, origin)] for axis in axes]).T
+    turn /= np.linalg.norm(turn, axis=0)
+    cosine = (np.trace(turn @ rotation(wxyz).T) - 1) / 2
+    return math.acos(min(max(cosine, -1.0), 1.0)) - _ASKED
 
 
 def _check_outside(

@@ -158,6 +158,8 @@ def _progress(frame: Frame, still: bool = False) -> str:
     if plan.followed_arc is not None and plan.followed is not None:
         length = f"{format_length(plan.followed_arc.length)} {plan.scene.unit}"
         length = f": a {_whole(style.CURVES[plan.followed][0])} of {_whole(length)}"
+    if plan.joint_search is not None:
+        length = "; the joints follow a curve of their own"
     took = f"took {_whole(format_time(max(time, 1)))} " if (time := _replan_ms(plan)) else ""
     did = f"{preview}{name} and {_whole('B-spline')} {took}on {plan.free.nodes:,} nodes{length}."
     if frame.lesson:  # it says itself what there is to do

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import math
 
+from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.curves.timed_profile import TimedProfile
 from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
@@ -12,7 +13,13 @@ from abi.planner.branch import AnyFit
 from abi.planner.plan import Plan
 from app.shared.once_a_plan import once_a_plan
 from app.ui import style
-from app.ui.numbers import distance_to_show, format_length, format_lower_bound, format_setting
+from app.ui.numbers import (
+    distance_to_show,
+    format_length,
+    format_lower_bound,
+    format_setting,
+    format_time,
+)
 
 _PIECES_SHOWN = 2
 _SPILLS = 60
@@ -117,11 +124,24 @@ def _tilt(plan: Plan) -> str:
     return f"{told}: it would be spilt." if tilt > _SPILLS else f"{told}."
 
 
+def _of_joints(search: JointSearch, time: float) -> str:
+    """Sentence on where a motion was found that follows no curve of the tool."""
+    nodes = sum(len(tree.positions) for tree in search.trees)
+    proven = search.proofs - search.refused
+    return (
+        "The joints follow a curve of their own, found in their space: "
+        f"{nodes} poses in two trees, {search.proofs} edges tried and {proven} proven, "
+        f"in {format_time(time)}."
+    )
+
+
 def _arm(plan: Plan) -> str:
     if plan.motion is None:
         return ""
     motion, unit, curve = plan.motion, plan.scene.unit, plan.followed_curve
     lines = []
+    if plan.joint_search is not None:
+        lines.append(_of_joints(plan.joint_search, plan.ms["joint_search"]))
     if curve is not None and not curve.holds and plan.followed is not None:
         label = style.CURVES[plan.followed][0]
         lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")

@@ -61,6 +61,11 @@ class JointCourse:
     missed: FloatArray
 
     @property
+    def length(self) -> float:
+        """Arc length of the curve, [unit]."""
+        return self.arc.length
+
+    @property
     def speeds(self) -> FloatArray:
         """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
         return np.asarray(self.arm.chain.speeds * self.arm.scales)

@@ -30,5 +30,7 @@ class HeadlineLayer(Layer):
 
 @once_a_plan
 def headline(plan: Plan) -> str:
-    """The three numbers as HTML; empty where no curve is followed."""
-    return "" if plan.followed is None else blocks(curve_numbers(plan, plan.followed))
+    """The three numbers as HTML: of the curve, or of the arm where this follows none."""
+    if plan.followed is None:
+        return blocks(stage_numbers(plan, "arm")) if plan.joint_search is not None else ""
+    return blocks(curve_numbers(plan, plan.followed))

@@ -50,7 +50,7 @@ def scene_of(name: str, axis: Any, ends: Ends, obstacles: list[Any]) -> Scene:
             "spline": {"clearance": 0.02},
             "arm": {
                 **{"model": "urdf", "urdf": name, "base": (0.0, 0.0, 0.0)},
-                **{"clearance": 0.01, "axis": axis},
+                **{"clearance": 0.01, "axis": axis, "search": "mesh"},
             },
         }
     )

@@ -259,7 +259,7 @@ def test_a_name_that_can_be_no_files_is_refused(name: str) -> None:
 
 @pytest.mark.parametrize(
     "change",
-    [{"start": {"x": 1}}, {"unit": {"a": 1}}, {"foo": {"a": 1}}, {"mesh": 3}, {"obstacles": {}}],
+    [{"start": "x"}, {"unit": {"a": 1}}, {"foo": {"a": 1}}, {"mesh": 3}, {"obstacles": {}}],
 )
 def test_a_change_of_another_kind_names_the_field(change: dict[str, object]) -> None:
     with pytest.raises(SceneError) as caught:

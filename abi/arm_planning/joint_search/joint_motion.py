@@ -1,0 +1,124 @@
+"""Motions along a curve in the space of the joints: their timing, samples and clearance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy
+
+from abi.arm_planning.certificates.separate_arm_kernels import Slide
+from abi.arm_planning.joint_search.joint_spline import JointSpline
+from abi.arm_planning.motion.arm_clearance import ArmClearance
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.motion.urdf_motion import JointCourse
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.curves.bspline import clamped
+from abi.curves.curve import arc_length
+from abi.curves.timed_profile import PathProfile
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.urdf_arm import UrdfArm
+
+_GRID = 1201
+_FINE = 4801
+"""Places of the curve by which it is measured."""
+_DRAWN = 400
+"""Edges of the polyline that stands for the way of the tool."""
+TURN = 0.25
+"""Part of the arm's reach that a turn by 1 rad counts as, beside the way of the tool."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointPassage(ShortRepr):
+    """Joint positions as functions of the distance along a curve of the joints.
+
+    Where the tool moves by dx and the joints by dq, the distance grows by the root of dx² + r² dq²,
+    r being a quarter of the arm's reach: a tool that stands still while the joints turn takes time,
+    too, and none moves faster than the distance does.
+
+    Attributes:
+        course: the joints at equal distances, and the polyline of the tool.
+        length: the whole distance, [unit].
+    """
+
+    course: JointCourse
+    length: float
+
+    @cached_property
+    def _spline(self) -> Any:
+        positions = self.course.positions
+        return scipy.interpolate.CubicSpline(np.linspace(0, self.length, len(positions)), positions)
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
+        return self.course.speeds
+
+    @property
+    def scales(self) -> FloatArray:
+        """Factors from [rad/s²] or [m/s²] to [rad/s²] or [unit/s²], (n,)."""
+        return self.course.scales
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether the joints depend on the time, too: False."""
+        return False
+
+    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
+        """Joint positions at distances (k,), (k, n), within the limits."""
+        low, high = self.course.arm.limits.T
+        return np.asarray(np.clip(self._spline(distances), low, high))
+
+    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
+        """Motion by a profile, at uniform times."""
+        arm, time = self.course.arm, np.linspace(0.0, profile.duration, samples)
+        positions = self.at(profile(time))
+        tool, step = arm.tool(positions), profile.duration / (samples - 1)
+        nothing = read_only(np.zeros(2))
+        return ArmMotion(
+            curve=self.course.curve,
+            elbow="up",
+            slide=Slide(nothing, nothing, nothing),
+            time=read_only(time),
+            positions=read_only(positions),
+            target=read_only(tool),
+            tool=read_only(tool),
+            velocity=read_only(np.gradient(tool, step, axis=0)),
+            unreachable=(),
+            limit_violations=(),
+            peak_joint_speed=read_only(np.abs(np.diff(positions, axis=0)).max(axis=0) / step),
+            joints=arm.joints,
+            slides=arm.chain.slides,
+        )
+
+    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
+        """Check whether some of the poses on the way show that the arm is not clear."""
+        return self.course.is_refuted(profile, surroundings, required)
+
+    def clearance(
+        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+    ) -> ArmClearance:
+        """Clearance of the whole arm in that motion, measured and proven."""
+        return self.course.clearance(motion, obstacles, surroundings, required)
+
+
+def passage_of(spline: JointSpline, arm: UrdfArm) -> JointPassage:
+    """Measure a curve of an arm's joints, whose ends differ."""
+    places = np.linspace(0.0, 1.0, _FINE)
+    positions = spline(places)
+    tool = arm.tool(positions)
+    turned = np.diff(positions, axis=0) * np.where(arm.chain.slides, 1.0, TURN * arm.reach)
+    moved = np.diff(tool, axis=0)
+    passed = np.concatenate([[0.0], np.cumsum(np.sqrt((moved**2).sum(1) + (turned**2).sum(1)))])
+    goes_on = np.concatenate([[True], np.diff(passed) > 1e-12 * passed[-1]])
+    back = scipy.interpolate.PchipInterpolator(passed[goes_on], places[goes_on])
+    equal = np.clip(back(np.linspace(0.0, passed[-1], _GRID)), 0.0, 1.0)
+    equal[-1] = 1.0
+    curve = clamped(tool[:: (_FINE - 1) // _DRAWN], 1)
+    course = JointCourse(
+        curve, arc_length(curve), arm, read_only(spline(equal)), read_only(np.zeros(_GRID))
+    )
+    return JointPassage(course, float(passed[-1]))

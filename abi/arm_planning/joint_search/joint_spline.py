@@ -1,0 +1,87 @@
+"""Smooth curves in the space of the joints, near a path whose edges are proven clear."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy
+
+from abi import arguments
+from abi.arm_planning.certificates.chain_certificate import chain_refutation
+from abi.arm_planning.joint_search.joint_space import JointSpace
+from abi.arrays import FloatArray, ShortRepr, read_only
+
+DEGREE = 4
+_ROUNDS = 40
+"""Times that a curve is brought nearer to its path."""
+_SAMPLES = 401
+"""Places of a curve between which the joints go straight when it is asked about."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JointSpline(ShortRepr):
+    """A clamped uniform B-spline of joint positions on [0, 1].
+
+    It stays in the convex hull of its control points, and so within the joints' limits.
+
+    Attributes:
+        control_points: joint positions (k, n), k > degree, [rad] or [unit].
+        degree: of its polynomials, at least 1.
+    """
+
+    control_points: FloatArray
+    degree: int = DEGREE
+
+    def __post_init__(self) -> None:
+        points = arguments.numbers("control_points", self.control_points, (-1, -1))
+        arguments.integer("degree", self.degree, 1, max(len(points) - 1, 1))
+        arguments.keep(self, control_points=points)
+
+    @cached_property
+    def knots(self) -> FloatArray:
+        """Knots from 0 to 1, (k + degree + 1,)."""
+        inner = np.linspace(0.0, 1.0, len(self.control_points) - self.degree + 1)
+        return read_only(np.concatenate([[0.0] * self.degree, inner, [1.0] * self.degree]))
+
+    @cached_property
+    def _spline(self) -> Any:
+        return scipy.interpolate.BSpline(self.knots, self.control_points, self.degree)
+
+    def __call__(self, parameter: FloatArray, order: int = 0) -> FloatArray:
+        """Joint positions (m, n) at parameters (m,), or their derivative of that order."""
+        return np.asarray(self._spline(parameter, order))
+
+    def nearer_at(self, parameter: float) -> JointSpline:
+        """A curve nearer to its control polygon there: the edges that count are halved."""
+        points, p = self.control_points, self.degree
+        span = int(np.searchsorted(self.knots, parameter, side="right")) - 1
+        last = min(max(span, p), len(points) - 1)
+        edges = np.arange(last - p, last)
+        edges = edges[(points[edges] != points[edges + 1]).any(axis=1)]
+        middles = (points[edges] + points[edges + 1]) / 2
+        return JointSpline(np.insert(points, edges + 1, middles, axis=0), p)
+
+
+def spline_near(space: JointSpace, path: FloatArray, degree: int = DEGREE) -> JointSpline | None:
+    """A smooth curve near a path along which the arm is proven clear; None if none was found.
+
+    Args:
+        space: the arm and what it keeps clear of.
+        path: joint positions (k, n), k >= 2, whose edges are proven clear, [rad] or [unit].
+        degree: of the curve.
+    """
+    path = arguments.numbers("path", path, (-1, len(space.weights)))
+    while len(path) <= degree:  # every edge is halved
+        middles = (path[1:] + path[:-1]) / 2
+        path = np.insert(path, np.arange(1, len(path)), middles, axis=0)
+    spline = JointSpline(path, degree)
+    places = np.linspace(0.0, 1.0, _SAMPLES)
+    for _ in range(_ROUNDS):
+        fault = chain_refutation(space.arm, spline(places), space.surroundings, space.margin)
+        if fault is None:
+            return spline
+        spline = spline.nearer_at(fault.parameter / (_SAMPLES - 1))
+    return None

@@ -1,0 +1,177 @@
+"""Where an arm begins or ends, said by more than the place of its tool."""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, PlainValidator, Strict, model_serializer, model_validator
+
+from abi.errors import SceneError
+from abi.obstacles.pose import Number, Quaternion, Vec3
+from abi.robot.urdf.held_joints import held_in_metres, planned_joints
+from abi.robot.urdf.robot import Joint, Robot
+from abi.robot.urdf.urdf_joints import some_of
+from abi.scene.section import Settings
+
+_PAST = 1e-9
+"""Distance that a joint may be past its limit, [rad] or [m]."""
+_FEW = 8
+
+ENDS: tuple[Literal["start", "goal"], ...] = ("start", "goal")
+
+Joints = tuple[tuple[str, float], ...] | tuple[float, ...]
+"""Positions by the names of joints, or of all that are planned in their order."""
+
+
+def _read(value: object) -> Joints | None:
+    """Joint positions from plain data.
+
+    Raises:
+        ValueError: they are none; says what would be.
+    """
+    if value is None:
+        return None
+    named = value if isinstance(value, Mapping) else {}
+    rows = list(value) if isinstance(value, list | tuple) else []
+    if rows and all(isinstance(row, list | tuple) and len(row) == 2 for row in rows):
+        named, rows = dict(rows), []  # as it is kept
+    numbers = [*named.values(), *rows]
+    fits = all(type(number) in (int, float) and math.isfinite(number) for number in numbers)
+    if not numbers or not fits or not all(isinstance(name, str) for name in named):
+        raise ValueError("a number for each joint, by its name or in their order")
+    if named:
+        return tuple((name, float(number)) for name, number in named.items())
+    return tuple(map(float, rows))
+
+
+def _plain(joints: Joints | None) -> Any:
+    """Joint positions as plain data."""
+    if joints is None or not isinstance(joints[0], tuple):
+        return None if joints is None else list(joints)
+    return {name: number for name, number in joints if isinstance(name, str)}
+
+
+class ArmEnd(Settings):
+    """Start or goal of an arm: its joints, a named state of its SRDF, or the pose of its tool.
+
+    ``joints`` are positions by name, or a list in their order, [rad], slides in [unit]; ``state``
+    is the name of one that the SRDF gives. ``position`` [unit] and ``wxyz``, a quaternion, are the
+    pose of the tip in the world; ``position_tolerance`` [unit] and ``angle_tolerance`` [rad] say
+    how far from it the tip may be.
+    """
+
+    joints: Annotated[Joints | None, PlainValidator(_read)] = None
+    state: Annotated[str, Strict(), Field(min_length=1, max_length=100)] | None = None
+    position: Vec3 | None = None
+    wxyz: Quaternion | None = None
+    position_tolerance: Annotated[Number, Field(ge=0, le=1e6)] = 0.0
+    angle_tolerance: Annotated[Number, Field(ge=0, le=math.pi)] = 0.0
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        given = [self.joints, self.state, self.position]
+        if sum(one is not None for one in given) != 1:
+            raise ValueError("one of joints, state and position")
+        tolerances = self.position_tolerance, self.angle_tolerance
+        if self.position is None and (self.wxyz is not None or any(tolerances)):
+            raise ValueError("wxyz and tolerances with position alone")
+        if self.position is not None and self.wxyz is None:
+            raise ValueError("wxyz with position: without an orientation it is a point")
+        return self
+
+    @model_serializer
+    def _given(self) -> dict[str, Any]:
+        """Plain data of what is given."""
+        if self.position is None:
+            return {"state": self.state} if self.joints is None else {"joints": _plain(self.joints)}
+        return {name: getattr(self, name) for name in _OF_POSE}
+
+    @property
+    def is_pose(self) -> bool:
+        """Whether it is a pose of the tool; otherwise it names positions of all joints."""
+        return self.position is not None
+
+    def positions(self, field: str, robot: Robot, tip: str, metres: float) -> dict[str, float]:
+        """Positions of all planned joints by name, [rad] or [m]; only where it is no pose.
+
+        Args:
+            field: its own name in the scene, for errors.
+            robot: the robot.
+            tip: name of the link that is the tool.
+            metres: one [unit] of the scene in metres.
+
+        Raises:
+            SceneError: it does not name all planned joints, and no others, within their limits.
+        """
+        planned = {name: _joint(robot, name) for name in planned_joints(robot, tip)}
+        found = self._named(field, robot, tuple(planned), metres)
+        missing = [name for name in planned if name not in found]
+        if missing:
+            expected = f"a position for {some_of(missing, _FEW)}, too"
+            raise SceneError(field, some_of([*found], _FEW), expected)
+        for name, joint in planned.items():
+            if not joint.low - _PAST <= found[name] <= joint.high + _PAST:
+                slides = joint.kind == "prismatic"
+                low, high = (
+                    limit / metres if slides else limit for limit in (joint.low, joint.high)
+                )
+                value = found[name] / metres if slides else found[name]
+                expected = f"{low:g} to {high:g}{'' if slides else ' rad'}, the limits of {name}"
+                raise SceneError(f"{field}.joints.{name}", value, expected)
+        return {name: min(max(found[name], one.low), one.high) for name, one in planned.items()}
+
+    def _named(
+        self, field: str, robot: Robot, planned: tuple[str, ...], metres: float
+    ) -> dict[str, float]:
+        """Positions by name, [rad] or [m], that are given or belong to the state."""
+        if self.state is not None:
+            states = {one.name: one.positions for one in robot.states}
+            if self.state not in states:
+                expected = f"a state of its SRDF: {some_of([*states], _FEW) or 'it has none'}"
+                raise SceneError(f"{field}.state", self.state, expected)
+            return {name: at for name, at in states[self.state].items() if name in planned}
+        plain = _plain(self.joints)
+        if isinstance(plain, list):
+            if len(plain) != len(planned):
+                expected = f"{len(planned)} numbers, one for each of {some_of(planned, _FEW)}"
+                raise SceneError(f"{field}.joints", plain, expected)
+            plain = dict(zip(planned, plain, strict=True))
+        unknown = [name for name in plain if name not in planned]
+        if unknown:
+            expected = f"a joint that is planned: {some_of(planned, _FEW)}"
+            raise SceneError(f"{field}.joints", unknown[0], expected)
+        return held_in_metres(robot, plain, metres)
+
+
+_OF_POSE = ("position", "wxyz", "position_tolerance", "angle_tolerance")
+
+
+def _joint(robot: Robot, name: str) -> Joint:
+    return next(joint for joint in robot.joints if joint.name == name)
+
+
+def with_arm_ends(data: dict[str, Any]) -> dict[str, Any]:
+    """A scene's fields with a ``start`` or ``goal`` that is more than a point put into its arm."""
+    given = {name: data[name] for name in ENDS if isinstance(data.get(name), Mapping)}
+    if not given:
+        return data
+    arm = data.get("arm", {})
+    fields = vars(arm) if isinstance(arm, Settings) else arm
+    if not isinstance(fields, Mapping):
+        return data
+    others = {name: value for name, value in data.items() if name not in given}
+    return {**others, "arm": {**fields, **given}}
+
+
+def without_stale_ends(data: dict[str, Any], before: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields of a changed scene, without what its arm asked for at an end that was moved.
+
+    Args:
+        data: the fields after the change.
+        before: those of the scene that is changed.
+    """
+    arm = data["arm"]
+    if arm is not before["arm"] or not isinstance(arm, Settings):
+        return data
+    moved = [name for name in ENDS if data[name] is not before[name] and getattr(arm, name)]
+    return {**data, "arm": {**vars(arm), **dict.fromkeys(moved)}} if moved else data
