@@ -18,7 +18,7 @@ from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.stances import Stances, spread_over
 from abi.arm_planning.motion.urdf_motion import JointCourse, joint_course
-from abi.arm_planning.world.chain_distances import obstacle_distances
+from abi.arm_planning.world.chain_distances import inside_meshes
 from abi.arm_planning.world.solid_rows import RowTable
 from abi.arm_planning.world.surroundings import Surroundings, chain_surroundings
 from abi.arrays import FloatArray
@@ -116,11 +116,7 @@ class UrdfModel:
         still, margin = np.stack([pose, pose]), task.scene.arm.clearance + task.slack
         if chain_refutation(self.arm, still, task.surroundings, margin) is not None:
             return False
-        ends = self.arm.place(pose[None])
-        allowed = task.surroundings.allowed
-        return bool(
-            (obstacle_distances(self.arm, task.obstacles, ends, allowed=allowed)[0] > 0).all()
-        )
+        return not inside_meshes(self.arm, task.obstacles, pose, task.surroundings.allowed)
 
     def _sight(self, pair: PosePair, task: SightTask) -> ChainSight:
         branch = f"From pose {pair.first + 1} at the start"

@@ -18,14 +18,16 @@ def arm_certificate(arm: AnyArm, clearance: ArmClearance) -> dict[str, Any] | No
     columns = (
         *(proof.pieces.tolist(), proof.poses.tolist(), proof.capsule.tolist()),
         *(proof.obstacle.tolist(), proof.directions.tolist()),
+        [False] * len(proof.poses) if proof.closer is None else proof.closer.tolist(),
     )
     data: dict[str, Any] = {
         "margin": float(proof.margin) if math.isfinite(proof.margin) else None,
         "planes": [
             {"t0": t0, "t1": t1, "at": at, "capsule": capsule}
+            | ({"hull": True} if closer else {})
             | {"obstacle": named(obstacle, arm), "direction": way}
             | ({"other": OWN - obstacle} if obstacle <= OWN else {})
-            for (t0, t1), at, capsule, obstacle, way in zip(*columns, strict=True)
+            for (t0, t1), at, capsule, obstacle, way, closer in zip(*columns, strict=True)
         ],
     }
     if proof.positions is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from operator import itemgetter
@@ -16,7 +16,7 @@ from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.any_arm import PlacedCapsule
 from abi.robot.bodies.allowed_contacts import AllowedContact, LinkPairs, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
-from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, lever, pair_lever, place
+from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, lever, meeting, place
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
 from abi.robot.urdf.robot import Robot
@@ -92,14 +92,27 @@ class UrdfArm(ShortRepr):
     @cached_property
     def levers(self) -> FloatArray:
         """Bound of a capsule's motion per unit of each coordinate, (c, n), [unit]."""
-        rows = [lever(self.chain, one, -1) for one in self.capsules]
+        return self._levers([one.ends for one in self.capsules])
+
+    def _levers(self, points: Sequence[FloatArray]) -> FloatArray:
+        """Bound of the motion of points of each capsule's frame, (c, n), [unit]."""
+        frames = [one.frame for one in self.capsules]
+        rows = [lever(self.chain, *one, -1) for one in zip(frames, points, strict=True)]
         return read_only(np.stack(rows) / self.metres / self.scales)
 
     @cached_property
     def pair_levers(self) -> FloatArray:
         """Bound of the motion of each pair's capsules beside each other, (p, n), [unit]."""
-        capsules, chain = self.capsules, self.chain
-        rows = [pair_lever(chain, capsules[i], capsules[j]) for i, j in self.pairs]
+        return self._pair_levers([one.ends for one in self.capsules])
+
+    def _pair_levers(self, points: Sequence[FloatArray]) -> FloatArray:
+        """Bound of the motion of points of both capsules of a pair beside each other, (p, n)."""
+        chain, frames = self.chain, [one.frame for one in self.capsules]
+        rows = []
+        for i, j in self.pairs.tolist():
+            common = meeting(chain, frames[i], frames[j])
+            both = (lever(chain, frames[k], points[k], common) for k in (i, j))
+            rows.append(np.sum([*both], axis=0))
         levers = np.array(rows).reshape(len(rows), len(self.joints))
         return read_only(levers / self.metres / self.scales)
 
@@ -122,13 +135,21 @@ class UrdfArm(ShortRepr):
     def bodies(self) -> Bodies:
         """Capsules in the format of the kernels, for coordinates in [rad] and [m]."""
         frames = np.array([one.frame for one in self.capsules], dtype=np.int32)
+        hulls = [one.points for one in self.capsules]
+        roundings = np.array([one.rounding for one in self.capsules]) / self.metres
         return Bodies(
+            moving=len(self.chain.joints),
             frames=read_only(frames),
             ends=flat(np.stack([one.ends for one in self.capsules])),
             radii=self.radii,
             levers=flat(self.levers * self.scales),
             pairs=read_only(np.ascontiguousarray(self.pairs).reshape(-1)),
             pair_levers=flat(self.pair_levers * self.scales),
+            points=flat(np.concatenate(hulls)),
+            first=read_only(np.cumsum([0, *map(len, hulls)], dtype=np.int32)),
+            roundings=read_only(roundings),
+            point_levers=flat(self._levers(hulls) * self.scales),
+            point_pair_levers=flat(self._pair_levers(hulls) * self.scales),
             scale=1 / self.metres,
         )
 
@@ -137,6 +158,24 @@ class UrdfArm(ShortRepr):
         positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
         poses = self.chain.poses(positions / self.scales)
         return place(self.capsules, poses) / self.metres
+
+    def first_corners(self, pose: FloatArray) -> FloatArray:
+        """A corner of each body's hull at joint positions (n,), (c, 3), [unit], world."""
+        frames = self.chain.poses(pose[None] / self.scales)[0]
+        corners = [
+            one.points[0] if one.frame < 0 else frames[one.frame] @ np.append(one.points[0], 1.0)
+            for one in self.capsules
+        ]
+        return np.asarray(np.stack(corners) / self.metres)
+
+    def lowest(self, pose: FloatArray, body: int) -> float:
+        """Height of the lowest point of a body at joint positions (n,), [unit], world."""
+        frames = self.chain.poses(pose[None] / self.scales)[0]
+        one = self.capsules[body]
+        heights = one.points[:, 2]
+        if one.frame >= 0:
+            heights = one.points @ frames[one.frame, 2, :3] + frames[one.frame, 2, 3]
+        return float((heights.min() - one.rounding) / self.metres)
 
     @property
     def has_elbow(self) -> bool:
@@ -164,6 +203,8 @@ class UrdfArm(ShortRepr):
         capsules = [
             {"link": one.link, "joint": one.frame, "radius": radius}
             | dict(zip(("from", "to"), (one.ends / self.metres).tolist(), strict=True))
+            | {"points": (one.points / self.metres).tolist()}
+            | {"rounding": one.rounding / self.metres}
             for one, radius in zip(self.capsules, self.radii.tolist(), strict=True)
         ]
         return {"capsules": capsules, "pairs": self.pairs.tolist()}

@@ -13,6 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import scipy
 
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
@@ -21,17 +22,18 @@ from abi.verify.exact import ExactSolid
 from abi.verify.exact_chain import ExactChain
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
+from abi.verify.link_corners import LinkBody
 from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plumb_line import is_beneath
 
 Other = str | int
-Bodies = Mapping[str, Sequence[tuple[FloatArray, float]]]
-"""Capsules of each link, in the frame that moves it: ends (2, 3) and radius, [unit]."""
+Bodies = Mapping[str, Sequence[LinkBody]]
+"""Pieces of each link."""
 
+_NEAR = 1e-6
+"""Distance at which hulls overlap, over the size of both: their roundings are left out."""
 _POSES = 64
 """Random poses in which links that are said to overlap always are looked at."""
-_NEARLY_ALWAYS = 0.85
-"""Share of these in which they must: of many poses it is to be 0.95."""
 
 
 def allowed_contacts(
@@ -115,18 +117,18 @@ def _check_overlap(pairs: Sequence[tuple[str, str]], chain: ExactChain, bodies: 
     low, high = _usual_range(chain)
     for row in np.random.default_rng(0).uniform(low, high, (_POSES, len(low))):
         frames = chain.place([Fraction(number) for number in row.tolist()])
-        placed: dict[str, list[tuple[FloatArray, float]]] = {}
+        placed: dict[str, list[FloatArray]] = {}
         for link in set(itertools.chain(*pairs)):
             turn, origin = np.eye(3), np.zeros(3)
             if chain.frames[link] >= 0:
                 frame = frames[chain.frames[link]]
                 turn, origin = (part.astype(float) / 2.0**200 for part in frame[:2])
-            placed[link] = [(ends @ turn.T + origin, radius) for ends, radius in bodies[link]]
+            placed[link] = [body.points @ turn.T + origin for body in bodies[link]]
         for pair in pairs:
             both = itertools.product(placed[pair[0]], placed[pair[1]])
-            overlaps[pair] += any(_touch(*one, *other) for one, other in both)
+            overlaps[pair] += any(_overlap(one, other) for one, other in both)
     for (link, other), count in overlaps.items():
-        if count < _NEARLY_ALWAYS * _POSES:
+        if count < _POSES:
             raise Fault(f"{link} and {other} are apart in random poses")
 
 
@@ -138,22 +140,11 @@ def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
     return np.maximum(low, -turn).tolist(), np.minimum(high, turn).tolist()
 
 
-def _touch(first: FloatArray, radius: float, second: FloatArray, other: float) -> bool:
-    """Check whether two capsules are nearer than their radii, by projecting in turn.
-
-    The distance of a point of one segment to the other is convex, so that alternating projections
-    converge to the least.
-    """
-    point = first.mean(axis=0)
-    for _ in range(200):
-        on_second = _nearest(second, point)
-        point = _nearest(first, on_second)
-    return float(np.linalg.norm(point - on_second)) <= radius + other
-
-
-def _nearest(ends: FloatArray, point: FloatArray) -> FloatArray:
-    """The point (3,) of a segment that is nearest to a point."""
-    way = ends[1] - ends[0]
-    square = float(way @ way)
-    share = min(max(float((point - ends[0]) @ way) / square, 0.0), 1.0) if square > 0 else 0.0
-    return np.asarray(ends[0] + share * way)
+def _overlap(first: FloatArray, second: FloatArray) -> bool:
+    """Check whether the hulls of points (k, 3) and (m, 3) overlap: have a point in common."""
+    size = max(float(np.ptp(np.concatenate([first, second]), axis=0).max()), _NEAR)
+    middle = first.mean(axis=0)
+    sums = np.zeros((5, len(first) + len(second)))
+    sums[:3] = np.concatenate([first - middle, middle - second]).T / size
+    sums[3, : len(first)], sums[4, len(first) :] = 1, 1
+    return bool(scipy.optimize.nnls(sums, np.array([0, 0, 0, 1, 1]))[1] <= _NEAR)

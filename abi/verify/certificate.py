@@ -28,12 +28,14 @@ class CertifiedPlane(NamedTuple):
         start, end: parameters of the piece.
         at: parameter of the pose around which it holds; of a curve the start.
         normal: the direction.
+        closer: whether it separates the hull in a capsule, not the capsule.
     """
 
     start: Fraction
     end: Fraction
     at: Fraction
     normal: Vec3
+    closer: bool = False
 
 
 def claimed_margin(
@@ -96,7 +98,7 @@ def planes_of(
             Fraction(finite(f"{field}.planes.{name}", data.get(name))) for name in names
         )
         normal = vector_of(f"{field}.planes.direction", data.get("direction"))
-        planes.setdefault(key, []).append(CertifiedPlane(start, end, at, normal))
+        planes.setdefault(key, []).append(CertifiedPlane(start, end, at, normal, data.get("hull") is True))
     for group in planes.values():
         group.sort(key=attrgetter("start"))
     return planes

@@ -8,28 +8,47 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
+import scipy
 
-from abi.arrays import FloatArray
+from abi.arrays import BoolArray, FloatArray
 from abi.robot.urdf.robot import LinkShape, Robot
 from abi.verify.exact_chain import ExactChain
 from abi.verify.fault import Fault
 
 _NEAR = 1e-6
 """Distance that a corner may be outside, over the largest coordinate of its link and 1 m."""
+_TINY = 1e-300
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 
 
+class LinkBody(NamedTuple):
+    """A piece of a link, in the frame that moves it, [unit].
+
+    Attributes:
+        ends: of its capsule's segment, (2, 3).
+        radius: of its capsule.
+        points: whose hull it is in, too, (k, 3).
+        rounding: distance from that hull that belongs to it.
+    """
+
+    ends: FloatArray
+    radius: float
+    points: FloatArray
+    rounding: float
+
+
 def check_corners(
-    robot: Robot, chain: ExactChain, capsules: Mapping[str, Sequence[tuple[FloatArray, float]]]
+    robot: Robot, chain: ExactChain, bodies: Mapping[str, Sequence[LinkBody]]
 ) -> None:
-    """Raise where a corner of a link's shapes is in none of its capsules.
+    """Raise where a corner of a link's shapes is in none of its pieces, capsule and hull.
 
     Args:
         robot: the robot.
         chain: its chain.
-        capsules: of each link, in the frame that moves it: ends (2, 3) and radius, [unit].
+        bodies: pieces of each link.
 
     Raises:
         Fault: a corner is outside.
@@ -42,9 +61,28 @@ def check_corners(
         own = np.concatenate([_corners(shape) for shape in link.shapes])
         corners = units * own @ turn.T + origin
         allowed = _NEAR * max(units, float(np.abs(corners).max()))
-        gaps = [_distances(corners, ends) - radius for ends, radius in capsules[name]]
-        if (np.min(gaps, axis=0) > allowed).any():
+        held = np.zeros(len(corners), dtype=np.bool_)
+        for body in bodies[name]:
+            inside = _distances(corners, body.ends) <= body.radius + allowed
+            inside[inside] = _in_hull(corners[inside], body, allowed)
+            held |= inside
+        if not held.all():
             raise Fault(f"the capsules of {name} are not where its joints take it")
+
+
+def _in_hull(corners: FloatArray, body: LinkBody, allowed: float) -> BoolArray:
+    """Check which of points (n, 3) are in the hull of a body, up to a distance."""
+    points, room = body.points, body.rounding + allowed
+    if len(points) <= 2:
+        return np.asarray(_distances(corners, points[[0, -1]]) <= room)
+    try:
+        sides = scipy.spatial.ConvexHull(points).equations
+    except scipy.spatial.QhullError:  # it is flat: is each a sum of the points, in parts of one?
+        size = max(float(np.abs(points).max()), _TINY)
+        sums = np.vstack([points.T / size, np.ones(len(points))])
+        wanted = np.column_stack([corners / size, np.ones(len(corners))])
+        return np.array([scipy.optimize.nnls(sums, one)[1] * size <= room for one in wanted])
+    return np.asarray((corners @ sides[:, :3].T + sides[:, 3]).max(axis=1, initial=-1.0) <= room)
 
 
 def _distances(points: FloatArray, ends: FloatArray) -> FloatArray:

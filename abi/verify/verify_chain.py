@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from abi.arrays import FloatArray
 from abi.obstacles.pose import METRES, Quaternion, rotation
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene
@@ -37,7 +36,7 @@ from abi.verify.exact import ExactFloor, ExactSolid, Vec3, dot, sub, times_lengt
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
-from abi.verify.link_corners import check_corners
+from abi.verify.link_corners import LinkBody, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_apart
 
@@ -50,18 +49,28 @@ _PAST = Fraction(1, 10**9)
 
 
 class _Capsule(NamedTuple):
-    """All points within ``radius`` of a segment in the frame of a joint, -1 for the world."""
+    """A piece of a link, in the frame of a joint, -1 for the world.
+
+    It is within ``radius`` of a segment, and within ``rounding`` of the hull of ``points``.
+    """
 
     link: str
     frame: int
     ends: tuple[Vec3, Vec3]
     radius: Fraction
+    points: tuple[Vec3, ...]
+    rounding: Fraction
 
-    def placed(self, frames: list[ExactFrame]) -> list[tuple[Vec3, Fraction]]:
-        """Ends in the world, each with a bound of its error along each axis."""
+    def corners(self, closer: bool) -> tuple[tuple[Vec3, ...], Fraction]:
+        """Points whose hull it is in, and how far around: of the segment, or of what is closer."""
+        return (self.points, self.rounding) if closer else (self.ends, self.radius)
+
+    def placed(self, frames: list[ExactFrame], closer: bool) -> list[tuple[Vec3, Fraction]]:
+        """These points in the world, each with a bound of its error along each axis."""
+        points = self.corners(closer)[0]
         if self.frame < 0:
-            return [(end, Fraction(0)) for end in self.ends]
-        return [frames[self.frame].place(end) for end in self.ends]
+            return [(point, Fraction(0)) for point in points]
+        return [frames[self.frame].place(point) for point in points]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +81,7 @@ class _JointMotion:
     rows: list[list[Fraction]]
     frames: dict[Fraction, list[ExactFrame]] = field(default_factory=dict)
     ways: dict[tuple[Fraction, Fraction, Fraction], list[Fraction]] = field(default_factory=dict)
-    levers: dict[tuple[_Capsule, int], list[Fraction]] = field(default_factory=dict)
+    levers: dict[tuple[int, bool, int], list[Fraction]] = field(default_factory=dict)
 
     def positions(self, at: Fraction) -> list[Fraction]:
         """Coordinates at a parameter."""
@@ -100,11 +109,12 @@ class _JointMotion:
             ]
         return self.frames[at], self.ways[key]
 
-    def way(self, capsule: _Capsule, behind: int, ways: list[Fraction]) -> Fraction:
-        """Bound of the way of a capsule's segment beside the frame ``behind``, [unit]."""
-        key = capsule, behind
+    def way(self, capsule: _Capsule, closer: bool, behind: int, ways: list[Fraction]) -> Fraction:
+        """Bound of the way of a capsule's corners beside the frame ``behind``, [unit]."""
+        key = id(capsule), closer, behind
         if key not in self.levers:
-            self.levers[key] = self.chain.levers(capsule.ends, capsule.frame, behind)
+            points, _ = capsule.corners(closer)
+            self.levers[key] = self.chain.levers(points, capsule.frame, behind)
         pairs = zip(self.levers[key], ways, strict=True)
         return sum((lever * way for lever, way in pairs), Fraction(0))
 
@@ -164,12 +174,13 @@ def _left_out(certificate: dict[str, Any]) -> str:
     return f"; allowed to touch: {named}" if named else ""
 
 
-def _bodies(capsules: Sequence[_Capsule]) -> dict[str, list[tuple[FloatArray, float]]]:
-    """Ends and radii of each link's capsules, in floating point."""
-    found: dict[str, list[tuple[FloatArray, float]]] = {}
+def _bodies(capsules: Sequence[_Capsule]) -> dict[str, list[LinkBody]]:
+    """Pieces of each link, in floating point."""
+    found: dict[str, list[LinkBody]] = {}
     for capsule in capsules:
-        ends = np.array(capsule.ends, dtype=np.float64)
-        found.setdefault(capsule.link, []).append((ends, float(capsule.radius)))
+        ends, points = (np.array(one, dtype=np.float64) for one in (capsule.ends, capsule.points))
+        body = LinkBody(ends, float(capsule.radius), points, float(capsule.rounding))
+        found.setdefault(capsule.link, []).append(body)
     return found
 
 
@@ -250,7 +261,7 @@ def _check_outside(
     """Raise where a capsule, clear of all triangles, is inside a closed mesh."""
     frames = motion.chain.place(motion.rows[0])
     for capsule in capsules:
-        point, _ = capsule.placed(frames)[0]
+        point, _ = capsule.placed(frames, True)[0]
         for k, obstacle in enumerate(obstacles):
             if (capsule.link, k) in allowed:
                 continue
@@ -258,10 +269,10 @@ def _check_outside(
                 raise Fault(f"{capsule.link} is inside a mesh")
 
 
-def _range(frames: list[ExactFrame], capsule: _Capsule, normal: Vec3) -> tuple[Fraction, Fraction]:
-    """Bounds of the products of a direction with a capsule's segment at a pose."""
-    low, high = [], []
-    for place, error in capsule.placed(frames):
+def _range(frames: list[ExactFrame], capsule: _Capsule, plane: Plane) -> tuple[Fraction, Fraction]:
+    """Bounds of the products of a plane's direction with a capsule's corners at a pose."""
+    low, high, normal = [], [], plane.normal
+    for place, error in capsule.placed(frames, plane.closer):
         product, slack = dot(normal, place), error * sum(map(abs, normal))
         low.append(product - slack)
         high.append(product + slack)
@@ -271,8 +282,8 @@ def _range(frames: list[ExactFrame], capsule: _Capsule, normal: Vec3) -> tuple[F
 def _least(motion: _JointMotion, capsule: _Capsule, plane: CertifiedPlane) -> Fraction:
     """Lower bound of a plane's product with a capsule all along its piece."""
     frames, ways = motion.near(plane)
-    way = motion.way(capsule, -1, ways) + capsule.radius
-    return _range(frames, capsule, plane.normal)[0] - times_length(way, plane.normal)
+    way = motion.way(capsule, plane.closer, -1, ways) + capsule.corners(plane.closer)[1]
+    return _range(frames, capsule, plane)[0] - times_length(way, plane.normal)
 
 
 def _apart(
@@ -280,11 +291,11 @@ def _apart(
 ) -> Fraction:
     """The same of the second of two capsules, which a plane must keep apart all along."""
     frames, ways = motion.near(plane)
-    _, highest = _range(frames, first, plane.normal)
-    least, _ = _range(frames, second, plane.normal)
+    _, highest = _range(frames, first, plane)
+    least, _ = _range(frames, second, plane)
     common = motion.chain.meeting(first.frame, second.frame)
-    way = motion.way(first, common, ways) + motion.way(second, common, ways)
-    way += first.radius + second.radius
+    way = sum(motion.way(one, plane.closer, common, ways) for one in (first, second))
+    way += first.corners(plane.closer)[1] + second.corners(plane.closer)[1]
     if least - highest <= times_length(way, plane.normal):
         raise Fault(f"the piece from {float(plane.start):g} is not separated")
     return least
@@ -298,9 +309,17 @@ def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> l
         low, high = (vector_of(f"{ARM}.capsules.{key}", data.get(key)) for key in ("from", "to"))
         if not isinstance(link, str) or link not in chain.frames or radius <= 0:
             raise Fault("a capsule has no link, or no extent")
+        points = [
+            vector_of(f"{ARM}.capsules.points", point)
+            for point in list_of(f"{ARM}.capsules.points", data.get("points"))
+        ]
+        rounding = Fraction(finite(f"{ARM}.capsules.rounding", data.get("rounding")))
+        if not points or rounding < 0:
+            raise Fault(f"{link} has no hull")
         if data.get("joint") != chain.frames[link]:
             raise Fault(f"{link} is moved by another joint")
-        capsules.append(_Capsule(link, chain.frames[link], (low, high), radius))
+        frame = chain.frames[link]
+        capsules.append(_Capsule(link, frame, (low, high), radius, (*points,), rounding))
     held = {capsule.link for capsule in capsules}
     for name, link in scene.arm.robot.links.items():
         if link.shapes and name not in held:

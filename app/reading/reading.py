@@ -18,7 +18,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.robot.bodies.bounding_capsules import bounding_capsules
+from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import file_of, load_robot, robot_from_archive, robots_in
 from abi.scene import scene_archive
@@ -107,7 +107,7 @@ def read(job: Job) -> ReadingResult:
         return ReadingResult(refusal, f"{type(error).__name__}: {error}"[:300])
     finally:
         robot_from_archive.cache_clear()
-        bounding_capsules.cache_clear()
+        link_bodies.cache_clear()
 
 
 def rehearse() -> None:
@@ -193,7 +193,7 @@ def _whole(name: str, files: Mapping[str, bytes | Surface], srdf: str | None = N
     """
     robot = load_robot(name, MeshSource(files), plain=True, srdf=srdf)
     for link in robot.links.values():
-        bounding_capsules(link)
+        link_bodies(link)
     return robot
 
 

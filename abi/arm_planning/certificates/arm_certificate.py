@@ -29,7 +29,7 @@ import numpy as np
 
 from abi.arm_planning.certificates.separate_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm_planning.world.surroundings import Surroundings
-from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength
@@ -58,6 +58,8 @@ class ArmCertificate(ShortRepr):
         directions: unit vectors towards the capsule, shape (k, 3), world.
         positions: joint positions that the parameters count, shape (m, n), [rad] or [unit], with
             straight motion between them; None if the parameters are the curve's.
+        closer: whether a direction separates the hull in the capsule, not the capsule, (k,); None
+            where there are no hulls.
     """
 
     margin: float
@@ -67,6 +69,7 @@ class ArmCertificate(ShortRepr):
     obstacle: IntArray
     directions: FloatArray
     positions: FloatArray | None = None
+    closer: BoolArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

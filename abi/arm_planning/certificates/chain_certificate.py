@@ -14,6 +14,11 @@ moves both: there only joints behind it count, and the ways of both add up. A jo
 coordinate, on the way to the tip or beside it, goes straight, too; its lever is that of its own
 chain times its factor, and the levers of all that one coordinate moves add up.
 
+A link is in pieces, each of which is inside its capsule and inside the convex hull of a few points,
+with a rounding r. Where a capsule is not separated, its hull is: the same holds with the points of
+the hull instead of the segment's ends, and r instead of the radius. At any time one of both is
+enough, so a certificate may take them in turn.
+
 If no direction separates a pair, both halves of the stretch are tried. Rounding: an extra 2^-40 of
 the largest coordinate is required. :mod:`abi.verify.verify_chain` checks it in exact arithmetic.
 """
@@ -58,7 +63,8 @@ def certify_chain(
     refutation, planes = _refutation(arm, surroundings, outcome), outcome[-1]
     if refutation is not None:
         return refutation
-    capsules, others = _pairs(arm, surroundings, planes[:, 2])
+    closer = planes[:, 2] < 0
+    capsules, others = _pairs(arm, surroundings, np.where(closer, -1 - planes[:, 2], planes[:, 2]))
     return ArmCertificate(
         margin=margin if (surroundings.numbers >= 0).any() else math.inf,
         pieces=read_only(planes[:, :2].copy()),
@@ -67,6 +73,7 @@ def certify_chain(
         obstacle=others,
         directions=read_only(planes[:, 3:6].copy()),
         positions=positions,
+        closer=read_only(closer),
     )
 
 

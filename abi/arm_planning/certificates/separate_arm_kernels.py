@@ -20,6 +20,7 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     Moving,
     ProofLists,
     Span,
+    as_found,
     separate_pairs,
 )
 from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
@@ -217,7 +218,7 @@ def separate_arm(
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
         outcome, pair, away, tried, _ = separate_pairs(
-            around, span, lists, capsule_of, level_at_ends, (table, stance)
+            around, span, lists, capsule_of, level_at_ends, as_found, (table, stance)
         )
         tries += tried[0] + tried[1]
         if outcome == REFUTED:

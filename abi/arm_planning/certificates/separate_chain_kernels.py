@@ -16,11 +16,13 @@ from abi.arm_planning.certificates.direction_kernels import NO_DIRECTION
 from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
+    Found,
     Moving,
     ProofLists,
     Span,
     separate_pairs,
 )
+from abi.arm_planning.world.hull_row_kernels import hull_and_row
 from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
@@ -38,6 +40,7 @@ from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at
 from abi.robot.bodies.capsule_table import BODIES, Bodies
+from abi.robot.bodies.hull_kernels import APART, OVERLAP, between_hulls
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, place_chain
 
 WIDER = 1 + 2.0**-36
@@ -69,6 +72,22 @@ class _Pose(NamedTuple):
     ends: FloatArray
     poses: FloatArray
     end: FloatArray
+
+
+class _Near(NamedTuple):
+    """Bodies near a pose.
+
+    Attributes:
+        bodies: the bodies.
+        ends: of all capsules at the pose, flat (6 c,), [unit], world.
+        ways: of the coordinates from the pose, at most, (n,).
+        poses: of the joints there, flat (12 (m + 1),).
+    """
+
+    bodies: Bodies
+    ends: FloatArray
+    ways: FloatArray
+    poses: FloatArray
 
 
 @jitable
@@ -144,22 +163,19 @@ def _go_to_middle(
 
 
 @jitable
-def _apart(
-    ends: FloatArray, bodies: Bodies, pair: int, ways: FloatArray, allowance: float
-) -> tuple[int, float, Vec3, float]:
-    """Check whether a direction keeps two capsules apart near a pose.
+def _apart(near: _Near, pair: int, allowance: float) -> tuple[bool, int, float, Vec3, float]:
+    """Check whether a direction keeps two capsules, or else the hulls in them, apart near a pose.
 
     Args:
-        ends: of all capsules at the pose, [unit], world.
-        bodies: the capsules.
+        near: the bodies near the pose.
         pair: number of the pair.
-        ways: of the coordinates from the pose, at most.
         allowance: for rounding, [unit].
 
     Returns:
-        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction; the ways of
-        both beside each other, at most, [unit].
+        Whether what follows is of the hulls; CERTIFIED, REFUTED at the pose or UNDECIDED; the
+        distance there; the direction; the ways of both beside each other, at most, [unit].
     """
+    bodies, ends, ways, poses = near
     count = len(ways)
     i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
     p, a = vec3_at(ends, 6 * i), vec3_at(ends, 6 * i + 3)
@@ -171,19 +187,27 @@ def _apart(
     way = between_segments(q, sub(b, q), p, sub(a, p))
     away = math.sqrt(dot(way, way))
     radii = bodies.radii[i] + bodies.radii[j]
-    if away <= radii:
-        return REFUTED, away - radii, way, moves
-    way = (way[0] / away, way[1] / away, way[2] / away)
-    gap = min(dot(way, q), dot(way, b)) - max(dot(way, p), dot(way, a))
-    if gap > radii + 2 * allowance + moves:
-        return CERTIFIED, away - radii, way, moves
-    return UNDECIDED, away - radii, way, moves
+    if away > 0:
+        way = (way[0] / away, way[1] / away, way[2] / away)
+        gap = min(dot(way, q), dot(way, b)) - max(dot(way, p), dot(way, a))
+        if gap > radii + 2 * allowance + moves:
+            return False, CERTIFIED, away - radii, way, moves
+    else:
+        way = (0.0, 0.0, 1.0)
+    moves = 0.0
+    for k in range(count):
+        moves += bodies.point_pair_levers[pair * count + k] * ways[k]
+    moves *= WIDER
+    radii = bodies.roundings[i] + bodies.roundings[j]
+    found, away, way = between_hulls(bodies, poses, pair, way, radii, radii + 2 * allowance + moves)
+    outcome = CERTIFIED if found == APART else REFUTED if found == OVERLAP else UNDECIDED
+    return True, outcome, away - radii, way, moves
 
 
 @jitable(forceinline=True)
-def _capsule_of(near: tuple[Bodies, FloatArray, FloatArray], c: int) -> Moving:
-    """Capsule c near a pose, given the ends of all there and the ways of the coordinates."""
-    bodies, ends, ways = near
+def _capsule_of(near: _Near, c: int) -> Moving:
+    """Capsule c near a pose."""
+    bodies, ends, ways, _ = near
     moves = 0.0
     for j in range(len(ways)):
         moves += bodies.levers[c * len(ways) + j] * ways[j]
@@ -192,11 +216,25 @@ def _capsule_of(near: tuple[Bodies, FloatArray, FloatArray], c: int) -> Moving:
 
 
 @jitable(forceinline=True)
-def _level_at_ends(
-    near: tuple[Bodies, FloatArray, FloatArray], capsule: Moving, way: Vec3
-) -> float:
+def _level_at_ends(near: _Near, capsule: Moving, way: Vec3) -> float:
     """Least product of a direction and a capsule's segment at the ends of a stretch: unknown."""
     return -math.inf
+
+
+@jitable
+def _refined(
+    near: _Near, around: Obstacles, c: int, s: int, allowance: float, found: Found
+) -> tuple[bool, Found]:
+    """What is found of the hull in capsule c and row s."""
+    bodies, _, ways, poses = near
+    moves = 0.0
+    for j in range(len(ways)):
+        moves += bodies.point_levers[c * len(ways) + j] * ways[j]
+    rounding = bodies.roundings[c]
+    need = rounding + around.margins[s]
+    least, most = need - allowance, need + allowance + moves * WIDER
+    outcome, gap, way = hull_and_row(bodies, poses, c, around, s, least, most)
+    return True, (outcome, gap - rounding, way)
 
 
 @jitable
@@ -206,7 +244,7 @@ def _add_pairs(
     """Add all pairs; unless it is to ``certify`` not those that boxes keep clear near a pose."""
     count, allowance = len(around.margins), ALLOWANCE * around.size
     for c in range(len(bodies.frames)):
-        capsule = _capsule_of((bodies, pose.ends, pose.ways), c)
+        capsule = _capsule_of(_Near(bodies, pose.ends, pose.ways, pose.poses), c)
         far = math.inf if certify else capsule.radius + capsule.way + allowance
         add_pairs_within(around, c, (capsule.first, capsule.last), far, pairs)
     for own in range(len(bodies.pairs) // 2):
@@ -237,7 +275,7 @@ def separate_knots(
 
     Returns:
         As for curves, the parameter of knot k being k; a plane's obstacle is the number of its
-        pair, and its level the parameter of the pose.
+        pair, -1 less that if it separates the hull, and its level the parameter of the pose.
     """
     count, ends = len(chain.limits) // 2, np.empty(6 * len(bodies.frames))
     ways, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
@@ -260,9 +298,10 @@ def separate_knots(
         for i in range(highest - 1, lowest - 1, -1):
             if candidates[i] < solid_pairs:
                 work.append(candidates[i])
+        near = _Near(bodies, ends, ways, poses)
         span = Span(stretch.start, stretch.end, at, allowance, True, certify)
         outcome, pair, away, tried, farthest = separate_pairs(
-            around, span, lists, _capsule_of, _level_at_ends, (bodies, ends, ways)
+            around, span, lists, _capsule_of, _level_at_ends, _refined, near
         )
         tries += tried[0] + tried[1]
         if outcome == REFUTED:
@@ -272,11 +311,12 @@ def separate_knots(
             if pair < solid_pairs:
                 continue
             tries += 1
-            outcome, away, way, moves = _apart(ends, bodies, pair - solid_pairs, ways, allowance)
+            closer, outcome, away, way, moves = _apart(near, pair - solid_pairs, allowance)
             if outcome == REFUTED:
                 return REFUTED, at, pair, away, table_of(planes)
             if outcome == CERTIFIED:
-                planes.append(SeparatingPlane(stretch.start, stretch.end, pair, way, at))
+                number = -1 - pair if closer else pair
+                planes.append(SeparatingPlane(stretch.start, stretch.end, number, way, at))
             else:
                 candidates.append(pair)
                 farthest = max(farthest, moves)

@@ -31,6 +31,8 @@ FINEST = 2.0**-26
 """Part of the largest coordinate: pieces with a smaller way are not halved."""
 
 _Arm = TypeVar("_Arm")
+Found = tuple[int, float, Vec3]
+"""An outcome, a distance and a direction."""
 
 
 class Moving(NamedTuple):
@@ -145,6 +147,7 @@ def separate_pairs(
     lists: ProofLists,
     capsule_of: Callable[[_Arm, int], Moving],
     level_at_ends: Callable[[_Arm, Moving, Vec3], float],
+    refined: Callable[[_Arm, Obstacles, int, int, float, Found], tuple[bool, Found]],
     arm: _Arm,
 ) -> tuple[int, int, float, tuple[int, int], float]:
     """Separate the pairs of ``lists.work`` on a piece; those that are left become candidates.
@@ -157,6 +160,8 @@ def separate_pairs(
         lists: written.
         capsule_of: a capsule of the arm, by its number.
         level_at_ends: least n·P over the points P of a capsule's segment at both ends of the piece.
+        refined: what is found of a closer body than a capsule, by the number of this, the row, the
+            allowance and what was found of the capsule; and whether that is of the closer body.
         arm: the arm near the pose.
 
     Returns:
@@ -182,13 +187,17 @@ def separate_pairs(
             candidates.append(pair)
             continue
         tries += 1
-        outcome, away, way = _separated(around, s, allowance, capsule, level_at_ends, arm)
+        found = _separated(around, s, allowance, capsule, level_at_ends, arm)
+        closer = False
+        if found[0] != CERTIFIED and is_solid(around, pair):
+            closer, found = refined(arm, around, capsule.number, s, allowance, found)
+        outcome, away, way = found
         if outcome == REFUTED and is_solid(around, pair):
             return REFUTED, pair, away, (tries, spared), farthest
         if bounded and outcome == CERTIFIED:
             if keeps:
-                planes.append(SeparatingPlane(start, end, pair, way, at))
-            if around.meshes[s] >= 0:
+                planes.append(SeparatingPlane(start, end, -1 - pair if closer else pair, way, at))
+            if around.meshes[s] >= 0 and not closer:
                 level = _level(allowance, capsule, way, level_at_ends, arm)
                 keep_direction(latest, way, level, around.meshes[s])
         elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
@@ -197,3 +206,11 @@ def separate_pairs(
             # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
             left = around.meshes[s] + 0
     return UNDECIDED, -1, 0.0, (tries, spared), farthest
+
+
+@jitable(forceinline=True)
+def as_found(
+    arm: _Arm, around: Obstacles, c: int, s: int, allowance: float, found: Found
+) -> tuple[bool, Found]:
+    """What is found of a capsule, where there is no closer body."""
+    return False, found

@@ -11,8 +11,10 @@ import numpy as np
 
 from abi.arm_planning.certificates.separate_chain_kernels import place_bodies
 from abi.arm_planning.exclusion.mask_kernels import touched_row
+from abi.arm_planning.world.hull_row_kernels import hull_and_row
 from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.clearance.separation_kernels import CERTIFIED
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
@@ -20,28 +22,40 @@ from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import dot, sub, vec3_at
 from abi.robot.bodies.capsule_table import BODIES, Bodies
+from abi.robot.bodies.hull_kernels import APART, between_hulls
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable
 
 
 @jitable
-def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
-    """Check whether two capsules that are to keep apart are nearer than ``slack``."""
+def _touches_itself(bodies: Bodies, ends: FloatArray, poses: FloatArray, slack: float) -> bool:
+    """Check whether two bodies that are to keep apart are nearer than ``slack``."""
     for pair in range(len(bodies.pairs) // 2):
         i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
         p, q = vec3_at(ends, 6 * i), vec3_at(ends, 6 * j)
         way = between_segments(
             p, sub(vec3_at(ends, 6 * i + 3), p), q, sub(vec3_at(ends, 6 * j + 3), q)
         )
-        if math.sqrt(dot(way, way)) <= bodies.radii[i] + bodies.radii[j] + slack:
+        if math.sqrt(dot(way, way)) > bodies.radii[i] + bodies.radii[j] + slack:
+            continue
+        need = bodies.roundings[i] + bodies.roundings[j] + slack
+        if between_hulls(bodies, poses, pair, (0.0, 0.0, 1.0), need, need)[0] != APART:
             return True
     return False
 
 
 @jitable
 def touches_row(
-    bodies: Bodies, ends: FloatArray, around: Obstacles, s: int, waiting: IntArray
+    bodies: Bodies,
+    ends: FloatArray,
+    poses: FloatArray,
+    around: Obstacles,
+    s: int,
+    waiting: IntArray,
 ) -> bool:
-    """Check whether a capsule is too near to row s, or the floor, if it is to keep clear of it."""
+    """Check whether a body is too near to row s, or the floor, if it is to keep clear of it.
+
+    Of a triangle mesh it is asked of the capsule.
+    """
     count = len(around.margins)
     for c in range(len(bodies.frames)):
         if not around.asked[c * count + s]:
@@ -49,9 +63,14 @@ def touches_row(
         a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
         need = bodies.radii[c] + around.margins[s]
         if s == count - 1:
-            if min(a[2], b[2]) - around.floor < need:
-                return True
-        elif touched_row(around, s, a, b, need, -1, waiting) >= 0:
+            if min(a[2], b[2]) - around.floor >= need:
+                continue
+        elif touched_row(around, s, a, b, need, -1, waiting) < 0:
+            continue
+        elif around.meshes[s] >= 0:
+            return True
+        need = bodies.roundings[c] + around.margins[s]
+        if hull_and_row(bodies, poses, c, around, s, need, need)[0] != CERTIFIED:
             return True
     return False
 
@@ -85,9 +104,9 @@ def touching_stances(
         if not reached[node]:
             continue
         place_bodies(chain, bodies, stances, node * count, poses, ends)
-        touching[node] = slack >= 0 and _touches_itself(bodies, ends, slack)
+        touching[node] = slack >= 0 and _touches_itself(bodies, ends, poses, slack)
         for s in rows:
             if touching[node]:
                 break
-            touching[node] = touches_row(bodies, ends, around, s, waiting)
+            touching[node] = touches_row(bodies, ends, poses, around, s, waiting)
     held(own)

@@ -31,6 +31,7 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     LONGER,
     ProofLists,
     Span,
+    as_found,
     separate_pairs,
 )
 from abi.arm_planning.exclusion.mask_kernels import touched_row
@@ -176,7 +177,7 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
         outcome, pair, _, tried, _ = separate_pairs(
-            around, span, lists, capsule_of, level_at_ends, (legs.table, stance)
+            around, span, lists, capsule_of, level_at_ends, as_found, (legs.table, stance)
         )
         if outcome == REFUTED:
             touched.pair[0] = pair

@@ -130,5 +130,5 @@ def stances_touching(
             if not asked[node]:
                 continue
             place_bodies(chain, bodies, tree.stances, node * count, poses, ends)
-            touching[node] = touches_row(bodies, ends, around, root, waiting)
+            touching[node] = touches_row(bodies, ends, poses, around, root, waiting)
     held(own)

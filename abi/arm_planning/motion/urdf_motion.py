@@ -5,6 +5,7 @@ The joints start from a chosen or a given pose, and move straight from sample to
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -22,7 +23,9 @@ from abi.arm_planning.motion.arm_clearance import (
 )
 from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, stretches
 from abi.arm_planning.world.chain_distances import (
+    Poses,
     floor_distances,
+    hull_distances_to,
     obstacle_distances,
     own_distances,
 )
@@ -38,6 +41,8 @@ _FEW, _GRID = 41, 1201
 """Points along the curve at which first poses are compared, and the chosen one is followed."""
 _EVERY, _TRIES_TO_REFUTE = 3, 5_000
 """Step between the points at which that is refuted, and the tests that this may take."""
+_CLOSER = 0.02
+"""Distance, over the arm's reach, beyond the least up to which hulls are measured, too."""
 _ENOUGH = 0.03
 """Clearance, over the arm's reach, beyond which the shorter motion counts."""
 
@@ -129,11 +134,13 @@ class JointCourse:
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
         arm, positions = self.arm, motion.positions
-        ends = arm.place(positions)
-        allowed = surroundings.allowed
-        measured = Measured(*obstacle_distances(arm, obstacles, ends, allowed=allowed))
-        own = _against(OWN - arm.pairs[:, 0], own_distances(arm, ends))
-        floor = _against(FLOOR, floor_distances(arm, surroundings.floor, ends))
+        poses, allowed = Poses.of(arm, positions), surroundings.allowed
+        of_capsules = obstacle_distances(arm, obstacles, poses.ends, allowed=allowed)
+        least = float(of_capsules[0].min(initial=math.inf))
+        below = max(required, least) + _CLOSER * arm.reach
+        measured = Measured(*hull_distances_to(arm, poses, surroundings, of_capsules, below))
+        own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses))
+        floor = _against(FLOOR, floor_distances(arm, surroundings.floor, poses))
         capsules = range(len(arm.capsules))
         contacts = (
             *contacts_of(motion.time, measured, capsules, arm),
@@ -172,11 +179,12 @@ def joint_course(
     reach = arm.chain.table.reach / arm.metres
     for pose in best:
         positions, missed = arm.follow(pose, few)
-        ends = arm.place(positions)
+        poses, enough = Poses.of(arm, positions), _ENOUGH * reach
+        of_capsules = obstacle_distances(arm, obstacles, poses.ends, enough, surroundings.allowed)
         gaps = (
-            obstacle_distances(arm, obstacles, ends, _ENOUGH * reach, surroundings.allowed)[0],
-            own_distances(arm, ends),
-            floor_distances(arm, surroundings.floor, ends),
+            hull_distances_to(arm, poses, surroundings, of_capsules, enough)[0],
+            own_distances(arm, poses),
+            floor_distances(arm, surroundings.floor, poses),
         )
         gap = min(float(gap.min(initial=np.inf)) for gap in gaps)
         travel = float(np.abs(np.diff(positions / arm.scales, axis=0)).sum())

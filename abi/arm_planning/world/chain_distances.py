@@ -8,14 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from abi import arguments
+from abi.arm_planning.world.hull_distance_kernels import hull_clearances
 from abi.arm_planning.world.link_distance_kernels import link_distances, pair_distances
+from abi.arm_planning.world.surroundings import Surroundings
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.bodies.allowed_contacts import AllowedContact
+from abi.robot.bodies.hull_kernels import hull_distances
 from abi.robot.urdf_arm import UrdfArm
 
 
@@ -75,21 +79,106 @@ def _distances(
     return distance, np.append(obstacles.rows, np.int32(-1))[row]
 
 
-def own_distances(arm: UrdfArm, ends: FloatArray) -> FloatArray:
-    """Signed distances between the links of ``arm.pairs``, (k, p), [unit]."""
-    ends = arguments.numbers("ends", ends, (-1, len(arm.capsules), 2, 3))
-    distance = np.empty((len(ends), len(arm.pairs)))
-    pair_distances(flat(ends), arm.radii, arm.bodies.pairs, distance.reshape(-1))
+def inside_meshes(
+    arm: UrdfArm, obstacles: ObstacleSet, pose: FloatArray, allowed: Sequence[AllowedContact] = ()
+) -> bool:
+    """Check whether a body is inside a closed mesh, given that none touches its triangles.
+
+    Args:
+        arm: the arm.
+        obstacles: the obstacles.
+        pose: joint positions, (n,).
+        allowed: what is not asked about.
+    """
+    may = {(one.link, one.other) for one in allowed}
+    corners = arm.first_corners(pose)
+    return any(
+        (capsule.link, number) not in may and mesh.signed_distance(corner[None])[0] < 0
+        for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True)
+        for capsule, corner in zip(arm.capsules, corners, strict=True)
+    )
+
+
+class Poses(NamedTuple):
+    """Poses of an arm, at which distances of its hulls are measured.
+
+    Attributes:
+        positions: of its joints, (k, n), [rad] or [unit].
+        ends: of its capsules, (k, c, 2, 3), [unit], world.
+        packed: of its frames, in the format of the kernels.
+    """
+
+    positions: FloatArray
+    ends: FloatArray
+    packed: FloatArray
+
+    @classmethod
+    def of(cls, arm: UrdfArm, positions: FloatArray) -> Self:
+        """Poses at joint positions (k, n)."""
+        return cls(positions, arm.place(positions), arm.chain.packed_poses(positions / arm.scales))
+
+
+def hull_distances_to(
+    arm: UrdfArm,
+    poses: Poses,
+    surroundings: Surroundings,
+    of_capsules: tuple[FloatArray, IntArray],
+    below: float,
+) -> tuple[FloatArray, IntArray]:
+    """Distances to obstacles with those of the hulls where the capsules are nearer than ``below``.
+
+    Of a hull that overlaps an obstacle the distance is that of its capsule, which is below 0.
+
+    Args:
+        arm: the arm.
+        poses: of it.
+        surroundings: the obstacles, and what may touch them.
+        of_capsules: distances (k, c) of capsules, [unit], and numbers of the obstacles (k, c).
+        below: [unit].
+    """
+    distance, number = of_capsules[0].copy(), of_capsules[1].copy()
+    asked = np.argwhere(distance < below).astype(np.int32)
+    if not len(asked):
+        return distance, number
+    found, rows = np.empty(len(asked)), np.empty(len(asked), dtype=np.int32)
+    around = surroundings.only(surroundings.numbers >= 0).beyond(0.0)
+    hull_clearances(
+        *(arm.bodies, poses.packed, flat(poses.ends), around),
+        *(asked.reshape(-1), math.inf, found, rows),
+    )
+    apart = found > 0
+    row, column = asked[apart].T
+    distance[row, column] = found[apart]
+    number[row, column] = np.append(surroundings.numbers, np.int32(-1))[rows[apart]]
+    return distance, number
+
+
+def own_distances(arm: UrdfArm, poses: Poses) -> FloatArray:
+    """Signed distances between the bodies of ``arm.pairs``, (k, p), [unit].
+
+    They are those of the capsules, and where these overlap but the hulls do not, of the hulls.
+    """
+    distance = np.empty((len(poses.ends), len(arm.pairs)))
+    pair_distances(flat(poses.ends), arm.radii, arm.bodies.pairs, distance.reshape(-1))
+    asked = np.argwhere(distance <= 0).astype(np.int32)
+    if len(asked):
+        found = np.empty(len(asked))
+        hull_distances(arm.bodies, poses.packed, asked.reshape(-1), math.inf, found)
+        row, column = asked[found > 0].T
+        distance[row, column] = found[found > 0]
     return distance
 
 
-def floor_distances(arm: UrdfArm, floor: float, ends: FloatArray) -> FloatArray:
-    """Heights of the capsules above the floor, (k, c), [unit].
+def floor_distances(arm: UrdfArm, floor: float, poses: Poses) -> FloatArray:
+    """Heights of the bodies above the floor, (k, c), [unit].
 
     Inf for links that stand still and for the first one that moves, which may touch the floor.
     """
-    ends = arguments.numbers("ends", ends, (-1, len(arm.capsules), 2, 3))
-    heights = ends[..., 2].min(axis=2) - arm.radii - floor
+    heights = np.asarray(poses.ends[..., 2].min(axis=2) - arm.radii - floor)
+    for row, column in np.argwhere(heights <= 0).tolist():
+        lowest = arm.lowest(poses.positions[row], column) - floor
+        if lowest > 0:
+            heights[row, column] = lowest
     resting = [one.frame < 1 for one in arm.capsules]
     heights[:, resting] = np.inf
-    return np.asarray(heights)
+    return heights

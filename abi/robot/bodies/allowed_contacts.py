@@ -11,8 +11,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, place, segment_distances
+from abi.robot.bodies.hull_kernels import hull_distances
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import NOT_HELD
 from abi.robot.urdf.robot import Robot
@@ -23,8 +25,6 @@ Other = str | int
 
 SAMPLES = 1500
 """Random poses in which it is looked for links that are apart."""
-_NEARLY_ALWAYS = 0.95
-"""Share of these poses in which two links' bodies overlap that counts as always."""
 
 
 class AllowedContact(NamedTuple):
@@ -34,7 +34,7 @@ class AllowedContact(NamedTuple):
         link: name of a link.
         other: name of another link, ``floor``, or number of an obstacle from 0.
         reason: ``adjacent``: at most one joint moves one beside the other; ``always``: their bodies
-            overlap in nearly all random poses; ``srdf``: the robot's SRDF says so; ``mount``: the
+            overlap in every random pose; ``srdf``: the robot's SRDF says so; ``mount``: the
             link stands still on it; ``asked``: the scene's ``arm.allowed`` says so.
     """
 
@@ -77,13 +77,13 @@ def link_pairs(
         numbers.setdefault(capsule.link, []).append(number)
     low, high = chain.usual_range().T
     positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, len(low)))
-    ends = place(capsules, chain.poses(positions))
+    sampled = _Sampled(chain, capsules, positions, place(capsules, chain.poses(positions)))
     apart: list[tuple[int, int]] = []
     allowed: list[AllowedContact] = []
     for first, second in itertools.combinations(numbers, 2):
         pairs = [*itertools.product(numbers[first], numbers[second])]
         reason = _known_reason(chain, robot, asked, capsules[pairs[0][0]], capsules[pairs[0][1]])
-        if reason is None and _overlap(capsules, ends, pairs) >= _NEARLY_ALWAYS:
+        if reason is None and _always_overlap(sampled, pairs):
             reason = "always"
         if reason is None:
             apart += pairs
@@ -109,19 +109,58 @@ def _known_reason(
     return "asked" if pair in asked else None
 
 
-def _overlap(
-    capsules: tuple[ChainCapsule, ...], ends: FloatArray, pairs: list[tuple[int, int]]
-) -> float:
-    """Share of poses in which one capsule of a link overlaps one of another.
+class _Sampled(NamedTuple):
+    """Random poses of a chain (k, n), and ends (k, c, 2, 3) of its capsules there, [m]."""
+
+    chain: Chain
+    capsules: tuple[ChainCapsule, ...]
+    positions: FloatArray
+    ends: FloatArray
+
+
+def _always_overlap(sampled: _Sampled, pairs: list[tuple[int, int]]) -> bool:
+    """Check whether in every pose a piece of one link overlaps one of another.
 
     Args:
-        capsules: of all links.
-        ends: of them at each pose, (k, c, 2, 3), [m].
-        pairs: numbers of one capsule of each link.
+        sampled: the poses.
+        pairs: numbers of one piece of each link.
     """
-    overlap = np.zeros(len(ends), dtype=bool)
-    for i, j in pairs:
-        radii = capsules[i].radius + capsules[j].radius
-        open_ = np.flatnonzero(~overlap)
-        overlap[open_] = segment_distances(ends[open_, i], ends[open_, j]) < radii
-    return float(overlap.mean())
+    capsules, ends = sampled.capsules, sampled.ends
+    radii = [capsules[i].radius + capsules[j].radius for i, j in pairs]
+    gaps = [segment_distances(ends[:, i], ends[:, j]) for i, j in pairs]
+    near = np.stack(gaps, axis=1) <= radii
+    if not near.any(axis=1).all():
+        return False
+    poses, numbers = (one.astype(np.int32) for one in np.nonzero(near))
+    away = _between_hulls(sampled, pairs, poses, numbers)
+    least = np.full(len(ends), np.inf)
+    np.minimum.at(least, poses, away)
+    return bool((least <= 0).all())
+
+
+def _between_hulls(
+    sampled: _Sampled, pairs: list[tuple[int, int]], poses: IntArray, numbers: IntArray
+) -> FloatArray:
+    """Distances (k,) of pieces in poses, each by its number and that of the pair, [m]."""
+    chain, capsules = sampled.chain, sampled.capsules
+    packed = chain.packed_poses(sampled.positions)
+    hulls, none = [one.points for one in capsules], np.zeros(0)
+    bodies = Bodies(
+        moving=len(chain.joints),
+        frames=read_only(np.array([one.frame for one in capsules], dtype=np.int32)),
+        ends=none,
+        radii=none,
+        levers=none,
+        pairs=read_only(np.array(pairs, dtype=np.int32).reshape(-1)),
+        pair_levers=none,
+        points=flat(np.concatenate(hulls)),
+        first=read_only(np.cumsum([0, *map(len, hulls)], dtype=np.int32)),
+        roundings=read_only(np.array([one.rounding for one in capsules])),
+        point_levers=none,
+        point_pair_levers=none,
+        scale=1.0,
+    )
+    asked = np.stack([poses, numbers], axis=1).astype(np.int32)
+    distances = np.empty(len(asked))
+    hull_distances(bodies, packed, asked.reshape(-1), 0.0, distances)
+    return distances

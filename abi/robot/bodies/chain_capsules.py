@@ -10,7 +10,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray, read_only
-from abi.robot.bodies.bounding_capsules import bounding_capsules
+from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
@@ -19,7 +19,7 @@ _THIN = 1e-3
 
 
 class ChainCapsule(NamedTuple):
-    """A capsule of a link.
+    """A piece of a link: it is in the capsule as well as in the hull of points.
 
     Attributes:
         link: name of the link.
@@ -27,12 +27,16 @@ class ChainCapsule(NamedTuple):
         ends: ends of its segment in that frame, or in the world where it stands still, shape
             (2, 3), [m].
         radius: [m].
+        points: corners of the hull in that frame, shape (k, 3), [m].
+        rounding: distance from the hull that belongs to it, [m].
     """
 
     link: str
     frame: int
     ends: FloatArray
     radius: float
+    points: FloatArray
+    rounding: float
 
 
 def chain_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
@@ -40,9 +44,10 @@ def chain_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
     capsules = []
     for carried in chain.carried:
         turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-        for one in bounding_capsules(chain.robot.links[carried.link]):
-            ends = read_only(np.stack([one.low, one.high]) @ turn.T + origin)
-            capsules.append(ChainCapsule(carried.link, carried.frame, ends, one.radius))
+        for (low, high, radius), points, rounding in link_bodies(chain.robot.links[carried.link]):
+            ends = read_only(np.stack([low, high]) @ turn.T + origin)
+            hull = read_only(points @ turn.T + origin), rounding
+            capsules.append(ChainCapsule(carried.link, carried.frame, ends, radius, *hull))
     return tuple(sorted(capsules or _skeleton(chain), key=attrgetter("frame")))
 
 
@@ -55,10 +60,15 @@ def _skeleton(chain: Chain) -> list[ChainCapsule]:
     ]
     lines.append((last, chain.joints[last].child))
     return [
-        ChainCapsule(link, frame, read_only(np.stack([np.zeros(3), place])), _THIN)
-        for (frame, link), place in zip(lines, places, strict=True)
+        ChainCapsule(link, frame, line, _THIN, line, _THIN)
+        for (frame, link), line in zip(lines, map(_from_origin, places), strict=True)
         if frame >= 0
     ]
+
+
+def _from_origin(place: FloatArray) -> FloatArray:
+    """Ends (2, 3) of the segment from a frame's origin to a place in it."""
+    return read_only(np.stack([np.zeros(3), place]))
 
 
 def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
@@ -73,21 +83,21 @@ def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
     return ends
 
 
-def lever(chain: Chain, capsule: ChainCapsule, behind: int) -> FloatArray:
-    """Bound of a capsule's motion per unit of each coordinate, by joints behind one, (n,), [m].
+def lever(chain: Chain, frame: int, points: FloatArray, behind: int) -> FloatArray:
+    """Bound of points' motion per unit of each coordinate, by joints behind one, (n,), [m].
 
     A point turns about a joint at most at the length of the chain between them; a slide moves it as
     far as itself.
 
     Args:
         chain: the chain.
-        capsule: one that it carries.
-        behind: number of a joint that moves the capsule, seen from whose frame it is; -1 for the
-            world.
+        frame: number of the joint that moves the points, -1 where they stand still.
+        points: in that frame, shape (k, 3), [m].
+        behind: number of a joint that moves them, seen from whose frame it is; -1 for the world.
     """
     table, found = chain.table, np.zeros(len(chain.names))
-    far = float(np.linalg.norm(capsule.ends, axis=1).max())
-    for k in chain.behind(capsule.frame):
+    far = float(np.linalg.norm(points, axis=1).max())
+    for k in chain.behind(frame):
         if k == behind:
             break
         coordinate, slides = int(table.source[k]), bool(table.slides[k])
@@ -102,15 +112,6 @@ def meeting(chain: Chain, first: int, second: int) -> int:
     """Number of the last joint that moves both of two frames, -1 for the world."""
     others = chain.behind(second)
     return next((k for k in chain.behind(first) if k in others), -1)
-
-
-def pair_lever(chain: Chain, first: ChainCapsule, second: ChainCapsule) -> FloatArray:
-    """Bound of the motion of two capsules beside each other, per unit of each coordinate, [m].
-
-    Both are seen from the frame of the last joint that moves both, (n,).
-    """
-    common = meeting(chain, first.frame, second.frame)
-    return lever(chain, first, common) + lever(chain, second, common)
 
 
 def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:

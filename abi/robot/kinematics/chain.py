@@ -164,12 +164,16 @@ class Chain(ShortRepr):
         Returns:
             Shape (k, m + 1, 3, 4), [m].
         """
+        packed = self.packed_poses(positions).reshape(len(positions), -1, POSE)
+        turns = packed[..., :9].reshape(*packed.shape[:2], 3, 3)
+        return np.concatenate([turns, packed[..., 9:, None]], axis=-1)
+
+    def packed_poses(self, positions: FloatArray) -> FloatArray:
+        """The same in the format of the kernels, flat (12 (m + 1) k,), [m]."""
         positions = arguments.numbers("positions", positions, (-1, len(self.names)))
         found = np.empty(len(positions) * POSE * (len(self.joints) + 1))
         chain_poses(self.table, flat(positions), len(self.names), found)
-        packed = found.reshape(len(positions), -1, POSE)
-        turns = packed[..., :9].reshape(*packed.shape[:2], 3, 3)
-        return np.concatenate([turns, packed[..., 9:, None]], axis=-1)
+        return found
 
     def follow(
         self, start: FloatArray, targets: FloatArray, home: FloatArray | None = None
