@@ -1,6 +1,6 @@
 """Bodies that stand for a link when distances are measured: convex hulls, each in a capsule.
 
-The shapes of a link are cut into pieces. A piece is inside a capsule, with which most distances are
+The collision shapes of a link are cut into pieces; visuals are for looks. A piece is inside a capsule, with which most distances are
 decided, and inside the convex hull of a few points, which is hardly larger than the piece.
 """
 
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import scipy
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, read_only
 from abi.robot.bodies.bounding_capsules import Capsule, principal_axes, smallest_capsule
 from abi.robot.urdf.robot import Link, Shape
 
@@ -22,19 +22,25 @@ if TYPE_CHECKING:
     import trimesh
 
 _SECTIONS = 32
-_PARTS = 3
+_PARTS = 6
 """Pieces of a shape, at most."""
 _MOST = 12
 """Shapes of a link that are pieces of their own, at most; of more all are one."""
-_WORTH = 0.8
-"""Pieces are cut where their hulls are smaller together than this part of those before."""
-_CORNERS = 40
+_WORTH = 0.9
+"""A piece is cut where the hulls of both halves are smaller together than this part of its own."""
+_SHARES = (0.2, 0.4, 0.6, 0.8)
+"""Places of cuts that are tried, over the length of a piece."""
+_CORNERS = 64
 """Corners of a hull, at most, and in any case those that it needs to have a volume."""
-_FINE = 0.005
-"""Part of a piece's size by which its corners may be outside of a hull of fewer corners."""
+_FINE = 0.004
+"""Distance of a piece's corners from a hull of fewer corners that is let pass, over its least
+extent."""
+_LEAST = 0.03
+"""Part of the whole volume that a cut must save."""
 _PAD = 1e-9
 """Rounding of a hull: a part of the largest coordinate, [m]."""
-_TINY, _ROUNDING = 1e-300, 1e-13
+_HEAVY = 1e3
+"""Weight of that parts of a point add up to one, beside the place that they are to give."""
 
 
 class Body(NamedTuple):
@@ -53,24 +59,11 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=512)
 def link_bodies(link: Link) -> tuple[Body, ...]:
-    """Bodies whose union contains a link's shapes and visuals; none for a frame.
-
-    Visuals inside the capsules of the shapes change these not, and enlarge hulls a little.
-    """
-    if not link.shapes:
-        return ()
+    """Bodies whose union contains a link's collision shapes; none for a frame."""
     groups = [[shape] for shape in link.shapes]
     if len(groups) > _MOST:
         groups = [list(link.shapes)]
-    pieces = [piece for group in groups for piece in _pieces_of(group)]
-    if not link.visuals:
-        return tuple(_body(piece) for piece in pieces)
-    drawn = np.concatenate([_triangles(shape) for shape in link.visuals])
-    holder = _holders([_capsule(piece) for piece in pieces], drawn)
-    if (holder < 0).any():
-        solid = np.concatenate([_triangles(shape) for shape in link.shapes])
-        return tuple(_body(piece) for piece in _parts(np.concatenate([solid, drawn])))
-    return tuple(_body(piece, drawn[holder == k]) for k, piece in enumerate(pieces))
+    return tuple(_body(piece) for group in groups for piece in _pieces_of(group))
 
 
 class _Ball(NamedTuple):
@@ -91,80 +84,126 @@ def _pieces_of(shapes: list[Shape]) -> list[_Piece]:
     return [*_parts(np.concatenate([_triangles(shape) for shape in shapes]))]
 
 
-def _body(piece: _Piece, drawn: FloatArray | None = None) -> Body:
-    """Body around a piece, and triangles (n, 3, 3) that its capsule holds."""
-    capsule = _capsule(piece)
+def _body(piece: _Piece) -> Body:
     if isinstance(piece, _Ball):
-        rest = piece.radius
-        if drawn is not None and len(drawn):
-            away = np.linalg.norm(drawn.reshape(-1, 3) - piece.centre, axis=1)
-            rest = max(rest, float(away.max()))
-        return Body(capsule, read_only(piece.centre[None].copy()), rest * (1 + _PAD))
-    points = piece if drawn is None else np.concatenate([piece, drawn.reshape(-1, 3)])
-    corners = _few_corners(points)
-    return Body(capsule, read_only(corners), _PAD * (1e-3 + float(np.abs(corners).max())))
+        centre, radius = read_only(piece.centre.copy()), piece.radius * (1 + _PAD)
+        return Body(Capsule(centre, centre, radius + 1e-12), centre[None], radius)
+    corners, rounding = _few_corners(piece)
+    pad = _PAD * (1e-3 + float(np.abs(corners).max()))
+    return Body(smallest_capsule(piece), read_only(corners), rounding + pad)
 
 
-def _capsule(piece: _Piece) -> Capsule:
-    if isinstance(piece, _Ball):
-        return Capsule(piece.centre, piece.centre, piece.radius * (1 + _PAD) + 1e-12)
-    return smallest_capsule(piece)
+def _few_corners(points: FloatArray) -> tuple[FloatArray, float]:
+    """Corners (k, 3) of points' hull, and the farthest that one of the points is from their hull.
 
-
-def _few_corners(points: FloatArray) -> FloatArray:
-    """Corners (k, 3) of a hull around points; all of them where these are in a plane.
-
-    Of the points' own hull those corners are taken, one by one, that are farthest outside of the
-    hull of those before; then it grows about its middle until it holds all.
+    Those corners are taken, one by one, that are farthest outside of the hull of those before; all
+    where they are in a plane.
     """
     try:
         corners = points[scipy.spatial.ConvexHull(points).vertices]
-        size = float(np.ptp(corners, axis=0).max())
-        chosen = {int(k) for way in _WAYS for k in (np.argmax(corners @ way),)}
+        fine = _FINE * float(np.ptp(corners @ principal_axes(corners).T, axis=0).min())
+        chosen = {int(np.argmax(corners @ way)) for way in _WAYS}
         while True:
-            hull = scipy.spatial.ConvexHull(corners[sorted(chosen)])
-            outside = (corners @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
+            sides = scipy.spatial.ConvexHull(corners[sorted(chosen)]).equations
+            outside = (corners @ sides[:, :3].T + sides[:, 3]).max(axis=1)
             farthest = int(outside.argmax())
-            if outside[farthest] <= _FINE * size or len(chosen) >= _CORNERS or farthest in chosen:
+            if outside[farthest] <= fine or len(chosen) >= _CORNERS or farthest in chosen:
                 break
             chosen.add(farthest)
-        middle = corners[sorted(chosen)].mean(axis=0)
-        depth = -(hull.equations[:, :3] @ middle + hull.equations[:, 3])
-        growth = ((corners - middle) @ hull.equations[:, :3].T / depth).max()
-        if not 1 - 1e-6 <= growth < 2:  # too flat for that
-            return np.asarray(corners)
-        own = corners[sorted(chosen)]
-        return np.asarray(middle + max(float(growth), 1.0) * (own - middle))
     except scipy.spatial.QhullError:
-        return np.unique(points, axis=0)
+        return np.unique(points, axis=0), 0.0
+    own = corners[sorted(chosen)]
+    return own, max((_distance(own, one) for one in corners[outside > 0]), default=0.0)
+
+
+def _distance(corners: FloatArray, point: FloatArray) -> float:
+    """Upper bound of the distance of a point (3,) from the hull of corners (k, 3)."""
+    size = float(np.abs(corners - point).max())
+    sums = np.vstack([(corners - point).T / size, np.full(len(corners), _HEAVY)])
+    parts, _ = scipy.optimize.nnls(sums, np.array([0.0, 0.0, 0.0, _HEAVY]))
+    return float(np.linalg.norm(parts @ corners / parts.sum() - point))
 
 
 _WAYS = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
 """Directions in which a hull's first corners are sought."""
 
 
-def _holders(capsules: list[Capsule], triangles: FloatArray) -> IntArray:
-    """Number of the first capsule that holds each of triangles (n, 3, 3), -1 for none, (n,)."""
-    points = triangles.reshape(-1, 3)
-    holder = np.full(len(triangles), -1)
-    for number, (low, high, radius) in reversed([*enumerate(capsules)]):
-        way = high - low
-        share = np.clip((points - low) @ way / max(float(way @ way), _TINY), 0, 1)
-        away = np.linalg.norm(points - low - share[:, None] * way, axis=1)
-        holder[(away <= radius - _ROUNDING).reshape(-1, 3).all(axis=1)] = number
-    return holder
-
-
 def _parts(triangles: FloatArray) -> list[FloatArray]:
-    """Points (n, 3) of each part of triangles, as few parts as are worth it."""
-    best = [triangles.reshape(-1, 3)]
-    least = _volume(best[0])
-    for count in range(2, _PARTS + 1):
-        parts = _row(triangles, count)
-        volume = sum(map(_volume, parts))
-        if volume < _WORTH * least:
-            best, least = parts, volume
+    """Points (n, 3) of each part of triangles, as few parts as are worth it.
+
+    All cuts are across the two longest axes. Where two planes meet inside the solid, their line
+    leaves it through a triangle, so that the parts' hulls hold what is inside, too.
+    """
+    parts = [_Part(triangles, _volume(triangles.reshape(-1, 3)))]
+    if _filled(triangles) > _WORTH * parts[0].volume:
+        return [triangles.reshape(-1, 3)]
+    axes, whole = principal_axes(triangles.reshape(-1, 3))[:2], parts[0].volume
+    halves = [_halves(parts[0], axes)]
+    while len(parts) < _PARTS:
+        gains = [
+            one.volume - sum(half.volume for half in both)
+            for one, both in zip(parts, halves, strict=True)
+        ]
+        best = int(np.argmax(gains))
+        if gains[best] <= max((1 - _WORTH) * parts[best].volume, _LEAST * whole):
+            break
+        both = halves[best]
+        parts[best : best + 1] = both
+        halves[best : best + 1] = [_halves(half, axes) for half in both]
+    return [part.triangles.reshape(-1, 3) for part in parts]
+
+
+class _Part(NamedTuple):
+    """Triangles (n, 3, 3), and the volume of their hull, [m³]."""
+
+    triangles: FloatArray
+    volume: float
+
+
+def _halves(part: _Part, axes: FloatArray) -> list[_Part]:
+    """Both halves of a part at the plane that makes their hulls smallest; itself without one."""
+    best = [part]
+    for axis in axes:
+        heights = part.triangles @ axis
+        low, high = float(heights.min()), float(heights.max())
+        for share in _SHARES:
+            both = [
+                _Part(half, _volume(half.reshape(-1, 3)))
+                for half in _cut(part.triangles, heights - (low + share * (high - low)))
+                if len(half)
+            ]
+            if sum(half.volume for half in both) < sum(half.volume for half in best):
+                best = both
     return best
+
+
+def _cut(triangles: FloatArray, heights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Triangles (n, 3, 3) below and above a plane, given their corners' heights above it (n, 3)."""
+    below, above = (heights <= 0).all(axis=1), (heights >= 0).all(axis=1)
+    crossed = ~(below | above)
+    rows = np.arange(np.count_nonzero(crossed))
+    corners, high = triangles[crossed], heights[crossed]
+    one_above = (high > 0).sum(axis=1) == 1
+    # the corner that is alone on its side, and the two others
+    alone = np.where(one_above, (high > 0).argmax(axis=1), (high <= 0).argmax(axis=1))
+    (a, b, c), (d, e, f) = (
+        [one[rows, (alone + k) % 3] for k in range(3)] for one in (corners, high)
+    )
+    p, q = a + (d / (d - e))[:, None] * (b - a), a + (d / (d - f))[:, None] * (c - a)
+    tip = np.stack([a, p, q], axis=1)
+    rest = np.concatenate([np.stack([p, b, c], axis=1), np.stack([p, c, q], axis=1)])
+    twice = np.concatenate([one_above, one_above])
+    return (
+        np.concatenate([triangles[below], tip[~one_above], rest[twice]]),
+        np.concatenate([triangles[above & ~below], tip[one_above], rest[~twice]]),
+    )
+
+
+def _filled(triangles: FloatArray) -> float:
+    """Volume that triangles (n, 3, 3) wind around, [m³]: of a closed surface that inside."""
+    middle = triangles.mean(axis=(0, 1))
+    a, b, c = (triangles[:, k] - middle for k in range(3))
+    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6
 
 
 def _volume(points: FloatArray) -> float:
@@ -200,29 +239,3 @@ def _around_solid(shape: Shape) -> trimesh.Trimesh:
         around = radius / math.cos(math.pi / _SECTIONS)
         solid = trimesh.creation.cylinder(radius=around, height=length, sections=_SECTIONS)
     return solid
-
-
-def _row(triangles: FloatArray, count: int) -> list[FloatArray]:
-    """Points (n, 3) of the parts of triangles between planes across their longest axis."""
-    points = triangles.reshape(-1, 3)
-    axis = principal_axes(points)[0]
-    along = points @ axis
-    cuts = np.linspace(along.min(), along.max(), count + 1)
-    pad = 1e-9 * (1 + float(np.abs(points).max()))
-    parts = (_between(triangles, axis, a - pad, b + pad) for a, b in itertools.pairwise(cuts))
-    return [part for part in parts if len(part)]
-
-
-def _between(triangles: FloatArray, axis: FloatArray, low: float, high: float) -> FloatArray:
-    """Corners (n, 3) of what of the triangles lies between two planes across ``axis``."""
-    import trimesh  # here, since it takes long to import
-
-    for sign, height in ((1.0, low), (-1.0, high)):
-        if not len(triangles):
-            break
-        vertices, faces = triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
-        vertices, faces, _ = trimesh.intersections.slice_faces_plane(  # type: ignore[no-untyped-call]
-            vertices, faces, sign * axis, height * axis
-        )
-        triangles = np.asarray(vertices)[faces]
-    return triangles.reshape(-1, 3)
