@@ -98,7 +98,8 @@ def planes_of(
             Fraction(finite(f"{field}.planes.{name}", data.get(name))) for name in names
         )
         normal = vector_of(f"{field}.planes.direction", data.get("direction"))
-        planes.setdefault(key, []).append(CertifiedPlane(start, end, at, normal, data.get("hull") is True))
+        plane = CertifiedPlane(start, end, at, normal, data.get("hull") is True)
+        planes.setdefault(key, []).append(plane)
     for group in planes.values():
         group.sort(key=attrgetter("start"))
     return planes

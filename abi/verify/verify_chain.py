@@ -269,7 +269,9 @@ def _check_outside(
                 raise Fault(f"{capsule.link} is inside a mesh")
 
 
-def _range(frames: list[ExactFrame], capsule: _Capsule, plane: Plane) -> tuple[Fraction, Fraction]:
+def _range(
+    frames: list[ExactFrame], capsule: _Capsule, plane: CertifiedPlane
+) -> tuple[Fraction, Fraction]:
     """Bounds of the products of a plane's direction with a capsule's corners at a pose."""
     low, high, normal = [], [], plane.normal
     for place, error in capsule.placed(frames, plane.closer):

@@ -1,7 +1,8 @@
 """Bodies that stand for a link when distances are measured: convex hulls, each in a capsule.
 
-The collision shapes of a link are cut into pieces; visuals are for looks. A piece is inside a capsule, with which most distances are
-decided, and inside the convex hull of a few points, which is hardly larger than the piece.
+The collision shapes of a link are cut into pieces; visuals are for looks. A piece is inside a
+capsule, with which most distances are decided, and inside the convex hull of a few points, which is
+hardly larger than the piece.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray, read_only
-from abi.robot.bodies.bounding_capsules import Capsule, principal_axes, smallest_capsule
-from abi.robot.urdf.robot import Link, Shape
+from abi.robot.bodies.bounding_capsules import BoundingCapsule, principal_axes, smallest_capsule
+from abi.robot.urdf.robot import Link, LinkShape
 
 if TYPE_CHECKING:
     import trimesh
@@ -52,7 +53,7 @@ class Body(NamedTuple):
         rounding: distance from the hull that belongs to it, too.
     """
 
-    capsule: Capsule
+    capsule: BoundingCapsule
     points: FloatArray
     rounding: float
 
@@ -77,7 +78,7 @@ _Piece = FloatArray | _Ball
 """Points (n, 3) around which a body is made, or a ball."""
 
 
-def _pieces_of(shapes: list[Shape]) -> list[_Piece]:
+def _pieces_of(shapes: list[LinkShape]) -> list[_Piece]:
     """Pieces of shapes that belong together."""
     if len(shapes) == 1 and shapes[0].kind == "sphere":
         return [_Ball(shapes[0].pose[:3, 3], shapes[0].size[0])]
@@ -87,7 +88,7 @@ def _pieces_of(shapes: list[Shape]) -> list[_Piece]:
 def _body(piece: _Piece) -> Body:
     if isinstance(piece, _Ball):
         centre, radius = read_only(piece.centre.copy()), piece.radius * (1 + _PAD)
-        return Body(Capsule(centre, centre, radius + 1e-12), centre[None], radius)
+        return Body(BoundingCapsule(centre, centre, radius + 1e-12), centre[None], radius)
     corners, rounding = _few_corners(piece)
     pad = _PAD * (1e-3 + float(np.abs(corners).max()))
     return Body(smallest_capsule(piece), read_only(corners), rounding + pad)
@@ -214,7 +215,7 @@ def _volume(points: FloatArray) -> float:
         return 0.0
 
 
-def _triangles(shape: Shape) -> FloatArray:
+def _triangles(shape: LinkShape) -> FloatArray:
     """Corners (n, 3, 3) in the link's frame of triangles around a shape."""
     if shape.kind == "mesh":
         corners = shape.vertices[shape.faces]
@@ -223,7 +224,7 @@ def _triangles(shape: Shape) -> FloatArray:
     return np.asarray(corners @ shape.pose[:3, :3].T + shape.pose[:3, 3])
 
 
-def _around_solid(shape: Shape) -> trimesh.Trimesh:
+def _around_solid(shape: LinkShape) -> trimesh.Trimesh:
     """Triangles that contain a box, sphere or cylinder."""
     import trimesh  # here, since it takes long to import
 

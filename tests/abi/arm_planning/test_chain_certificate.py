@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
 from abi.arm_planning.world.chain_distances import (
+    Poses,
     floor_distances,
+    hull_distances_to,
     obstacle_distances,
     own_distances,
 )
@@ -127,8 +129,9 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     obstacles = some_obstacles(one, random)
     surroundings = chain_surroundings(one, obstacles, -1e3)
     positions = joint_path(one, random, 0.05)
-    dense = one.place(between(positions))
-    gaps, numbers = obstacle_distances(one, obstacles, dense)
+    dense = Poses.of(one, between(positions))
+    of_capsules = obstacle_distances(one, obstacles, dense.ends)
+    gaps, numbers = hull_distances_to(one, dense, surroundings, of_capsules, np.inf)
     measured = float(gaps.min())
     margin = max(float(random.uniform(0, 1.2)) * measured, 0.0)
     found = certify_chain(one, positions, surroundings, margin)
@@ -157,11 +160,12 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     if found.obstacle >= 0 and not obstacles.obstacles[found.obstacle].convex:
         return  # of a mesh the rectangles around triangles count
     if found.decided:
-        place = one.place(at(positions, found.parameter)[None])
+        place = Poses.of(one, at(positions, found.parameter)[None])
+        of_capsules = obstacle_distances(one, obstacles, place.ends)
         distances = {
             "own": own_distances(one, place),
             "floor": floor_distances(one, surroundings.floor, place),
-            "solid": obstacle_distances(one, obstacles, place)[0] - margin,
+            "solid": hull_distances_to(one, place, surroundings, of_capsules, np.inf)[0] - margin,
         }
         kind = "solid" if found.obstacle >= 0 else "floor" if found.obstacle == FLOOR else "own"
         assert float(distances[kind].min()) < nearly

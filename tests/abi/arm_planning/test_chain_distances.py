@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abi.arm_planning.world.chain_distances import obstacle_distances, own_distances
+from abi.arm_planning.world.chain_distances import Poses, obstacle_distances, own_distances
+from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box
@@ -88,7 +90,38 @@ def test_without_obstacles_nothing_is_near() -> None:
 def test_links_are_as_far_from_each_other_as_their_segments(name: str, seed: int) -> None:
     one, random = some_arm(name), np.random.default_rng(seed)
     low, high = one.limits.T
-    ends = one.place(random.uniform(low, high, (7, len(low))))
+    poses = Poses.of(one, random.uniform(low, high, (7, len(low))))
+    ends = poses.ends
     first, second = (ends[:, one.pairs[:, side]].reshape(-1, 2, 3) for side in (0, 1))
     apart = segment_distances(first, second).reshape(7, -1) - one.radii[one.pairs].sum(axis=1)
-    assert own_distances(one, ends) == pytest.approx(apart, abs=1e-9 / one.metres)
+    found = own_distances(one, poses)
+    clear = apart > 0
+    assert found[clear] == pytest.approx(apart[clear], abs=1e-9 / one.metres)
+    for pose, pair in np.argwhere(~clear).tolist():
+        hulls = [corners(one, poses.positions[pose], k) for k in one.pairs[pair].tolist()]
+        rounding = sum(one.capsules[k].rounding for k in one.pairs[pair].tolist()) / one.metres
+        distance = hull_distance(*hulls) - rounding
+        if distance > 1e-6 / one.metres:
+            assert found[pose, pair] == pytest.approx(distance, abs=1e-5 / one.metres)
+        elif distance < -1e-6 / one.metres:
+            assert found[pose, pair] <= 0
+
+
+def corners(one: UrdfArm, pose: FloatArray, body: int) -> FloatArray:
+    """Corners (k, 3) of a body's hull, world."""
+    frames, capsule = one.chain.poses(pose[None] / one.scales)[0], one.capsules[body]
+    if capsule.frame < 0:
+        return capsule.points / one.metres
+    turn, origin = frames[capsule.frame, :, :3], frames[capsule.frame, :, 3]
+    return np.asarray((capsule.points @ turn.T + origin) / one.metres)
+
+
+def hull_distance(first: FloatArray, second: FloatArray) -> float:
+    """Distance between the hulls of points, as a sum of least squares in parts of one."""
+    middle, size = first.mean(axis=0), 1.0 + float(np.abs(first - second.mean(axis=0)).max())
+    sums = np.zeros((5, len(first) + len(second)))
+    sums[:3] = np.concatenate([first - middle, middle - second]).T / size
+    sums[3, : len(first)], sums[4, len(first) :] = 1e4, 1e4
+    parts, _ = scipy.optimize.nnls(sums, np.array([0, 0, 0, 1e4, 1e4]), maxiter=10_000)
+    a, b = parts[: len(first)], parts[len(first) :]
+    return float(np.linalg.norm(a @ first / a.sum() - b @ second / b.sum()))

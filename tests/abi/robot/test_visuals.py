@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +12,12 @@ import trimesh
 
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.bodies.bounding_capsules import bounding_capsules
+from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf import mesh_lookup
 from abi.robot.urdf.robot import LinkShape, Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive, unpacked
 from abi.robot.urdf.urdf_files import description_of
 from tests.abi.robot.robots import arm, packed
-from tests.abi.robot.test_bounding_capsules import lacks
 
 ENTITY = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><a>&b;</a>'
 
@@ -54,12 +52,9 @@ def corners(shapes: tuple[LinkShape, ...]) -> np.ndarray[tuple[int, ...], np.dty
 
 
 @pytest.mark.parametrize(("radius", "unit"), [(0.1, 1.0), (0.4, 0.01)])
-def test_a_link_is_drawn_with_its_visual_and_its_capsules_hold_it(
-    radius: float, unit: float
-) -> None:
+def test_a_link_is_drawn_with_its_visual(radius: float, unit: float) -> None:
     for robot in read({"x/a.urdf": looking("meshes/a.dae"), "x/meshes/a.dae": dae(radius, unit)}):
         link = robot.links["a"]
-        box = np.array(np.meshgrid(*((-h, h) for h in (0.05, 0.05, 0.15)))).reshape(3, -1).T
         drawn = corners(link.drawn)
 
         assert robot.notes == ()
@@ -68,17 +63,15 @@ def test_a_link_is_drawn_with_its_visual_and_its_capsules_hold_it(
         middle = (drawn.min(axis=0) + drawn.max(axis=0)) / 2
         np.testing.assert_allclose(middle, (0, 0.02, 0), atol=1e-6)
         assert np.abs(drawn).max() == pytest.approx(radius + 0.02, rel=1e-5)
-        assert lacks(bounding_capsules(link), np.concatenate([box, drawn])) <= 0
         assert robot.links["b"].drawn == robot.links["b"].shapes
 
 
-def test_a_visual_inside_the_capsules_changes_none() -> None:
+def test_visuals_change_no_body() -> None:
     plain = robot_from_archive(packed({"a.urdf": arm()})).links["a"]
-    for radius, same in ((0.04, True), (0.2, False)):
-        files: dict[str, str | bytes] = {"a.urdf": looking("a.dae"), "a.dae": dae(radius)}
-        before, after = map(bounding_capsules, (plain, read(files)[0].links["a"]))
-        flat = [np.hstack([*map(np.hstack, capsules)]) for capsules in (before, after)]
-        assert np.array_equal(flat[0], flat[1]) is same
+    files: dict[str, str | bytes] = {"a.urdf": looking("a.dae"), "a.dae": dae(0.2)}
+    (before,), (after,) = map(link_bodies, (plain, read(files)[0].links["a"]))
+    assert np.array_equal(before.points, after.points)
+    assert before.capsule.radius == after.capsule.radius
 
 
 def test_no_dae_is_left_for_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -169,7 +162,7 @@ def test_visuals_take_no_triangles_from_the_shapes(monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("name", SHIPPED)
-def test_shipped_arms_are_drawn_as_they_look_within_the_capsules_of_their_shapes(name: str) -> None:
+def test_shipped_arms_are_drawn_as_they_look(name: str) -> None:
     robot = load_robot(name, MeshSource())
 
     assert not robot.notes
@@ -177,11 +170,6 @@ def test_shipped_arms_are_drawn_as_they_look_within_the_capsules_of_their_shapes
     assert len(drawn) >= 7
     for link in drawn:
         assert all(shape.kind == "mesh" for shape in link.visuals)
-        with_looks, without = (
-            [(*one.low, *one.high, one.radius) for one in bounding_capsules(either)]
-            for either in (link, replace(link, visuals=()))
-        )
-        assert with_looks == without
     files = unpacked(robot.archive)
     size = sum(len(content) for path, content in files.items() if "/visual/" in path)
     assert 100_000 < size <= 1_000_000

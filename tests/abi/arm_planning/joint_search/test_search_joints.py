@@ -23,7 +23,9 @@ from abi.arm_planning.joint_search.search_joints import (
 )
 from abi.arm_planning.joint_search.shorten import shortened
 from abi.arm_planning.world.chain_distances import (
+    Poses,
     floor_distances,
+    hull_distances_to,
     obstacle_distances,
     own_distances,
 )
@@ -95,11 +97,17 @@ def test_every_edge_of_both_trees_is_clear_at_dense_samples(name: str, seed: int
         for edge in tree.edges:
             way = tree.positions[edge]
             assert space.distance(way) < 1 + 1e-9
-            ends = arm.place(between(way))
-            assert obstacle_distances(arm, task.obstacles, ends)[0].min() > space.margin
-            assert own_distances(arm, ends).min(initial=math.inf) > 0
+            poses = Poses.of(arm, between(way))
+            assert solid_distances(space, task.obstacles, poses).min() > space.margin
+            assert own_distances(arm, poses).min(initial=math.inf) > 0
             floor = space.surroundings.floor
-            assert floor_distances(arm, floor, ends).min(initial=math.inf) > 0
+            assert floor_distances(arm, floor, poses).min(initial=math.inf) > 0
+
+
+def solid_distances(space: JointSpace, obstacles: ObstacleSet, poses: Poses) -> FloatArray:
+    """Distances (k, c) of an arm's bodies to obstacles."""
+    of_capsules = obstacle_distances(space.arm, obstacles, poses.ends)
+    return hull_distances_to(space.arm, poses, space.surroundings, of_capsules, math.inf)[0]
 
 
 @pytest.mark.slow
@@ -150,11 +158,11 @@ def grid_of(task_space: JointSpace, obstacles: ObstacleSet, size: int = 121) -> 
     arm = task_space.arm
     sides = [np.linspace(low, high, size) for low, high in arm.limits]
     poses = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1)
-    ends = arm.place(poses.reshape(-1, 2))
+    placed = Poses.of(arm, poses.reshape(-1, 2))
     gaps = [
-        obstacle_distances(arm, obstacles, ends)[0].min(axis=1) - task_space.margin,
-        own_distances(arm, ends).min(axis=1, initial=math.inf),
-        floor_distances(arm, task_space.surroundings.floor, ends).min(axis=1),
+        solid_distances(task_space, obstacles, placed).min(axis=1) - task_space.margin,
+        own_distances(arm, placed).min(axis=1, initial=math.inf),
+        floor_distances(arm, task_space.surroundings.floor, placed).min(axis=1),
     ]
     half = np.array([side[1] - side[0] for side in sides]) / 2
     levers = np.concatenate([arm.levers, arm.pair_levers])

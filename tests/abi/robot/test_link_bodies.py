@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+import trimesh
+
+from abi.arrays import FloatArray
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.bodies.link_bodies import Body, link_bodies
+from abi.robot.urdf.robot import Link
+from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
+from tests.abi.robot.robots import arm, packed
+
+
+def lacks(bodies: tuple[Body, ...], points: FloatArray) -> float:
+    """Largest distance by which points stick out of all bodies, of capsule or hull."""
+    away = np.full(len(points), np.inf)
+    for (low, high, radius), corners, rounding in bodies:
+        way = high - low
+        share = np.clip((points - low) @ way / max(float(way @ way), 1e-300), 0, 1)
+        of_capsule = np.linalg.norm(points - low - share[:, None] * way, axis=1) - radius
+        if len(corners) == 1:
+            of_hull = np.linalg.norm(points - corners[0], axis=1) - rounding
+        else:
+            sides = scipy.spatial.ConvexHull(corners).equations
+            of_hull = (points @ sides[:, :3].T + sides[:, 3]).max(axis=1) - rounding
+        away = np.minimum(away, np.maximum(of_capsule, of_hull))
+    return float(away.max())
+
+
+def surface(link: Link) -> FloatArray:
+    """Points on a link's shapes, made by another way than ours."""
+    parts = []
+    for shape in link.shapes:
+        radius, length, _ = shape.size
+        if shape.kind == "mesh":
+            solid = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
+        elif shape.kind == "box":
+            solid = trimesh.creation.box(shape.size)
+        elif shape.kind == "sphere":
+            solid = trimesh.creation.icosphere(4, radius)
+        else:
+            solid = trimesh.creation.cylinder(radius, length, sections=97)
+        points = np.concatenate([solid.sample(2000, seed=1), solid.vertices])
+        parts.append(points @ shape.pose[:3, :3].T + shape.pose[:3, 3])
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_bodies_contain_the_links(name: str) -> None:
+    for link in load_robot(name, MeshSource()).links.values():
+        bodies = link_bodies(link)
+        assert bool(bodies) == bool(link.shapes)
+        if bodies:
+            assert lacks(bodies, surface(link)) <= 1e-9
+
+
+@pytest.mark.parametrize(
+    "shape",
+    ['<sphere radius="0.2"/>', '<cylinder radius="0.1" length="0.5"/>', '<box size="1 0.1 0.2"/>'],
+)
+def test_bodies_contain_primitives_and_are_hardly_larger(shape: str) -> None:
+    text = arm(
+        ('<box size="0.1 0.1 0.3"/>', shape), ("<geometry>", "<origin rpy='1 2 3'/><geometry>")
+    )
+    link = robot_from_archive(packed({"a.urdf": text})).links["a"]
+    (body,) = link_bodies(link)
+    size = {"s": 4 / 3 * np.pi * 0.2**3, "c": np.pi * 0.01 * 0.5, "b": 0.02}[shape[1]]
+
+    assert lacks((body,), surface(link)) <= 1e-9
+    assert body.capsule.volume < 2.5 * size
+    if len(body.points) == 1:
+        assert body.rounding == pytest.approx(0.2)
+    else:
+        hull = scipy.spatial.ConvexHull(body.points)
+        # by Steiner's formula a rounding adds about this
+        assert hull.volume + 1.1 * hull.area * body.rounding < 1.04 * size
+
+
+def bent(*boxes: tuple[float, ...]) -> trimesh.Trimesh:
+    """Boxes, by their extents and centres, as one closed surface."""
+    parts = []
+    for box in boxes:
+        one = trimesh.creation.box(box[:3])
+        one.apply_translation(box[3:])
+        parts.append(one)
+    union = trimesh.boolean.union(parts, engine="manifold")
+    assert isinstance(union, trimesh.Trimesh)
+    return union
+
+
+def test_what_is_bent_is_cut_into_pieces_that_fill_it() -> None:
+    solid = bent((1, 0.1, 0.1, 0, 0, 0), (0.1, 0.1, 1, 0.45, 0, 0.45), (0.1, 0.5, 0.1, 0, 0.2, 0))
+    content = solid.export(file_type="stl")
+    assert isinstance(content, bytes)
+    text = arm(('<box size="0.1 0.1 0.3"/>', '<mesh filename="a.stl"/>'))
+    files: dict[str, str | bytes] = {"a.urdf": text, "a.stl": content}
+    link = robot_from_archive(packed(files)).links["a"]
+    bodies = link_bodies(link)
+    inside = trimesh.sample.volume_mesh(solid, 5000)
+
+    assert lacks(bodies, np.concatenate([surface(link), inside])) <= 1e-9
+    volumes = [scipy.spatial.ConvexHull(body.points).volume for body in bodies]
+    assert sum(volumes) < 1.5 * solid.volume < 0.4 * solid.convex_hull.volume
+    assert len(bodies) <= 6
+
+
+def test_many_balls_are_kept_as_given() -> None:
+    balls = [(0.05 * k, 0.1, 0.02 * k, 0.03 + 0.001 * k) for k in range(10)]
+    shapes = "".join(
+        f'<collision><origin xyz="{x} {y} {z}"/><geometry><sphere radius="{r}"/></geometry>'
+        "</collision>"
+        for x, y, z, r in balls
+    )
+    text = arm(('<collision><geometry><box size="0.1 0.1 0.3"/></geometry></collision>', shapes))
+    bodies = link_bodies(robot_from_archive(packed({"a.urdf": text})).links["a"])
+    found = [(*body.points[0].tolist(), body.rounding) for body in bodies]
+    assert found == [pytest.approx(ball) for ball in balls]
+    assert all(len(body.points) == 1 for body in bodies)
