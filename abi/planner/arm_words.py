@@ -12,7 +12,7 @@ _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base",
 
 _REASONS = {
     "adjacent": "At most one joint moves one beside the other",
-    "always": "Their bodies overlap in nearly all random poses",
+    "always": "Their bodies overlap in every random pose",
     "srdf": "The SRDF lets them touch",
     "mount": "It stands on that",
     "asked": "The scene lets them touch",

@@ -144,7 +144,7 @@ def _between_hulls(
     """Distances (k,) of pieces in poses, each by its number and that of the pair, [m]."""
     chain, capsules = sampled.chain, sampled.capsules
     packed = chain.packed_poses(sampled.positions)
-    hulls, none = [one.points for one in capsules], np.zeros(0)
+    hulls, none = [one.points for one in capsules], read_only(np.zeros(0))
     bodies = Bodies(
         moving=len(chain.joints),
         frames=read_only(np.array([one.frame for one in capsules], dtype=np.int32)),

@@ -67,6 +67,11 @@ def link_bodies(link: Link) -> tuple[Body, ...]:
     return tuple(_body(piece) for group in groups for piece in _pieces_of(group))
 
 
+def triangles_of(link: Link) -> FloatArray:
+    """Corners (n, 3, 3) in the link's frame of triangles around its collision shapes."""
+    return np.concatenate([_triangles(shape) for shape in link.shapes])
+
+
 class _Ball(NamedTuple):
     """A sphere as it is given."""
 

@@ -1,0 +1,199 @@
+"""Arms of public packages: how many load, are called self-colliding rightly, and get a plan.
+
+    python -m benchmarks.arms FOLDER…
+
+Each folder holds the files of packages, unpacked, as ``benchmarks.public_files`` says; coal decides
+what collides by the triangles of the collision shapes. Of each arm:
+
+- ``wrong`` is the share of random poses that are called self-colliding but are not, by the meshes;
+- the task is to move the tool between its places at two random poses that are clear, around a box
+  in the middle; ``rrt`` says whether an independent search in the joints, which tries poses alone,
+  finds a motion between these poses in 5 s of processor time;
+- ``plan`` is what came of ours; ``hits`` counts poses, of 400 on the motion, that collide by the
+  meshes; ``proof`` says whether ``abi verify`` confirms the certificate.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from abi.arm_planning.world.chain_distances import Poses, own_distances
+from abi.arrays import FloatArray
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner
+from abi.robot.urdf.robot import Robot, joints_to
+from abi.robot.urdf.robot_files import load_robot
+from abi.robot.urdf.usual_tip import usual_tip
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
+from abi.scene.scene import Scene
+from abi.verify.verify import verify
+from benchmarks.exact_meshes import ExactArm
+from benchmarks.report import Row, table
+
+_POSES, _SAMPLES = 200, 401
+_SECONDS = 5.0
+_STEP, _FINE = 0.3, 0.03
+"""Ways of the search in the joints, and between the poses that it tries, [rad] or [m]."""
+
+
+class _Tree:
+    """Poses that are joined to a first one by steps that are clear."""
+
+    def __init__(self, first: FloatArray) -> None:
+        self.poses = [first]
+
+    def nearest(self, pose: FloatArray) -> FloatArray:
+        """The pose in it that is nearest."""
+        return self.poses[int(np.linalg.norm(np.stack(self.poses) - pose, axis=1).argmin())]
+
+
+def rrt_finds(exact: ExactArm, limits: FloatArray, ends: FloatArray, seconds: float) -> bool:
+    """Search a motion between two poses (2, n) by two trees (RRT-Connect), trying poses alone."""
+    random, start = np.random.default_rng(0), time.process_time()
+    trees = _Tree(ends[0]), _Tree(ends[1])
+    while time.process_time() - start < seconds:
+        target = random.uniform(limits[:, 0], limits[:, 1])
+        reached = _extended(exact, trees[0], target, _STEP)
+        if reached is not None:
+            other = _extended(exact, trees[1], reached, np.inf)
+            if other is not None and np.allclose(other, reached):
+                return True
+        trees = trees[1], trees[0]
+    return False
+
+
+def _extended(exact: ExactArm, tree: _Tree, target: FloatArray, most: float) -> FloatArray | None:
+    """Last clear pose on the way from a tree to a target, at most so far; None without any."""
+    pose, reached = tree.nearest(target), None
+    way = target - pose
+    length = float(np.linalg.norm(way))
+    count = int(np.ceil(min(length, most) / _FINE))
+    for k in range(1, count + 1):
+        step = pose + way * min(k * _FINE / length, 1.0)
+        if exact.hits(step):
+            break
+        reached = step
+    if reached is not None:
+        tree.poses.append(reached)
+    return reached
+
+
+def _task(arm: UrdfArm, exact: ExactArm) -> tuple[FloatArray, FloatArray] | None:
+    """Two clear poses (2, n) whose tools are apart, and a box (2, 3) between, clear at both."""
+    random, (low, high) = np.random.default_rng(1), arm.chain.usual_range().T
+    clear: list[FloatArray] = []
+    floor = float(arm.base[2]) + 0.05 * arm.reach
+    for pose in random.uniform(low, high, (_POSES, len(low))):
+        ends = Poses.of(arm, pose[None]).ends[0]
+        above = arm.tool(pose[None])[0, 2] > floor and ends[:, :, 2].min() > -0.05 * arm.reach
+        if above and not exact.hits_itself(pose):
+            clear.append(pose)
+    for first in clear:
+        for last in clear:
+            a, b = arm.tool(np.stack([first, last]))
+            if not 0.3 * arm.reach < np.linalg.norm(b - a) < 0.8 * arm.reach:
+                continue
+            box = np.stack([(a + b) / 2, np.full(3, 0.1 * arm.reach)])
+            blocked = ExactArm(arm, box)
+            if not (blocked.hits(first) or blocked.hits(last)):
+                return np.stack([first, last]), box
+    return None
+
+
+def _scene(name: str, arm: UrdfArm, ends: FloatArray, box: FloatArray, files: MeshSource) -> Scene:
+    tools, reach = arm.tool(ends), arm.reach
+    low, high = tools.min(axis=0) - 0.25 * reach, tools.max(axis=0) + 0.25 * reach
+    return Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": low.tolist(), "max": high.tolist()},
+            "start": tools[0].tolist(),
+            "goal": tools[1].tolist(),
+            "obstacles": [{"shape": "box", "size": box[1].tolist(), "position": box[0].tolist()}],
+            "mesh": {"pitch": float((high - low).max()) / 12},
+            "spline": {"clearance": 0.01 * reach},
+            "motion": {"speed": 0.3, "acceleration": 0.6, "deceleration": 0.6, "law": "slowed"},
+            "arm": {"model": "urdf", "urdf": name, "base": [0, 0, 0]},
+        },
+        files,
+    )
+
+
+def measure(robot: Robot, name: str, files: MeshSource) -> Row:
+    """Row of an arm that loads."""
+    tip = usual_tip(robot)
+    joints_to(robot, tip)
+    arm = urdf_arm(robot, tip, (0.0, 0.0, 0.0))
+    exact = ExactArm(arm)
+    low, high = arm.chain.usual_range().T
+    poses = np.random.default_rng(2).uniform(low, high, (_POSES, len(low)))
+    called = (own_distances(arm, Poses.of(arm, poses)) <= 0).any(axis=1)
+    wrong = sum(not exact.hits_itself(pose) for pose in poses[called]) / _POSES
+    row: Row = {"joints": len(low), "pieces": len(arm.capsules), "wrong": wrong}
+    task = _task(arm, exact)
+    if task is None:
+        return row | {"plan": "no task"}
+    ends, box = task
+    blocked = ExactArm(arm, box)
+    row["rrt"] = rrt_finds(blocked, arm.chain.usual_range(), ends, _SECONDS)
+    plan = Planner()(_scene(name, arm, ends, box, files))
+    return row | _outcome(plan, blocked)
+
+
+def _outcome(plan: Plan, exact: ExactArm) -> Row:
+    """What came of a plan."""
+    if plan.error is not None or plan.motion is None or plan.arm_clearance is None:
+        return {"plan": "none"}
+    if not plan.arm_clearance.certified:
+        return {"plan": "not proven"}
+    assert len(plan.motion.positions) == _SAMPLES
+    verdict = verify(json.loads(json.dumps(plan.to_dict())), plan.scene.meshes)[-1]
+    hits = sum(exact.hits(pose) for pose in plan.motion.positions)
+    return {"plan": "proven", "hits": hits, "proof": verdict.proven}
+
+
+def rows_of(folder: Path) -> Iterator[Row]:
+    """A row for each URDF below a folder."""
+    for file in sorted(folder.rglob("*.urdf")):
+        name = file.relative_to(folder).as_posix()
+        source = MeshSource(folder=folder)
+        try:
+            robot = load_robot(name, source)
+            yield {"arm": file.stem} | measure(robot, name, source)
+        except SceneError as error:
+            yield {"arm": file.stem, "plan": f"refused: {error.message}"[:90]}
+
+
+def main() -> None:
+    """Print a row for each arm, and what they say in all."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("folders", type=Path, nargs="+")
+    options = parser.parse_args()
+    rows = []
+    for folder in options.folders:
+        for row in rows_of(folder):
+            rows.append(row)
+            print(row, flush=True)
+    print(table(rows))
+    tried = [row for row in rows if row.get("rrt")]
+    proven = [row for row in rows if row.get("plan") == "proven"]
+    planned = sum(row in proven for row in tried)
+    print(
+        f"{len(rows)} arms, {sum('joints' in row for row in rows)} load; where the independent "
+        f"search finds a motion, {planned} of {len(tried)} are planned; "
+        f"{sum(row['hits'] > 0 for row in proven)} of {len(proven)} motions collide, "
+        f"{sum(row['proof'] for row in proven)} proofs are confirmed"
+    )
+
+
+if __name__ == "__main__":
+    main()
