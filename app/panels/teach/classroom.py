@@ -139,9 +139,10 @@ class ClassroomPanel:
             for widget in (self.lead, self.question, *self.choices, self.send, self.ask):
                 widget.visible = True
             self.ask_place.visible = True
-            self.lead.value = room.lead
+            # what has been set and typed before the page could say whose it is stays
+            self.lead.value = bool(self.lead.value) or room.lead
             for box, text in zip((self.question, *self.choices), room.draft, strict=False):
-                box.value = text
+                box.value = box.value or text
 
     def view(self) -> TabState | None:
         """The newest view that the teacher has sent since the last call; None for none.
