@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -161,10 +162,12 @@ def _outcome(plan: Plan, exact: ExactArm) -> Row:
     return {"plan": "proven", "hits": hits, "proof": verdict.proven}
 
 
-def rows_of(folder: Path) -> Iterator[Row]:
-    """A row for each URDF below a folder."""
+def rows_of(folder: Path, chosen: str) -> Iterator[Row]:
+    """A row for each URDF below a folder whose path contains a match of a regular expression."""
     for file in sorted(folder.rglob("*.urdf")):
         name = file.relative_to(folder).as_posix()
+        if not re.search(chosen, name):
+            continue
         source = MeshSource(folder=folder)
         try:
             robot = load_robot(name, source)
@@ -177,10 +180,11 @@ def main() -> None:
     """Print a row for each arm, and what they say in all."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folders", type=Path, nargs="+")
+    parser.add_argument("--match", default="", help="only paths that contain this expression")
     options = parser.parse_args()
     rows = []
     for folder in options.folders:
-        for row in rows_of(folder):
+        for row in rows_of(folder, options.match):
             rows.append(row)
             print(row, flush=True)
     print(table(rows))
