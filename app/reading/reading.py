@@ -20,7 +20,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
-from abi.robot.urdf.robot_files import file_of, load_robot, robot_from_archive, robots_in
+from abi.robot.urdf.robot_files import file_of, load_plain_robot, robots_in
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 from app.reading import sample_meshes
@@ -106,7 +106,6 @@ def read(job: Job) -> ReadingResult:
         refusal = Refusal("file", job.name, "a file that can be read")
         return ReadingResult(refusal, f"{type(error).__name__}: {error}"[:300])
     finally:
-        robot_from_archive.cache_clear()
         link_bodies.cache_clear()
 
 
@@ -191,7 +190,7 @@ def _whole(name: str, files: Mapping[str, bytes | Surface], srdf: str | None = N
 
     Its archive has only meshes in formats of our own readers: the server reads it again.
     """
-    robot = load_robot(name, MeshSource(files), plain=True, srdf=srdf)
+    robot = load_plain_robot(name, MeshSource(files), srdf)
     for link in robot.links.values():
         link_bodies(link)
     return robot

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import PurePosixPath
@@ -35,15 +35,12 @@ _ZIP = b"PK\x03\x04"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def load_robot(
-    name: str, source: MeshSource, plain: bool = False, srdf: str | None = None
-) -> Robot:
+def load_robot(name: str, source: MeshSource, srdf: str | None = None) -> Robot:
     """Load a shipped arm by name, or the arm of a ``.urdf`` or ``.zip`` file.
 
     Args:
         name: in :data:`SHIPPED`, or of a file.
         source: of the files.
-        plain: whether to make its archive one that can be read without trimesh.
         srdf: name of the SRDF that counts, of a file or of one in the arm's archive; None for the
             one beside the URDF.
 
@@ -56,8 +53,24 @@ def load_robot(
         return _shipped(name)
     content = archive_of(name, source)
     if srdf is not None:
-        content = _with_one_srdf(content, source, srdf)
-    return robot_from_archive(_plain(content) if plain else content)
+        content = packed(_with_one_srdf(unpacked(content), source, srdf))
+    return robot_from_archive(content)
+
+
+def load_plain_robot(name: str, source: MeshSource, srdf: str | None = None) -> Robot:
+    """Load the arm of a file, and give it an archive that can be read without trimesh.
+
+    The file is unpacked once, and each mesh in it is read once. Arguments and errors are those of
+    :func:`load_robot`; no shipped arm is found.
+    """
+    archive, files = _unpacked_files(name, source)
+    if srdf is not None:
+        archive, files = None, _with_one_srdf(files, source, srdf)
+    robot, plain = _read(files)
+    require_motion(robot)
+    if not all(map(is_plain, files)):
+        archive = packed(plain)
+    return replace(robot, archive=archive or _packed_anew(name, files))
 
 
 def archive_of(name: str, source: MeshSource) -> bytes:
@@ -68,16 +81,42 @@ def archive_of(name: str, source: MeshSource) -> bytes:
     Raises:
         SceneError: the file has another ending, or one that it needs is missing.
     """
+    if (archive := _archive_itself(name, source)) is not None:
+        return archive
+    return _packed_anew(name, _unpacked_files(name, source)[1])
+
+
+def _packed_anew(name: str, files: Mapping[str, bytes]) -> bytes:
+    """Files as an archive; those that were beside a URDF need not be small."""
+    return packed(files, zipfile.ZIP_STORED if file_of(name) == name else zipfile.ZIP_DEFLATED)
+
+
+def _unpacked_files(name: str, source: MeshSource) -> tuple[bytes | None, dict[str, bytes]]:
+    """The archive that a name stands for, None if there is none of just these files; and these."""
+    archive = _archive_itself(name, source)
+    if archive is not None:
+        return archive, unpacked(archive)
+    if name not in source.files and (outer := file_of(name)) != name:
+        files = unpacked(_content(source, outer))
+        return None, _with_one(files, name.removeprefix(f"{outer}/"))
+    return None, _with_meshes(source, name)
+
+
+def _archive_itself(name: str, source: MeshSource) -> bytes | None:
+    """Content of a file that is an archive of one robot; None for a URDF, and for one of several.
+
+    Raises:
+        SceneError: the file has another ending, or is missing.
+    """
     ending = PurePosixPath(name).suffix.lower()
     if ending not in (".zip", ".urdf"):
         expected = f"one of {', '.join(SHIPPED)}, or a file that ends in .urdf or .zip"
         raise SceneError("arm.urdf", name, expected)
-    if name not in source.files and (archive := file_of(name)) != name:
-        return _with_one(_content(source, archive), name.removeprefix(f"{archive}/"))
+    if name not in source.files and file_of(name) != name:
+        return None
     content = _content(source, name)
     # an arm that a scene has read already is kept as an archive, whatever it was
-    packed = ending == ".zip" or content.startswith(_ZIP)
-    return content if packed else _packed(source, name)
+    return content if ending == ".zip" or content.startswith(_ZIP) else None
 
 
 def file_of(name: str) -> str:
@@ -94,7 +133,8 @@ def robots_in(content: bytes) -> tuple[str, ...]:
     """
     if not content.startswith(_ZIP):
         return ()
-    return tuple(sorted(name for name in unpacked(content) if name.lower().endswith(".urdf")))
+    with _opened(content) as archive:
+        return tuple(sorted(name for name in members_of(archive) if name.lower().endswith(".urdf")))
 
 
 @lru_cache(maxsize=8)
@@ -105,7 +145,7 @@ def robot_from_archive(content: bytes) -> Robot:
         SceneError: it is no such file, it is too large packed or unpacked,
             :func:`abi.robot.urdf.urdf_reader.read_urdf` refuses it, or nothing of it can move.
     """
-    robot = _read(content)[0]
+    robot = replace(_read(unpacked(content))[0], archive=content)
     require_motion(robot)
     return robot
 
@@ -125,6 +165,18 @@ def unpacked(content: bytes) -> dict[str, bytes]:
     Raises:
         SceneError: it is damaged, or too large.
     """
+    with _opened(content) as archive:
+        members = members_of(archive)
+        return {name: archive.read(member) for name, member in members.items()}
+
+
+@contextlib.contextmanager
+def _opened(content: bytes) -> Iterator[zipfile.ZipFile]:
+    """An archive of no more and no larger files than are taken, to read in the block.
+
+    Raises:
+        SceneError: it is damaged, or too large.
+    """
     if len(content) > _MAX_ARCHIVE:
         expected = f"an archive of at most {_MAX_ARCHIVE // 10**6} MB"
         raise SceneError("arm.urdf", f"{len(content):,} bytes", expected)
@@ -132,19 +184,18 @@ def unpacked(content: bytes) -> dict[str, bytes]:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = members_of(archive)
             size = sum(member.file_size for member in members.values())
-            if len(members) <= _MAX_FILES and size <= _MAX_UNPACKED:
-                return {name: archive.read(member) for name, member in members.items()}
+            if len(members) > _MAX_FILES or size > _MAX_UNPACKED:
+                value = f"{len(members)} files of {size:,} bytes"
+                expected = f"at most {_MAX_FILES:,} files of {_MAX_UNPACKED // 10**6} MB in all"
+                raise SceneError("arm.urdf", value, expected)
+            yield archive
     except DAMAGED_ZIP as error:
         expected = "a whole zip archive without a password"
         raise SceneError("arm.urdf", str(error)[:60], expected) from None
-    value = f"{len(members)} files of {size:,} bytes"
-    expected = f"at most {_MAX_FILES:,} files of {_MAX_UNPACKED // 10**6} MB in all"
-    raise SceneError("arm.urdf", value, expected)
 
 
-def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
-    """A robot, and its files with each mesh in a format that needs no trimesh."""
-    files = unpacked(content)
+def _read(files: Mapping[str, bytes]) -> tuple[Robot, dict[str, bytes]]:
+    """A robot still without archive, and its files, each mesh in a format that needs no trimesh."""
     found = sorted(name for name in files if name.lower().endswith(".urdf"))
     if len(found) != 1:
         names = some_of(found) or "none"
@@ -154,26 +205,24 @@ def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
         raise SceneError("arm.urdf", names, expected)
     lookup = MeshLookup(files, PurePosixPath(found[0]).parent)
     robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
-    robot = replace(robot, archive=content, notes=(*robot.notes, *lookup.notes))
+    robot = replace(robot, notes=(*robot.notes, *lookup.notes))
     texts = {name: files[name] for name in files if name.lower().endswith((".urdf", ".srdf"))}
     return _with_srdf(robot, files, PurePosixPath(found[0]).stem), texts | lookup.plain()
 
 
-def _with_one(content: bytes, name: str) -> bytes:
-    """An archive with only one of its URDF files, whose path ends in a name."""
-    files = unpacked(content)
+def _with_one(files: Mapping[str, bytes], name: str) -> dict[str, bytes]:
+    """Files with only one of the URDF files among them, whose path ends in a name."""
     urdfs = [file for file in files if file.lower().endswith(".urdf")]
     found = [file for file in urdfs if f"/{file}".endswith(f"/{name}")]
     if name in urdfs:
         found = [name]
     if len(found) != 1:
         raise SceneError("arm.urdf", name, f"one of {some_of(sorted(urdfs), 6) or 'no URDF files'}")
-    return packed({file: files[file] for file in files if file not in urdfs or file in found})
+    return {file: files[file] for file in files if file not in urdfs or file in found}
 
 
-def _with_one_srdf(content: bytes, source: MeshSource, name: str) -> bytes:
-    """An archive with one SRDF alone: a file of the source, or that of its name in the archive."""
-    files = unpacked(content)
+def _with_one_srdf(files: Mapping[str, bytes], source: MeshSource, name: str) -> dict[str, bytes]:
+    """Files with one SRDF alone: a file of the source, or that of its name among them."""
     inside = [file for file in files if f"/{file}".endswith(f"/{PurePosixPath(name).name}")]
     others = {file: files[file] for file in files if not file.lower().endswith(_SRDF)}
     if not name.lower().endswith(_SRDF):
@@ -184,14 +233,7 @@ def _with_one_srdf(content: bytes, source: MeshSource, name: str) -> bytes:
         if len(inside) != 1:
             raise SceneError("arm.srdf", error.value, error.expected) from None
         found = files[inside[0]]
-    return packed({**others, PurePosixPath(name).name: found})
-
-
-def _plain(content: bytes) -> bytes:
-    """An archive without meshes that trimesh reads: an STL each, or nothing where it cannot."""
-    if all(is_plain(name) for name in unpacked(content)):
-        return content
-    return packed(_read(content)[1])
+    return {**others, PurePosixPath(name).name: found}
 
 
 def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
@@ -223,11 +265,13 @@ def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
 
 @lru_cache(maxsize=8)
 def _shipped(name: str) -> Robot:
-    return robot_from_archive(_packed(MeshSource(folder=assets.path("urdf", name)), f"{name}.urdf"))
+    return robot_from_archive(
+        archive_of(f"{name}.urdf", MeshSource(folder=assets.path("urdf", name)))
+    )
 
 
-def _packed(source: MeshSource, urdf: str) -> bytes:
-    """A URDF and the meshes that it names as a zip, the same for the same files.
+def _with_meshes(source: MeshSource, urdf: str) -> dict[str, bytes]:
+    """A URDF and the meshes that it names, by their paths.
 
     Meshes that are for looks alone come along where they are there and there is room.
     """
@@ -245,7 +289,7 @@ def _packed(source: MeshSource, urdf: str) -> bytes:
     with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
         beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
         files[beside] = source.content(beside)
-    return packed(files, zipfile.ZIP_STORED)
+    return files
 
 
 def _mesh_of(source: MeshSource, folder: PurePosixPath, name: str) -> tuple[str, bytes]:

@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
+from abi.obstacles.mesh_files.parts import MeshFile
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf import mesh_lookup
 from abi.robot.urdf.robot import LinkShape, Robot
-from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive, unpacked
+from abi.robot.urdf.robot_files import (
+    SHIPPED,
+    load_plain_robot,
+    load_robot,
+    robot_from_archive,
+    robots_in,
+    unpacked,
+)
 from abi.robot.urdf.urdf_files import description_of
 from tests.abi.robot.robots import arm, packed
 
@@ -42,8 +51,8 @@ def looking(*names: str, text: str | None = None) -> str:
 def read(files: dict[str, str | bytes]) -> tuple[Robot, Robot]:
     """The robot of a zip, and what becomes of it where no DAE may be left."""
     content = packed(files)
-    source = MeshSource({"r.zip": content})
-    return robot_from_archive(content), load_robot("r.zip", source, plain=True)
+    plain = load_plain_robot("r.zip", MeshSource({"r.zip": content}))
+    return robot_from_archive(content), robot_from_archive(plain.archive)
 
 
 def corners(shapes: tuple[LinkShape, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -89,13 +98,44 @@ def test_no_dae_is_left_for_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
         assert not [name for name in archive.namelist() if name.endswith(".dae")]
     robot_from_archive.cache_clear()
     monkeypatch.setitem(mesh_reader._READERS, ".dae", None)
-    again = load_robot("r.zip", MeshSource({"r.zip": plain.archive}), plain=True)
+    again = load_plain_robot("r.zip", MeshSource({"r.zip": plain.archive}))
     assert again.archive == plain.archive
     for kind in ("shapes", "drawn"):
         first, second = (getattr(one.links["a"], kind)[0] for one in (robot, again))
         np.testing.assert_allclose(
             second.vertices[second.faces], first.vertices[first.faces], atol=1e-7
         )
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_each_file_of_an_upload_is_unpacked_once_and_each_mesh_read_once(
+    several: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    files: dict[str, str | bytes] = {
+        "one.urdf": looking("a.dae", "b.stl"),
+        "a.dae": dae(0.1),
+        "b.stl": trimesh.creation.box().export(file_type="stl"),
+    }
+    name = "r.zip/one.urdf" if several else "r.zip"
+    content = packed(files | ({"two.urdf": arm()} if several else {}))
+    unpacked_files, meshes = Counter[str](), Counter[str]()
+    unpack, read_file = zipfile.ZipFile.read, mesh_reader.read_file
+
+    def counted_unpack(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
+        unpacked_files[member.filename] += 1
+        return unpack(archive, member)
+
+    def counted_read(content: bytes, name: str) -> MeshFile:
+        meshes[name] += 1
+        return read_file(content, name)
+
+    monkeypatch.setattr(zipfile.ZipFile, "read", counted_unpack)
+    monkeypatch.setattr(mesh_reader, "read_file", counted_read)
+    assert robots_in(content) == (("one.urdf", "two.urdf") if several else ("one.urdf",))
+    assert not unpacked_files
+    load_plain_robot(name, MeshSource({"r.zip": content}))
+    assert {*unpacked_files.values()} == {1}
+    assert meshes == {"a.dae": 1, "b.stl": 1}
 
 
 @pytest.mark.parametrize(
