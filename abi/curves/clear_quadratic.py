@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 from numpy.polynomial import legendre
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.clearance.curve_clearance import ROUNDING, curve_clearance
 from abi.curves.curve import ArcLength, Curve
@@ -62,9 +63,15 @@ class Target:
     obstacles: ObstacleSet
     clearance: float
 
+    def __post_init__(self) -> None:
+        breaks = arguments.increasing("breaks", self.breaks)
+        points = arguments.numbers("control_points", self.control_points, (len(breaks) + 1, 3))
+        clearance = arguments.number("clearance", self.clearance)
+        arguments.keep(self, breaks=breaks, control_points=points, clearance=clearance)
+
     def basis(self, parameters: FloatArray) -> FloatArray:
         """Weight of each control point in the points at ``parameters`` (n,), shape (n, m + 2)."""
-        return _basis(self.breaks, parameters)
+        return _basis(self.breaks, arguments.numbers("parameters", parameters, (-1,)))
 
     @cached_property
     def extent(self) -> float:
@@ -87,6 +94,8 @@ class Target:
 
     def distance(self, control_points: FloatArray) -> float:
         """L2 distance of another curve on the same breaks, [unit]."""
+        shape = self.control_points.shape
+        control_points = arguments.numbers("control_points", control_points, shape)
         move = (control_points - self.control_points)[1:-1]
         return float(np.linalg.norm(self.norm.T @ move))
 

@@ -36,6 +36,14 @@ class TimedProfile(ShortRepr):
     breaks: FloatArray
     coefficients: FloatArray
 
+    def __post_init__(self) -> None:
+        breaks = arguments.numbers("breaks", self.breaks, (-1,))
+        if len(breaks) < 2 or (np.diff(breaks) < 0).any():
+            raise ArgumentError("breaks", breaks[:6].tolist(), "two times or more that ascend")
+        coefficients = arguments.numbers("coefficients", self.coefficients, (4, len(breaks) - 1))
+        length = arguments.number("length", self.length, 0.0)
+        arguments.keep(self, length=length, breaks=breaks, coefficients=coefficients)
+
     @property
     def duration(self) -> float:
         """Time of the whole motion, [s]."""

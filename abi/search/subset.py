@@ -9,7 +9,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.errors import ArgumentError
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.search.graph import Graph
 from abi.tet_mesh.exclusion import FreeMesh
@@ -65,6 +67,9 @@ def subset(
             and at the obstacles.
         budget: largest number of edges.
     """
+    path_points = arguments.points("path_points", path_points)
+    if not len(path_points):
+        raise ArgumentError("path_points", [], "one point or more")
     points = free.mesh.points if graph is None else graph.points
     gone = np.zeros(len(points), dtype=np.bool_)
     gone[: len(free.excluded)] = free.excluded

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.search.arcs import Arcs
 from abi.search.label_kernels import Labels, relax_in_order
@@ -103,6 +104,8 @@ def trace_of(
         reopens: whether a node's cost may decrease after its expansion.
     """
     n = len(arcs.points)
+    sides = arguments.integer("sides", sides, 1, 2)
+    order = arguments.ids("order", order, (-1,), sides * n)
     starts = np.array([arcs.start, arcs.goal + n][:sides], np.int32)
     stops = _stops(arcs, order, queue, sides)
     scanned = read_only(order[:-1].copy()) if stops else order

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,13 @@ class TetMesh(ShortRepr):
     points: FloatArray
     stencil: Stencil | None = None
     irregular: IntArray | None = None
+
+    def __post_init__(self) -> None:
+        points = arguments.points("points", self.points)
+        own: Any = self.irregular
+        if own is not None or self.lattice not in REGULAR:
+            own = arguments.ids("irregular", own, (-1, 4), len(points))
+        arguments.keep(self, points=points, irregular=own)
 
     @cached_property
     def tetrahedra(self) -> IntArray:

@@ -20,14 +20,16 @@ from abi.arm_planning.motion.liquid import tilts
 from abi.clearance.bezier import Bezier
 from abi.clearance.certificate import certify
 from abi.curves.bspline import BSpline, clamped
+from abi.curves.clear_quadratic import Target
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import three_phase
-from abi.curves.timed_profile import from_squared_speeds
+from abi.curves.timed_profile import TimedProfile, from_squared_speeds
 from abi.errors import ArgumentError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Cylinder
+from abi.obstacles.triangle_mesh.bvh import build_tree
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.chain_capsules import segment_distances
@@ -40,10 +42,13 @@ from abi.search.graph import Graph
 from abi.search.lifelong_a_star import lifelong_a_star
 from abi.search.search import SEARCHES, search
 from abi.search.taut.taut_path import polyline_length
+from abi.search.taut.tighten_near_meshes import tighten_near_meshes
+from abi.search.trace import trace_of
+from abi.tet_mesh.adjacency import of_rows, rows
 from abi.tet_mesh.delaunay import volumes
 from abi.tet_mesh.exclusion import within
 from abi.tet_mesh.node_tree import tree_over
-from abi.tet_mesh.tet_mesh import edges_of
+from abi.tet_mesh.tet_mesh import TetMesh, edges_of
 from tests.abi import meshes
 from tests.abi.odd_arrays import EXACT, SAME, WRONG, Array, narrowed, spoilt, widened
 
@@ -75,6 +80,9 @@ TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 ANGLES = np.array([[0.0, 1, 1, 0, 0, 2], [1, 1, 2, 0, 0, 0]])
 KNOTS = np.array([0.0, 0, 0, 0.5, 1, 1, 1])
 BOX = Box(size=(2, 2, 2))
+EDGES = np.array([[0, 1], [1, 2], [0, 3], [2, 3]])
+LENGTHS = np.array([1.0, 2, 3, 4])
+ROWS = rows(EDGES, LENGTHS, 4)
 
 
 @cache
@@ -138,6 +146,18 @@ def of_quadratic(**fields: Any) -> Any:
 def of_bezier(**fields: Any) -> Any:
     pieces = Bezier(np.array([0.0, 1, 2]), np.stack([CURVE[:3], CURVE[1:]]), 5.0)
     return certify(replace(pieces, **fields), ObstacleSet((BOX,)), 0.1)
+
+
+def of_tet_mesh(**fields: Any) -> Any:
+    made = TetMesh("delaunay", (1, 1, 1), 1.0, CURVE, irregular=np.array([[0, 1, 2, 3]]))
+    changed = replace(made, **fields)
+    return changed.points, changed.lengths, changed.edges
+
+
+def of_profile(**fields: Any) -> Any:
+    powers = np.array([[0.0, 0], [1, 0], [0, 2], [0, 1]])
+    made = TimedProfile("time_optimal", 5.0, np.array([0.0, 1, 3]), powers)
+    return replace(made, **fields)(np.array([0.0, 0.5, 2]))
 
 
 def of_graph(lattice: str, field: str) -> Entry:
@@ -259,6 +279,40 @@ def entries() -> dict[str, Entry]:
         "within": Entry(lambda at: within(at, np.zeros(3), np.ones(3)), POINTS),
         "volumes: points": Entry(lambda at: volumes(at, np.array([[0, 1, 2, 3]])), POINTS),
         "volumes: tetrahedra": Entry(lambda ids: volumes(POINTS, ids), np.array([[0, 1, 2, 3]])),
+        "rows: edges": Entry(lambda edges: rows(edges, LENGTHS, 4), EDGES),
+        "rows: lengths": Entry(lambda lengths: rows(EDGES, lengths, 4), LENGTHS),
+        "of_rows: points": Entry(lambda at: of_rows(at, ROWS[0], ROWS[1]), POINTS),
+        "of_rows: indptr": Entry(lambda begins: of_rows(POINTS, begins, ROWS[1]), ROWS[0]),
+        "of_rows: indices": Entry(lambda ids: of_rows(POINTS, ROWS[0], ids), ROWS[1]),
+        "TetMesh: points": Entry(lambda at: of_tet_mesh(points=at), CURVE),
+        "TetMesh: irregular": Entry(
+            lambda ids: of_tet_mesh(irregular=ids), np.array([[0, 1, 2, 3]])
+        ),
+        "build_tree": Entry(build_tree, np.stack([CURVE[:3], OTHERS[:3]]), infinite=True),
+        "trace_of: order": Entry(
+            lambda order: trace_of(arcs(), order, "best_first").examined,
+            np.array([arcs().start, 1, 2], dtype=np.int32),
+        ),
+        "tighten_near_meshes: points": Entry(
+            lambda at: tighten_near_meshes(at, ObstacleSet((BOX,)), np.zeros(4)), CURVE * 3
+        ),
+        "tighten_near_meshes: limits": Entry(
+            lambda limits: tighten_near_meshes(CURVE, ObstacleSet((BOX,)), limits),
+            np.array([0.0, 1, 0, 0]),
+        ),
+        "TimedProfile: breaks": Entry(lambda at: of_profile(breaks=at), np.array([0.0, 1, 3])),
+        "TimedProfile: coefficients": Entry(
+            lambda at: of_profile(coefficients=at), np.array([[0.0, 0], [1, 0], [0, 2], [0, 1]])
+        ),
+        "Target: breaks": Entry(
+            lambda at: Target(at, CURVE, ObstacleSet(()), 0.1).norm, np.array([0.0, 0.5, 1])
+        ),
+        "Target: control_points": Entry(
+            lambda at: Target(np.array([0.0, 0.5, 1]), at, ObstacleSet(()), 0.1).extent, CURVE
+        ),
+        "Target.distance": Entry(
+            Target(np.array([0.0, 0.5, 1]), CURVE, ObstacleSet(()), 0.1).distance, OTHERS
+        ),
         "edges_of": Entry(lambda ids: edges_of(ids, 4), np.array([[0, 1, 2, 3]])),
         "clean: vertices": Entry(lambda at: clean(at, TETRAHEDRON).vertices, CURVE),
         "clean: faces": Entry(lambda faces: clean(CURVE, faces).faces, TETRAHEDRON),

@@ -7,9 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS
+from abi.errors import ArgumentError
 from abi.obstacles.triangle_mesh.bvh_kernels import slabs_of_nodes
 from abi.obstacles.triangle_mesh.leaf_order_kernels import order_of_leaves
 from abi.obstacles.triangle_mesh.per_surface import PerSurface
@@ -76,7 +78,10 @@ def highest_in_slab(tree: TriangleTree, node: int, direction: Vec3) -> float:
 
 def build_tree(triangles: FloatArray) -> TriangleTree:
     """Build the tree over triangles (m, 3, 3), cut where it is cheapest to search."""
+    triangles = arguments.numbers("triangles", triangles, (-1, 3, 3), infinite=True)
     count = len(triangles)
+    if not count:
+        raise ArgumentError("triangles", [], "one triangle or more")
     depth = max(0, int(np.log2(max(count / _LEAF, 1))))
     order, leaves = np.empty(count, dtype=np.int32), np.empty(2**depth + 1, dtype=np.int32)
     own = np.concatenate([triangles.min(axis=1), triangles.max(axis=1)], axis=1)

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.search.taut.tighten_near_meshes_kernels import PathObstacles, tightened
@@ -28,7 +29,9 @@ def tighten_near_meshes(
     Returns:
         (m, 3) the new path; the ends stay.
     """
-    return _tightened(flat(points).tobytes(), obstacles, flat(limits).tobytes())
+    path = arguments.polyline("points", points)
+    margins = arguments.numbers("limits", limits, (4,))
+    return _tightened(flat(path).tobytes(), obstacles, flat(margins).tobytes())
 
 
 @lru_cache(maxsize=4)
