@@ -12,8 +12,9 @@
 They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.clearance` (clearance of curves
 and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.verify` checks certificates in
 exact arithmetic, :mod:`abi.export` writes plans for other programs, :mod:`abi.sweep` makes tables
-of many plans, :mod:`abi.paper` compares our results with those printed in the paper, and
-:mod:`abi.teach` checks what students have written.
+of many plans, :mod:`abi.paper` compares our results with those printed in the paper,
+:mod:`abi.teach` checks what students have written, and :mod:`abi.certification` proves motions that
+were planned elsewhere.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from abi import teach
+    from abi.certification.certify import certify
     from abi.compiling import compile
     from abi.errors import AbiError, SceneError, StageError
     from abi.export.show import show
@@ -38,6 +40,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "StageError",
+    "certify",
     "compile",
     "find_base",
     "load_scene",
@@ -54,6 +57,7 @@ _MODULES = {
     "Scene": "abi.scene.scene",
     "SceneError": "abi.errors",
     "StageError": "abi.errors",
+    "certify": "abi.certification.certify",
     "compile": "abi.compiling",
     "find_base": "abi.planner.find_base",
     "load_scene": "abi.scene.scene",

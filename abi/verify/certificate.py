@@ -13,6 +13,8 @@ from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
 
 ARM = "arm.certificate"
+MOTION = "certificate"
+"""Names of certificates whose directions hold around a pose."""
 
 CapsuleKey = tuple[int, int | str]
 """A capsule, and what it must keep clear of."""
@@ -90,7 +92,7 @@ def planes_of(
         Fault: ``key_of`` knows no key.
     """
     planes: dict[_Key, list[CertifiedPlane]] = {}
-    names = ("t0", "t1", "at" if field == ARM else "t0")
+    names = ("t0", "t1", "at" if field in (ARM, MOTION) else "t0")
     for entry in list_of(f"{field}.planes", certificate.get("planes")):
         data = mapping(f"{field}.planes", entry)
         key = key_of(data)

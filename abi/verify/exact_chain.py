@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -101,6 +101,10 @@ class ExactChain:
         turn, place = map(_wholes, self.origins[-1])
         return [*found, _behind(found[self.before[-1]], turn, place, 1)]
 
+    def within(self, limits: tuple[tuple[Fraction, Fraction], ...]) -> ExactChain:
+        """The chain with other limits of its coordinates, [rad] or [unit]."""
+        return replace(self, limits=limits)
+
     def value(self, joint: Joint, positions: Sequence[Fraction]) -> Fraction:
         """Position of a joint, [rad] or [unit], at those of the coordinates."""
         number = self._coordinate(joint)
@@ -179,7 +183,46 @@ def exact_chain(
     Raises:
         Fault: a matrix is no rotation, or an axis no unit vector.
     """
-    joints, names = _moving_joints(robot, tip)
+    return _exact_tree(robot, _moving_joints(robot, tip), tip, (base, wxyz), units, held)
+
+
+def exact_joints(
+    robot: Robot,
+    names: tuple[str, ...],
+    base: Sequence[float],
+    units: int,
+    wxyz: Sequence[float] = (1, 0, 0, 0),
+    held: Mapping[str, float] = NOT_HELD,
+) -> ExactChain:
+    """All joints that move with those of some names, as of two arms; the last has the tip's frame.
+
+    Args:
+        robot: the robot.
+        names: joints that move by themselves.
+        base: position of the root, [unit], world.
+        units: [unit] in one metre.
+        wxyz: rotation of the root, as a quaternion of any length but zero.
+        held: positions of other joints, [rad] or [unit]; the others rest nearest to 0.
+
+    Raises:
+        Fault: a matrix is no rotation, or an axis no unit vector.
+    """
+    joints = tuple(
+        joint for joint in robot.joints if joint.kind != "fixed" and joint.coordinate in names
+    )
+    tip = joints[-1].child
+    return _exact_tree(robot, (joints, names), tip, (base, wxyz), units, held)
+
+
+def _exact_tree(
+    robot: Robot,
+    moving: tuple[tuple[Joint, ...], tuple[str, ...]],
+    tip: str,
+    stands: tuple[Sequence[float], Sequence[float]],
+    units: int,
+    held: Mapping[str, float],
+) -> ExactChain:
+    (joints, names), (base, wxyz) = moving, stands
     by_name = {joint.name: joint for joint in robot.joints}
     positions = _at_rest(robot, names, held, units)
     axes, zero = _fractions(np.eye(3)), _fractions(np.zeros(3))
@@ -201,11 +244,11 @@ def exact_chain(
             pose = _moved(pose, joint, positions[joint.name], units)
         frames[joint.child] = frame, pose
     last, pose = frames[tip]
-    moving = [by_name[name] for name in names]
-    slides = tuple(joint.kind == "prismatic" for joint in moving)
+    coordinates = [by_name[name] for name in names]
+    slides = tuple(joint.kind == "prismatic" for joint in coordinates)
     limits = tuple(
         (scale * Fraction(joint.low), scale * Fraction(joint.high))
-        for joint, scale in ((j, units if j.kind == "prismatic" else 1) for j in moving)
+        for joint, scale in ((j, units if j.kind == "prismatic" else 1) for j in coordinates)
     )
     return ExactChain(
         *(joints, (*before, last), (*origins, pose), names),

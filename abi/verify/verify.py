@@ -25,6 +25,7 @@ from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.verify_arm import check_arm
 from abi.verify.verify_chain import check_chain
 from abi.verify.verify_curve import check_curve
+from abi.verify.verify_motion import verify_motion
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Verdict:
     """Verdict on one curve, or on the arm that follows it.
 
     Attributes:
-        curve: ``bspline``, ``quadratic`` or ``arm``.
+        curve: ``bspline``, ``quadratic``, ``arm`` or ``motion``.
         proven: whether its certificate proves what the plan claims.
         reason: what is proven, or why it is not, as the end of a sentence.
     """
@@ -49,12 +50,15 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     """Check every curve of a plan, and the arm.
 
     Args:
-        plan: the result of ``Plan.to_dict``, as it is or read back from JSON.
+        plan: the result of ``Plan.to_dict``, as it is or read back from JSON, or the verdict on a
+            motion that ``abi certify`` writes.
         folder: source of the scene's mesh files; None for a scene without files.
 
     Raises:
         SceneError: ``plan`` is no plan; names the field that is wrong.
     """
+    if isinstance(plan, dict) and "verdict" in plan and "motion" in plan:
+        return (_motion_verdict(plan, folder),)
     if not isinstance(plan, dict) or not all(name in plan for name in ("scene", *CURVES)):
         raise SceneError("plan", plan, "a plan as abi plan writes it")
     if type(version := plan.get("version")) is not int or version != 1:
@@ -67,6 +71,12 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     if "arm" in plan:
         verdicts.append(_arm_verdict(plan, scene, obstacles))
     return tuple(verdicts)
+
+
+def _motion_verdict(data: dict[str, Any], folder: Path | MeshSource | None) -> Verdict:
+    if type(version := data.get("version")) is not int or version != 1:
+        raise SceneError("version", version, "1")
+    return _checked("motion", data, partial(verify_motion, data, folder))
 
 
 def _curve_verdict(

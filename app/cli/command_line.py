@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from app.cli.bench import bench
+from app.cli.certify import certify
 from app.cli.exercises import exercises
 from app.cli.exit_code import BAD_INPUT
 from app.cli.export import export
@@ -56,7 +57,7 @@ def cli() -> None:
     """Plan a smooth, clear path for a robot's tool tip, and see every stage of it."""
 
 
-for command in (serve, plan, verify, export, sweep, reproduce, exercises, bench):
+for command in (serve, plan, verify, certify, export, sweep, reproduce, exercises, bench):
     cli.add_command(command)
 
 

@@ -21,7 +21,9 @@ from app.cli.output import cause, print_text
     help="Folder of the scene's mesh files.  [default: the plan's, then the shipped scenes']",
 )
 def verify(plan: Path, meshes: Path | None) -> None:
-    """Check every certificate in the file PLAN, a plan's JSON, again in exact arithmetic.
+    """Check every certificate in the file PLAN again in exact arithmetic.
+
+    PLAN is a plan's JSON, or the verdict on a motion that abi certify writes.
 
     PLAN may be - for standard input.
 

@@ -98,21 +98,63 @@ class Chain(ShortRepr):
         beside = (one for one in robot.joints if one.kind != "fixed" and one not in way)
         joints = (*way, *(joint for joint in beside if joint.coordinate in names))
         still = positions_held(robot, names, held)
-        base = np.eye(4)
-        base[:3, :3], base[:3, 3] = rotation(wxyz), position
-        tree = _tree(robot, joints, still, base)
-        by_name = {joint.name: joint for joint in robot.joints}
-        moving = [by_name[name] for name in names]
-        limits = np.array([(joint.low, joint.high) for joint in moving])
+        tree = _tree(robot, joints, still, _pose(position, wxyz))
         last = tree.links[tip].pose
         origins = [*tree.origins[: len(way)], last]
         reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in origins[1:])
         reach += sum(joint.high - joint.low for joint in way if joint.kind == "prismatic")
-        direction = np.array(axis or (0.0, 0.0, 1.0))
+        task = _TipTask(len(way), last, axis, max(reach, 1e-6))
+        return cls._of_tree(robot, joints, names, still, tree, task)
+
+    @classmethod
+    def moved_by(
+        cls,
+        robot: Robot,
+        names: tuple[str, ...],
+        position: Vec3 = (0.0, 0.0, 0.0),
+        wxyz: Quaternion = UNTURNED,
+        held: Mapping[str, float] = NOT_HELD,
+    ) -> Self:
+        """All joints of a robot that are moved by some of them, as of two arms; it has no tool.
+
+        Args:
+            robot: the robot.
+            names: joints that move by themselves, in the order of the coordinates.
+            position: of the root, world, [m].
+            wxyz: how the root is turned, as a quaternion.
+            held: positions of other joints by name, [rad] or [m]; the others rest nearest to 0.
+
+        Raises:
+            SceneError: a joint cannot be held there.
+        """
+        joints = tuple(
+            one for one in robot.joints if one.kind != "fixed" and one.coordinate in names
+        )
+        still = positions_held(robot, names, held)
+        tree = _tree(robot, joints, still, _pose(position, wxyz))
+        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in tree.origins)
+        reach += sum(joint.high - joint.low for joint in joints if joint.kind == "prismatic")
+        task = _TipTask(len(joints), np.eye(4), None, max(reach, 1e-6))
+        return cls._of_tree(robot, joints, names, still, tree, task)
+
+    @classmethod
+    def _of_tree(
+        cls,
+        robot: Robot,
+        joints: tuple[Joint, ...],
+        names: tuple[str, ...],
+        still: Mapping[str, float],
+        tree: _FrameTree,
+        task: _TipTask,
+    ) -> Self:
+        by_name = {joint.name: joint for joint in robot.joints}
+        moving = [by_name[name] for name in names]
+        limits = np.array([(joint.low, joint.high) for joint in moving])
+        direction = np.array(task.axis or (0.0, 0.0, 1.0))
         table = ChainTable(
-            length=len(way),
+            length=task.length,
             before=read_only(np.array(tree.before, dtype=np.int32)),
-            origins=flat(np.stack([_packed(pose) for pose in [*tree.origins, last]])),
+            origins=flat(np.stack([_packed(pose) for pose in [*tree.origins, task.tip]])),
             axes=flat(np.stack([joint.axis for joint in joints])),
             slides=read_only(np.array([joint.kind == "prismatic" for joint in joints])),
             source=read_only(
@@ -122,8 +164,8 @@ class Chain(ShortRepr):
             offset=read_only(np.array([j.mimic.offset if j.mimic else 0.0 for j in joints])),
             limits=flat(limits),
             direction=read_only(direction / np.linalg.norm(direction)),
-            aims=axis is not None,
-            reach=max(reach, 1e-6),
+            aims=task.axis is not None,
+            reach=task.reach,
         )
         return cls(
             robot=robot,
@@ -212,6 +254,29 @@ class _FrameTree(NamedTuple):
     before: list[int]
     origins: list[FloatArray]
     links: dict[str, Carried]
+
+
+class _TipTask(NamedTuple):
+    """Task of a chain's tip.
+
+    Attributes:
+        length: number of joints between base and tip.
+        tip: its pose behind the last of these, (4, 4), [m].
+        axis: direction that its z axis is held to, world; None for any.
+        reach: length that errors of place are compared with, [m].
+    """
+
+    length: int
+    tip: FloatArray
+    axis: Vec3 | None
+    reach: float
+
+
+def _pose(position: Vec3, wxyz: Quaternion) -> FloatArray:
+    """Pose (4, 4) of a position and a rotation."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation(wxyz), position
+    return pose
 
 
 def _tree(

@@ -1,0 +1,1 @@
+"""Proofs that a motion which anybody planned keeps a robot clear, or where it does not."""

@@ -1,0 +1,249 @@
+"""The verdict on a motion: what directions prove, and contacts that the exact shapes decide."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping
+from operator import attrgetter
+from typing import NamedTuple
+
+import numpy as np
+
+from abi import arguments
+from abi.arrays import FloatArray, IntArray
+from abi.certification.clearance_proof import (
+    MOST_TRIES,
+    MotionTask,
+    NearestObstacle,
+    Separation,
+    nearest,
+    separation,
+    task_of,
+)
+from abi.certification.exact_contact import ContactFinder, ShapeContact
+from abi.certification.joint_limits import joint_limits
+from abi.certification.motion import Motion
+from abi.certification.robot_motion import robot_motion
+from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch, Touch, named
+from abi.scene.scene import Scene
+
+_SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
+"""Parts of the least distance found that are tried to prove."""
+_POSES, _PAIRS = 32, 12
+"""Poses of a pair, and pairs, at most, at which exact shapes are tested."""
+_BISECTIONS = 24
+_FINEST = 1e-9
+"""Distance below which shapes may touch or not by rounding, over the largest coordinate."""
+
+
+def certify_motion(
+    motion: Motion,
+    scene: Scene,
+    start: Mapping[str, float] | None = None,
+    clearance: float = 0.0,
+    acceleration: float | None = None,
+    most_tries: int = MOST_TRIES,
+) -> MotionVerdict:
+    """Decide whether a motion keeps a scene's robot clear.
+
+    Args:
+        motion: the motion.
+        scene: with the robot, where it stands, and the obstacles.
+        start: positions of joints in which the robot stands, [rad] or [m]; None if not known.
+        clearance: distance to keep from obstacles, [unit].
+        acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²]; None for no limit.
+        most_tries: pairs of bodies and obstacles to try at most.
+
+    Raises:
+        MotionError: the motion is none of the robot's, or its first waypoint is far from the start.
+        ArgumentError: an argument is out of range.
+    """
+    clearance = arguments.number("clearance", clearance, 0.0, math.inf)
+    task = task_of(robot_motion(motion, scene, start), scene)
+    limits = joint_limits(task.motion, acceleration)
+    proof = separation(task, clearance, most_tries)
+    found = nearest(task, np.arange(0.0, len(motion.times) - 0.5, 0.5))
+    least = _whose(task, found)
+    inside = _inside(task)
+    if proof.proven and not inside:
+        proof = _wider(task, proof, found, most_tries)
+        margin = proof.margin if len(task.obstacles) else math.inf
+        whole = (TimeStretch(*_times(task, 0.0, len(task.motion.points)), "clear"),)
+        return MotionVerdict("clear", scene, task, margin, least, (), (), whole, limits, proof)
+    touches, doubts, stretches = _decided(task, proof, inside, clearance)
+    state: State = "touches" if touches else "undecided"
+    return MotionVerdict(
+        *(state, scene, task, found.distance, least, touches, doubts, stretches, limits, None)
+    )
+
+
+def _whose(task: MotionTask, found: NearestObstacle) -> tuple[str, int, float] | None:
+    """Link, obstacle and time of the least distance."""
+    if found.body < 0:
+        return None
+    time = task.motion.time_at(found.parameter)
+    return task.bodies.bodies[found.body].link, found.obstacle, time
+
+
+def _inside(task: MotionTask) -> list[tuple[str, int]]:
+    """Links that begin inside a closed mesh, whose surface alone is kept clear of.
+
+    Where a link touches no triangle, one of its points says whether all of it is inside.
+    """
+    found = []
+    first = task.motion.positions_at(np.array([0.0]))
+    poses = task.bodies.chain.poses(first)[0]
+    for number, obstacle in enumerate(task.obstacles):
+        if obstacle.convex:
+            continue
+        for body in task.bodies.bodies:
+            if body.frame >= 0:
+                frame = poses[body.frame]
+                point = frame[:, :3] @ body.points[0] + frame[:, 3]
+                if obstacle.signed_distance(point[None] / task.bodies.metres)[0] < 0:
+                    found.append((body.link, number))
+    return list(dict.fromkeys(found))
+
+
+def _wider(
+    task: MotionTask, proof: Separation, found: NearestObstacle, most_tries: int
+) -> Separation:
+    """A proof of the largest of some parts of the least distance found."""
+    if not 0 < found.distance < math.inf:
+        return proof
+    for share in _SHARES:
+        if share * found.distance <= proof.margin:
+            break
+        wider = separation(task, share * found.distance, most_tries, to_the_end=False)
+        if wider.proven:
+            return wider
+    return proof
+
+
+class _Pair(NamedTuple):
+    """A link and what it may touch: stretches (k, 3) as in a separation, and where bodies touch."""
+
+    link: str
+    other: int | str
+    left: FloatArray
+    overlaps: IntArray
+
+
+def _pairs(task: MotionTask, proof: Separation) -> list[_Pair]:
+    """What is left of a separation, by links."""
+    rows: dict[tuple[str, int | str], list[int]] = {}
+    for k, (body, other) in enumerate(
+        zip(proof.left_bodies.tolist(), proof.left_others.tolist(), strict=True)
+    ):
+        rows.setdefault((task.bodies.bodies[body].link, named(task, other)), []).append(k)
+    found = []
+    for (link, other), of_pair in rows.items():
+        chosen = np.array(of_pair)[np.argsort(proof.left[of_pair, 0], kind="stable")]
+        found.append(_Pair(link, other, proof.left[chosen], proof.touching[chosen]))
+    return sorted(found, key=lambda pair: float(pair.left[0, 0]))
+
+
+def _decided(
+    task: MotionTask, proof: Separation, inside: Iterable[tuple[str, int]], clearance: float
+) -> tuple[tuple[Touch, ...], tuple[Doubt, ...], tuple[TimeStretch, ...]]:
+    """Contacts, doubts, and stretches of time."""
+    finder = ContactFinder(task)
+    touches, doubts = [], []
+    touching = np.zeros((0, 2))
+    for link, obstacle in inside:
+        times = _times(task, 0.0, 0.0)
+        depth = finder.at(0.0, link, obstacle).depth
+        touches.append(Touch(times[0], link, obstacle, depth, times[0]))
+        touching = np.array([[0.0, float(len(task.motion.points))]])
+    for number, pair in enumerate(_pairs(task, proof)):
+        step = max(1, math.ceil(len(pair.left) / _POSES))
+        tested = pair.left[::step] if number < _PAIRS else pair.left[:0]
+        contacts = [finder.at(float(at), pair.link, pair.other) for at in tested[:, 2]]
+        if any(one.touches for one in contacts):
+            touches.append(_touch(task, finder, pair, tested, contacts))
+            hit = np.array([one.touches for one in contacts])
+            nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(tested) - 1)
+            touching = np.concatenate([touching, pair.left[hit[nearest_tested], :2]])
+        else:
+            doubts.append(_doubt(task, proof, pair, finder, clearance))
+    touches.sort(key=attrgetter("time"))
+    doubts.sort(key=attrgetter("first"))
+    return tuple(touches), tuple(doubts), _stretches(task, proof, touching)
+
+
+def _touch(
+    task: MotionTask,
+    finder: ContactFinder,
+    pair: _Pair,
+    tested: FloatArray,
+    contacts: list[ShapeContact],
+) -> Touch:
+    """The first time at which a pair touches, found by bisection, and the deepest place."""
+    first = next(k for k, one in enumerate(contacts) if one.touches)
+    high = float(tested[first, 2])
+    low = float(tested[first - 1, 2]) if first > 0 else float(pair.left[0, 0])
+    if first > 0 or not finder.at(low, pair.link, pair.other).touches:
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if finder.at(middle, pair.link, pair.other).touches:
+                high = middle
+            else:
+                low = middle
+    else:
+        high = low
+    deepest = max(range(len(contacts)), key=lambda k: contacts[k].depth)
+    times = (task.motion.time_at(at) for at in (high, float(tested[deepest, 2])))
+    time, deep = times
+    return Touch(time, pair.link, pair.other, contacts[deepest].depth, deep)
+
+
+def _doubt(
+    task: MotionTask, proof: Separation, pair: _Pair, finder: ContactFinder, clearance: float
+) -> Doubt:
+    """A pair that is not found to touch, and not proven to be clear."""
+    first, last = _times(task, float(pair.left[0, 0]), float(pair.left[:, 1].max()))
+    middle = float(pair.left[len(pair.left) // 2, 2])
+    distance = finder.distance(middle, pair.link, pair.other)
+    if proof.spent:
+        why = "More tries would decide it."
+    elif distance > max(clearance, _FINEST * task.around.size) and pair.overlaps.any():
+        why = f"Convex pieces that fit {pair.link} more closely would decide it."
+    elif distance < clearance:
+        why = "It is nearer than the clearance asked for, and does not touch: ask for less."
+    else:
+        why = "Shapes so near to each other cannot be decided in floating point: keep away."
+    return Doubt(first, last, pair.link, pair.other, distance, why)
+
+
+def _stretches(
+    task: MotionTask, proof: Separation, touching: FloatArray
+) -> tuple[TimeStretch, ...]:
+    """The motion in the order of time: what touches, what is undecided, and what is proven."""
+    cuts = np.unique(
+        np.concatenate(
+            [[0.0, float(len(task.motion.points))], proof.left[:, :2].ravel(), touching.ravel()]
+        )
+    )
+    middles = (cuts[1:] + cuts[:-1]) / 2
+    states: list[State] = []
+    for at in middles.tolist():
+        state: State = "clear"
+        if ((touching[:, 0] <= at) & (at <= touching[:, 1])).any():
+            state = "touches"
+        elif ((proof.left[:, 0] <= at) & (at <= proof.left[:, 1])).any():
+            state = "undecided"
+        states.append(state)
+    found: list[TimeStretch] = []
+    for (low, high), state in zip(itertools.pairwise(cuts), states, strict=True):
+        first, last = _times(task, float(low), float(high))
+        if found and found[-1].state == state:
+            found[-1] = TimeStretch(found[-1].first, last, state)
+        else:
+            found.append(TimeStretch(first, last, state))
+    return tuple(found)
+
+
+def _times(task: MotionTask, first: float, last: float) -> tuple[float, float]:
+    """Times of two parameters, [s]."""
+    return task.motion.time_at(first), task.motion.time_at(last)

@@ -1,0 +1,206 @@
+"""Proofs that convex bodies of a robot keep clear while its joints follow polynomials of time.
+
+Theorem. Let the joints stay within w_j of a pose on a stretch of the motion, each coordinate j, so
+that every point of a body, the convex hull of points P with a radius r around it, moves by at most
+W = sum of lever_j w_j from where it is at the pose. Let O be a compact convex set with the support
+function h, and let abs(n) = 1. If min over P of n·p at the pose - h(n) > m + r + W, then the body
+stays farther than m from O all along.
+
+Proof. As in :mod:`abi.arm_planning.certificates.chain_certificate`, with as many points as the body
+has instead of the ends of a segment. Between waypoints a joint is a polynomial of time; on a part
+of it its values lie between those of its Bézier points there, so w_j is the largest distance of
+these from the pose.
+
+If no direction separates a pair, both halves of the stretch are tried. Rounding: an extra 2^-40 of
+the largest coordinate is required. :mod:`abi.verify.verify_motion` checks it in exact arithmetic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable
+from abi.arm_planning.world.surroundings import Surroundings
+from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.certification.convex_bodies import RobotBodies, robot_bodies
+from abi.certification.robot_motion import RobotMotion
+from abi.certification.separate_motion_kernels import Path, nearest_obstacle, separate_motion
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import METRES
+from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
+from abi.obstacles.primitive_tree_kernels import TREE
+from abi.scene.scene import Scene
+
+MOST_TRIES = 4_000_000
+"""Pairs that are tried by default before what is left counts as undecided: a few seconds."""
+PARTS = 1024
+"""Parts of a motion: where bodies overlap, stretches shorter than one are not halved."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Separation(ShortRepr):
+    """What directions prove of a motion, and the stretches that are left.
+
+    Attributes:
+        margin: distance that the bodies were to keep from obstacles, [unit].
+        pieces: first and last parameter of each direction, (k, 2).
+        poses: parameter of the pose around which each holds, (k,).
+        bodies: number of its body, (k,).
+        others: number of its obstacle, ``FLOOR``, or -2 less the number of another body, (k,).
+        directions: unit vectors towards the body, (k, 3), world.
+        left: first and last parameter of each stretch and pair without a direction, and a pose on
+            it, (l, 3).
+        left_bodies, left_others: the same of these, (l,).
+        touching: whether a pair of bodies, or a body and an obstacle, overlap at that pose, (l,).
+        spent: whether the budget ended.
+    """
+
+    margin: float
+    pieces: FloatArray
+    poses: FloatArray
+    bodies: IntArray
+    others: IntArray
+    directions: FloatArray
+    left: FloatArray
+    left_bodies: IntArray
+    left_others: IntArray
+    touching: IntArray
+    spent: bool
+
+    @property
+    def proven(self) -> bool:
+        """Whether nothing is left."""
+        return len(self.left) == 0
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionTask(ShortRepr):
+    """A motion, the bodies that move, and what they keep clear of.
+
+    Attributes:
+        motion: the motion.
+        bodies: the bodies.
+        around: obstacles and the floor.
+        obstacles: the obstacles.
+    """
+
+    motion: RobotMotion
+    bodies: RobotBodies
+    around: Surroundings
+    obstacles: ObstacleSet
+
+
+def task_of(motion: RobotMotion, scene: Scene) -> MotionTask:
+    """Bodies and surroundings of a motion in a scene."""
+    metres = METRES[scene.unit]
+    low = np.minimum(motion.chain.limits[:, 0], motion.points.min(axis=(0, 1)))
+    high = np.maximum(motion.chain.limits[:, 1], motion.points.max(axis=(0, 1)))
+    # a motion may pass limits; levers hold where it goes
+    chain = replace(motion.chain, limits=read_only(np.stack([low, high], axis=1)))
+    bodies, obstacles = robot_bodies(chain, metres), ObstacleSet(scene.obstacles)
+    floor = min(scene.arm.base[2], scene.workspace.min[2])
+    return MotionTask(motion, bodies, _around(bodies, obstacles, floor, scene), obstacles)
+
+
+def separation(
+    task: MotionTask, margin: float, most_tries: int = MOST_TRIES, to_the_end: bool = True
+) -> Separation:
+    """Prove as much of a motion as can be proven to keep more than a margin from obstacles.
+
+    Args:
+        task: the motion.
+        margin: distance to keep from obstacles, at least 0, [unit]; from floor and other links 0.
+        most_tries: pairs to try at most.
+        to_the_end: whether to go on once something is left.
+    """
+    points = task.motion.points
+    path = Path(flat(points), points.shape[1], points.shape[2])
+    finest = min(1.0, len(points) / PARTS)
+    planes, left, _ = separate_motion(
+        task.bodies.chain.table,
+        task.bodies.hulls,
+        path,
+        task.around.beyond(margin),
+        finest,
+        most_tries,
+        to_the_end,
+    )
+    bodies, others = _numbers(task, planes[:, 2])
+    left_bodies, left_others = _numbers(task, left[:, 2])
+    return Separation(
+        margin=margin,
+        pieces=read_only(planes[:, :2].copy()),
+        poses=read_only(planes[:, 6].copy()),
+        bodies=bodies,
+        others=others,
+        directions=read_only(planes[:, 3:6].copy()),
+        left=read_only(left[:, [0, 1, 3]]),
+        left_bodies=left_bodies,
+        left_others=left_others,
+        touching=read_only((left[:, 4] == 1).astype(np.int32)),
+        spent=bool((left[:, 4] == 2).any()),
+    )
+
+
+class NearestObstacle(NamedTuple):
+    """Place where a body is nearest to an obstacle, of some poses.
+
+    Attributes:
+        distance: [unit]; inf without obstacles.
+        parameter: of the pose.
+        body: number of the body, -1 without obstacles.
+        obstacle: number of the obstacle, -1 without.
+    """
+
+    distance: float
+    parameter: float
+    body: int
+    obstacle: int
+
+
+def nearest(task: MotionTask, parameters: FloatArray) -> NearestObstacle:
+    """Find where the bodies are nearest to an obstacle at parameters (k,)."""
+    joints = flat(task.motion.positions_at(parameters))
+    distance, pair, sample = nearest_obstacle(
+        task.bodies.chain.table,
+        task.bodies.hulls,
+        joints,
+        len(task.bodies.chain.names),
+        task.around.beyond(0.0),
+    )
+    if sample < 0:
+        return NearestObstacle(distance, 0.0, -1, -1)
+    body, row = divmod(pair, len(task.around.numbers))
+    return NearestObstacle(distance, float(parameters[sample]), body, int(task.around.numbers[row]))
+
+
+def _numbers(task: MotionTask, pairs: FloatArray) -> tuple[IntArray, IntArray]:
+    """Numbers of the bodies of pairs (k,), and of what each is separated from."""
+    numbers, count = pairs.astype(np.int64), len(task.around.numbers)
+    behind = numbers - len(task.bodies.bodies) * count
+    own, apart = behind >= 0, task.bodies.pairs[0]
+    links = apart[np.where(own, behind, 0)] if own.any() else np.zeros((len(numbers), 2), int)
+    bodies = np.where(own, links[:, 1], numbers // count)
+    others = np.where(own, -2 - links[:, 0], task.around.numbers[numbers % count])
+    return read_only(bodies.astype(np.int32)), read_only(others.astype(np.int32))
+
+
+def _around(
+    bodies: RobotBodies, obstacles: ObstacleSet, floor: float, scene: Scene
+) -> Surroundings:
+    """Obstacles and floor. Links that stand still are asked for neither, the first no floor."""
+    frames = np.array([body.frame for body in bodies.bodies])
+    own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), (frames >= 1)[:, None])
+    solids = RowTable()(obstacles, own)
+    asked = np.zeros((len(frames), len(solids.numbers)), dtype=np.bool_)
+    asked[:, solids.outer] = (frames >= 0)[:, None]
+    asked[:, -1] = frames >= 1
+    corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
+    reach = 2 * bodies.chain.table.reach / bodies.metres
+    points = max(float(np.abs(body.points).max()) for body in bodies.bodies) / bodies.metres
+    size = float(np.abs(scene.arm.base).max()) + reach + points
+    size += float(np.abs(corners).max(initial=0.0))
+    return Surroundings(solids, read_only(asked), floor, size)

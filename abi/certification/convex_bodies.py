@@ -1,0 +1,187 @@
+"""Convex bodies that hold a robot's collision shapes, and pairs of them that must keep apart."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.certification.separate_motion_kernels import Hulls, hulls_touch
+from abi.errors import MotionError
+from abi.robot.bodies.chain_capsules import lever, meeting
+from abi.robot.bodies.link_bodies import link_bodies
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.robot import Robot
+
+_SAMPLES, _ALWAYS = 200, 0.95
+
+
+class ConvexBody(NamedTuple):
+    """All points within ``radius`` of the convex hull of points.
+
+    Attributes:
+        link: name of the link that it holds a part of.
+        frame: number of the joint that moves it, -1 where it stands still.
+        points: in that frame, or in the world where it stands still, shape (k, 3), [m].
+        radius: [m].
+    """
+
+    link: str
+    frame: int
+    points: FloatArray
+    radius: float
+
+
+class Allowed(NamedTuple):
+    """Two links that may touch, or a link that may touch obstacles.
+
+    Attributes:
+        link: name of a link.
+        other: name of another link, ``floor`` or ``obstacles``.
+        reason: ``adjacent``: at most one joint moves one beside the other; ``srdf``: the robot's
+            SRDF says so; ``always``: they overlap in nearly all random poses; ``mount``: the link
+            stands still, so that no motion of the robot changes what it touches.
+    """
+
+    link: str
+    other: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotBodies(ShortRepr):
+    """Convex bodies of a robot whose joints move with a chain.
+
+    Attributes:
+        chain: the joints that move, [m].
+        bodies: the b bodies, those that stand still first.
+        metres: one [unit] of the scene in metres.
+    """
+
+    chain: Chain
+    bodies: tuple[ConvexBody, ...]
+    metres: float
+
+    @cached_property
+    def pairs(self) -> tuple[IntArray, tuple[Allowed, ...]]:
+        """Numbers of two bodies that must keep apart, (p, 2), and links that may touch."""
+        held = tuple(sorted(self.chain.held.items()))
+        return _pairs(self.chain.robot, self.chain.names, held)
+
+    def find_pairs(self) -> tuple[IntArray, tuple[Allowed, ...]]:
+        """Find these pairs, which takes some hundred random poses."""
+        numbers: dict[str, list[int]] = {}
+        for number, body in enumerate(self.bodies):
+            numbers.setdefault(body.link, []).append(number)
+        apart: list[tuple[int, int]] = []
+        allowed: list[Allowed] = []
+        for first, second in itertools.combinations(numbers, 2):
+            pairs = [*itertools.product(numbers[first], numbers[second])]
+            reason = self._reason(first, second, pairs)
+            if reason:
+                allowed.append(Allowed(first, second, reason))
+            else:
+                apart += pairs
+        return read_only(np.array(apart, dtype=np.int32).reshape(-1, 2)), tuple(allowed)
+
+    @property
+    def allowed(self) -> tuple[Allowed, ...]:
+        """What may touch: pairs of links, and what stands still."""
+        still = dict.fromkeys(body.link for body in self.bodies if body.frame < 0)
+        first = dict.fromkeys(body.link for body in self.bodies if body.frame == 0)
+        return (
+            *self.pairs[1],
+            *(Allowed(link, "obstacles", "mount") for link in still),
+            *(Allowed(link, "floor", "mount") for link in (*still, *first)),
+        )
+
+    @cached_property
+    def hulls(self) -> Hulls:
+        """The bodies in the format of the kernels, for coordinates in [rad] and [m]."""
+        apart, chain = self.pairs[0], self.chain
+        one = [lever(chain, body.frame, body.points, -1) for body in self.bodies]
+        both = [self._pair_lever(int(i), int(j)) for i, j in apart]
+        levers = np.array(one).reshape(-1) / self.metres
+        pair_levers = np.array(both).reshape(-1) / self.metres
+        return _hulls(self.bodies, self.metres)._replace(
+            levers=flat(levers), pairs=read_only(apart.reshape(-1)), pair_levers=flat(pair_levers)
+        )
+
+    def _pair_lever(self, i: int, j: int) -> FloatArray:
+        """Bound of the motion of two bodies beside each other, per unit of each coordinate, [m]."""
+        first, second = self.bodies[i], self.bodies[j]
+        common = meeting(self.chain, first.frame, second.frame)
+        levers = (lever(self.chain, one.frame, one.points, common) for one in (first, second))
+        return np.asarray(sum(levers))
+
+    def _reason(self, first: str, second: str, pairs: Sequence[tuple[int, int]]) -> str:
+        """Reason for which two links may touch; empty if they must not."""
+        chain, robot = self.chain, self.chain.robot
+        frames = (self.bodies[number].frame for number in pairs[0])
+        one, other = ({*chain.behind(frame)} for frame in frames)
+        if len(one ^ other) <= 1:
+            return "adjacent"
+        if frozenset((first, second)) in robot.may_touch:
+            return "srdf"
+        low, high = chain.usual_range().T
+        poses = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
+        few = flat(np.array(pairs, dtype=float)).astype(np.int32)
+        hulls = _hulls(self.bodies, self.metres)._replace(pairs=read_only(few))
+        touching = hulls_touch(chain.table, hulls, flat(poses), len(low))
+        return "always" if touching >= _ALWAYS * _SAMPLES else ""
+
+
+@lru_cache(maxsize=32)
+def _pairs(
+    robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...]
+) -> tuple[IntArray, tuple[Allowed, ...]]:
+    """Pairs of bodies of a robot, wherever it stands."""
+    free = {joint.name for joint in robot.joints if joint.mimic is None}
+    still = {name: at for name, at in held if name in free}
+    return robot_bodies(Chain.moved_by(robot, names, held=still), 1.0).find_pairs()
+
+
+def robot_bodies(chain: Chain, metres: float) -> RobotBodies:
+    """Bodies of all links with collision shapes.
+
+    Args:
+        chain: the joints that move; slides get no farther than its limits.
+        metres: one [unit] of the scene in metres.
+
+    Raises:
+        MotionError: no link has a shape.
+    """
+    bodies = []
+    for carried in chain.carried:
+        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
+        for body in link_bodies(chain.robot.links[carried.link]):
+            placed = read_only(body.points @ turn.T + origin)
+            bodies.append(ConvexBody(carried.link, carried.frame, placed, body.rounding))
+    if not any(body.frame >= 0 for body in bodies):
+        raise MotionError(
+            "No link that moves has a collision shape, so nothing can be proven.",
+            "Give the URDF with its <collision> elements and their meshes.",
+        )
+    bodies.sort(key=lambda body: body.frame)
+    return RobotBodies(chain, tuple(bodies), metres)
+
+
+def _hulls(bodies: Sequence[ConvexBody], metres: float) -> Hulls:
+    """Bodies for the kernels, without levers and pairs."""
+    counts = [0, *(len(body.points) for body in bodies)]
+    nothing, none = read_only(np.zeros(0)), read_only(np.zeros(0, dtype=np.int32))
+    return Hulls(
+        frames=read_only(np.array([body.frame for body in bodies], dtype=np.int32)),
+        firsts=read_only(np.cumsum(counts).astype(np.int32)),
+        points=flat(np.concatenate([body.points for body in bodies])),
+        radii=read_only(np.array([body.radius for body in bodies]) / metres),
+        levers=nothing,
+        pairs=none,
+        pair_levers=nothing,
+        scale=1 / metres,
+    )

@@ -1,0 +1,209 @@
+"""Limits of joints that a motion passes: of position, speed, acceleration and torque."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.certification.robot_motion import RobotMotion
+from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
+
+_ROUNDING = 1 + 1e-9
+_SAMPLES = 5
+"""Places between two waypoints at which torques are computed, the first waypoint among them."""
+
+Quantity = Literal["position", "speed", "acceleration", "torque"]
+
+
+class LimitPassed(NamedTuple):
+    """A limit that a joint passes.
+
+    Attributes:
+        quantity: of what.
+        joint: name of the joint.
+        time: where it is farthest past it, [s].
+        value: there, [rad] or [m], with its derivatives by [s], or [N·m] or [N].
+        limit: the limit.
+    """
+
+    quantity: Quantity
+    joint: str
+    time: float
+    value: float
+    limit: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LimitsKept(ShortRepr):
+    """Largest values of joints along a motion, and the limits that they pass.
+
+    Attributes:
+        peaks: largest size of each joint's speed, acceleration and torque, (n,) each; None where it
+            is not known: speeds without times, accelerations of straight motions, whose speeds jump
+            at waypoints, torques without masses or times.
+        passed: limits that are passed.
+    """
+
+    peaks: dict[Quantity, FloatArray | None]
+    passed: tuple[LimitPassed, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: peaks, what was not judged, and what is passed."""
+        return {
+            "within": not self.passed,
+            "passed": [one._asdict() for one in self.passed],
+            "peaks": {
+                name: None if peak is None else peak.tolist() for name, peak in self.peaks.items()
+            },
+            "not_judged": [name for name, peak in self.peaks.items() if peak is None],
+        }
+
+
+def joint_limits(motion: RobotMotion, acceleration: float | None = None) -> LimitsKept:
+    """Find the limits that a motion passes.
+
+    Positions, speeds and accelerations are polynomials, whose largest values are found at the roots
+    of their derivatives; torques are computed at places between the waypoints.
+
+    Args:
+        motion: the motion.
+        acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²]; None for none.
+    """
+    chain, passed = motion.chain, list[LimitPassed]()
+    spans = np.diff(motion.motion.times)
+    low, high = chain.limits.T
+    middle, half = (low + high) / 2, (high - low) / 2
+    passed += _past(motion, "position", motion.points - middle, half, middle)
+    speed = growth = None
+    if motion.motion.timed:
+        speed = _derivative(motion.points) / spans[:, None, None]
+        passed += _past(motion, "speed", speed, chain.speeds)
+        if motion.degree > 1:
+            growth = _derivative(speed) / spans[:, None, None]
+            most = math.inf if acceleration is None else acceleration
+            passed += _past(motion, "acceleration", growth, np.full(len(low), most))
+    torques = None
+    if speed is not None and has_masses(chain):
+        torques = _torques(motion, speed, growth)
+        passed += _torques_past(motion, torques)
+    return LimitsKept(
+        peaks={
+            "position": read_only(np.abs(motion.points).max(axis=(0, 1))),
+            "speed": None if speed is None else _peak(speed),
+            "acceleration": None if growth is None else _peak(growth),
+            "torque": None if torques is None else read_only(np.abs(torques).max(axis=(0, 1))),
+        },
+        passed=tuple(passed),
+    )
+
+
+def _derivative(points: FloatArray) -> FloatArray:
+    """Bézier points (k, degree, n) of the derivative by the share of the time."""
+    return np.asarray((points.shape[1] - 1) * np.diff(points, axis=1))
+
+
+def _extremes(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shares of time (j,) and values (j,) of a Bézier polynomial where it may be largest."""
+    degree = len(points) - 1
+    shares = [0.0, 1.0]
+    if degree > 1:
+        slopes = np.diff(points)
+        monomials = _monomials(slopes)
+        if np.abs(monomials[1:]).max(initial=0.0) > 1e-14 * np.abs(monomials).max():
+            roots = np.polynomial.polynomial.polyroots(np.trim_zeros(monomials, "b"))
+            real = roots[np.abs(roots.imag) < 1e-9].real
+            shares += real[(real > 0) & (real < 1)].tolist()
+    at = np.array(shares)
+    return at, np.polynomial.polynomial.polyval(at, _monomials(points))
+
+
+def _monomials(points: FloatArray) -> FloatArray:
+    """Coefficients of a Bézier polynomial in powers of the share of time."""
+    degree = len(points) - 1
+    differences, found = points, []
+    for power in range(degree + 1):
+        found.append(math.comb(degree, power) * float(differences[0]))
+        differences = np.diff(differences)
+    return np.array(found)
+
+
+def _peak(points: FloatArray) -> FloatArray:
+    """Largest size (n,) of polynomials (k, degree + 1, n)."""
+    bounds = np.abs(points).max(axis=1)
+    best = np.zeros(points.shape[2])
+    for joint in range(points.shape[2]):
+        for piece in np.argsort(-bounds[:, joint]).tolist():
+            if bounds[piece, joint] <= best[joint]:
+                break
+            values = _extremes(points[piece, :, joint])[1]
+            best[joint] = max(best[joint], float(np.abs(values).max()))
+    return read_only(best)
+
+
+def _past(
+    motion: RobotMotion,
+    quantity: Quantity,
+    points: FloatArray,
+    limits: FloatArray,
+    middle: FloatArray | None = None,
+) -> list[LimitPassed]:
+    """The worst place of each joint whose polynomials are larger than a limit.
+
+    Args:
+        motion: the motion.
+        quantity: of what.
+        points: Bézier points (k, degree + 1, n), about the middle between the limits.
+        limits: largest size of each, (n,).
+        middle: what is added to values and limits, (n,); None for 0.
+    """
+    found = []
+    allowed = limits * _ROUNDING + 1e-9
+    bounds = np.abs(points).max(axis=1)
+    for joint in np.flatnonzero((bounds > allowed).any(axis=0)).tolist():
+        worst, time = float(allowed[joint]), None
+        for piece in np.flatnonzero(bounds[:, joint] > allowed[joint]).tolist():
+            shares, values = _extremes(points[piece, :, joint])
+            k = int(np.abs(values).argmax())
+            if abs(values[k]) > abs(worst) or (time is None and abs(values[k]) > worst):
+                worst, time = float(values[k]), motion.time_at(piece + float(shares[k]))
+        if time is not None:
+            shift = 0.0 if middle is None else float(middle[joint])
+            limit = math.copysign(float(limits[joint]), worst) + shift
+            name = motion.chain.names[joint]
+            found.append(LimitPassed(quantity, name, time, worst + shift, limit))
+    return found
+
+
+def _torques(motion: RobotMotion, speed: FloatArray, growth: FloatArray | None) -> FloatArray:
+    """Torques at places between waypoints, (k, samples, n); straight motions do not accelerate."""
+    shares = np.linspace(0.0, 1.0, _SAMPLES)
+    tables = [_values(motion.points, shares), _values(speed, shares)]
+    tables.append(np.zeros_like(tables[0]) if growth is None else _values(growth, shares))
+    rows = [table.reshape(-1, table.shape[2]) for table in tables]
+    return joint_torques(motion.chain, *rows).reshape(tables[0].shape)
+
+
+def _values(points: FloatArray, shares: FloatArray) -> FloatArray:
+    """Values (k, s, n) of Bézier polynomials (k, degree + 1, n) at shares (s,)."""
+    degree = points.shape[1] - 1
+    weights = np.stack(
+        [math.comb(degree, i) * shares**i * (1 - shares) ** (degree - i) for i in range(degree + 1)]
+    )
+    return np.asarray(np.einsum("is,kin->ksn", weights, points))
+
+
+def _torques_past(motion: RobotMotion, torques: FloatArray) -> list[LimitPassed]:
+    """The worst place of each joint whose torque is larger than its limit."""
+    found, limits = [], motion.chain.efforts
+    for joint in np.flatnonzero((np.abs(torques) > limits * _ROUNDING).any(axis=(0, 1))).tolist():
+        values = torques[:, :, joint]
+        piece, sample = np.unravel_index(int(np.abs(values).argmax()), values.shape)
+        value = float(values[piece, sample])
+        time = motion.time_at(int(piece) + int(sample) / (_SAMPLES - 1))
+        limit = math.copysign(float(limits[joint]), value)
+        found.append(LimitPassed("torque", motion.chain.names[joint], time, value, limit))
+    return found

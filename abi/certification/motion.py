@@ -1,0 +1,132 @@
+"""A motion that was planned elsewhere: joint positions at waypoints."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from abi import arguments
+from abi.arrays import FloatArray, ReadOnlyCopies
+from abi.errors import MotionError, short
+
+MOST_WAYPOINTS = 20_000
+"""Largest number of waypoints of a motion."""
+_LARGEST = 1e6
+_ONE = {"positions": "position", "velocities": "velocity", "accelerations": "acceleration"}
+
+Interpolation = Literal["linear", "cubic", "quintic"]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(ReadOnlyCopies):
+    """Positions of n joints at m >= 2 waypoints, and their derivatives if they are known.
+
+    Attributes:
+        joints: names of the joints.
+        times: of the waypoints, (m,), increasing, [s]; their numbers from 0 if no time is known.
+        positions: shape (m, n), [rad], of sliding joints [m].
+        velocities: shape (m, n), [rad/s] or [m/s]; None if they are not known.
+        accelerations: shape (m, n), [rad/s²] or [m/s²]; None if they are not known.
+        timed: whether ``times`` are in seconds.
+        notes: sentences on how the file was read.
+
+    Raises:
+        MotionError: fewer than two waypoints, a joint named twice, another number of values than
+            joints, a number that is not finite, or times that do not increase.
+    """
+
+    joints: tuple[str, ...]
+    times: FloatArray
+    positions: FloatArray
+    velocities: FloatArray | None = None
+    accelerations: FloatArray | None = None
+    timed: bool = True
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        _check_names(self.joints)
+        named = ("times", "positions", "velocities", "accelerations")
+        given = {name: getattr(self, name) for name in named}
+        arguments.keep(
+            self, **{name: _array(name, one) for name, one in given.items() if one is not None}
+        )
+        rows = len(self.times)
+        if not 2 <= rows <= MOST_WAYPOINTS:
+            raise MotionError(
+                f"The motion has {rows} waypoint{'s' * (rows != 1)}.",
+                f"Give 2 to {MOST_WAYPOINTS:,} of them.",
+            )
+        for name in ("positions", "velocities", "accelerations"):
+            values = getattr(self, name)
+            if values is not None:
+                self._check(name, values)
+        if self.accelerations is not None and self.velocities is None:
+            raise MotionError("The motion has accelerations but no velocities.", "Give both.")
+        self._check_times()
+
+    @property
+    def interpolation(self) -> Interpolation:
+        """How the joints move between waypoints, as ROS 2's joint trajectory controller has it.
+
+        Straight where only positions are known, by cubic polynomials with velocities, too, and by
+        quintic ones with accelerations.
+        """
+        if self.velocities is None:
+            return "linear"
+        return "cubic" if self.accelerations is None else "quintic"
+
+    def _check(self, name: str, values: FloatArray) -> None:
+        """Raise where values (m, n) of the joints are not finite numbers of that shape."""
+        if values.shape != (len(self.times), len(self.joints)):
+            raise MotionError(
+                f"The motion's {name} are of shape {values.shape}, not one number for each of its "
+                f"{len(self.times)} waypoints and {len(self.joints)} joints."
+            )
+        wrong = ~(np.abs(values) <= _LARGEST)
+        if wrong.any():
+            row, joint = (int(k) for k in np.argwhere(wrong)[0])
+            raise MotionError(
+                f"In row {row + 1} the {_ONE[name]} of {self.joints[joint]} is "
+                f"{values[row, joint]:g}, not a number up to {_LARGEST:g}.",
+                row=row + 1,
+                joint=self.joints[joint],
+            )
+
+    def _check_times(self) -> None:
+        times = self.times
+        if times.shape != (len(times),) or not np.isfinite(times).all():
+            row = int(np.flatnonzero(~np.isfinite(times.reshape(-1)))[0]) if times.ndim == 1 else 0
+            raise MotionError(f"In row {row + 1} the time is no number of seconds.", row=row + 1)
+        late = np.flatnonzero(times[1:] <= times[:-1])
+        if len(late):
+            row = int(late[0]) + 1
+            raise MotionError(
+                f"Times must increase: row {row + 1} is at {times[row]:.9g} s, and row {row} at "
+                f"{times[row - 1]:.9g} s.",
+                "Remove the row, or correct its time.",
+                row=row + 1,
+            )
+
+
+def _array(name: str, values: Any) -> FloatArray:
+    """Values as an array of numbers, not yet checked otherwise."""
+    try:
+        return np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise MotionError(
+            f"The motion's {name} are {short(values)}, which are no numbers."
+        ) from None
+
+
+def _check_names(joints: tuple[str, ...]) -> None:
+    """Raise where a joint has no name, or is named twice."""
+    if not joints or not all(isinstance(name, str) and name for name in joints):
+        raise MotionError("The motion does not name its joints.", "Give the name of each.")
+    name, count = Counter(joints).most_common(1)[0]
+    if count > 1:
+        raise MotionError(
+            f"The motion names the joint {name} {count} times.", "Name each joint once.", joint=name
+        )

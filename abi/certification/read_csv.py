@@ -1,0 +1,114 @@
+"""Reader of motions as comma-separated values: a header with the joints' names, a row a waypoint.
+
+``time, elbow [deg], rail [mm]``: units stand in brackets behind a name, without them angles are in
+[rad], lengths in [m] and times in [s]. Columns of other names than the robot's joints are ignored.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.certification.motion import MOST_WAYPOINTS, Motion
+from abi.errors import MotionError, short
+
+_TIMES = ("time", "t", "time_from_start", "timestamp")
+_UNITS = {
+    "": 1.0,
+    "rad": 1.0,
+    "deg": math.pi / 180,
+    "°": math.pi / 180,
+    "m": 1.0,
+    "cm": 0.01,
+    "mm": 0.001,
+    "s": 1.0,
+    "ms": 0.001,
+    "ns": 1e-9,
+}
+_HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*)\s*[\])])?$")
+_DELIMITERS = ",;\t"
+
+
+class _Column(NamedTuple):
+    """A column of the table: its place, its name without the unit, and the unit's factor."""
+
+    place: int
+    name: str
+    factor: float
+
+
+def read_csv(text: str, joints: Collection[str]) -> Motion:
+    """Read a motion from comma-, semicolon- or tab-separated values.
+
+    Args:
+        text: the whole file.
+        joints: names of the robot's joints: its columns.
+
+    Raises:
+        MotionError: no header, no column of a joint, a double one, or what is no number.
+    """
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise MotionError("The file is empty.", "Give a header with the joints' names, then rows.")
+    delimiter = max(_DELIMITERS, key=lines[0].count)
+    rows = list(
+        csv.reader(io.StringIO("\n".join(lines[: MOST_WAYPOINTS + 2])), delimiter=delimiter)
+    )
+    columns = [_column(k, cell) for k, cell in enumerate(rows[0])]
+    time = [one for one in columns if one.name.lower() in _TIMES and one.name not in joints]
+    found = [one for one in columns if one.name in joints]
+    if not found:
+        names = ", ".join(short(one.name) for one in columns[:6])
+        raise MotionError(
+            f"No column of the file is named after a joint: its first row has {names}.",
+            f"Give a header with the robot's joints: {', '.join(list(joints)[:8])}.",
+        )
+    positions = np.stack([_numbers(rows, one) for one in found], axis=1)
+    times = _numbers(rows, time[0]) if time else np.arange(len(rows) - 1, dtype=float)
+    left_out = [one.name for one in columns if one not in found and one not in time[:1]]
+    notes = []
+    if left_out:
+        notes.append(f"Columns that are no joint were ignored: {', '.join(left_out[:8])}.")
+    return Motion(
+        joints=tuple(one.name for one in found),
+        times=times,
+        positions=positions,
+        timed=bool(time),
+        notes=tuple(notes),
+    )
+
+
+def _column(place: int, cell: str) -> _Column:
+    match = _HEADING.match(cell.strip().strip('"'))
+    assert match is not None  # every text is a name
+    unit = (match["unit"] or "").strip().lower()
+    # speeds and other columns that are no joint may have any unit
+    return _Column(place, match["name"].strip(), _UNITS.get(unit, math.nan))
+
+
+def _numbers(rows: list[list[str]], column: _Column) -> FloatArray:
+    """Numbers of a column below the header, in [rad], [m] or [s]."""
+    if math.isnan(column.factor):
+        units = ", ".join(f"[{unit}]" for unit in _UNITS if unit)
+        raise MotionError(
+            f"The unit of {column.name} is unknown.", f"Use one of {units}.", joint=column.name
+        )
+    values = []
+    for row, cells in enumerate(rows[1:], start=1):
+        cell = cells[column.place] if column.place < len(cells) else ""
+        try:
+            values.append(float(cell))
+        except ValueError:
+            raise MotionError(
+                f"In row {row} {column.name} is {short(cell)}, which is no number.",
+                row=row,
+                joint=column.name,
+            ) from None
+    return column.factor * np.array(values)

@@ -1,0 +1,164 @@
+"""Reader of motions as mappings: ROS 2 messages, plans of ours, and plain motions.
+
+A ``trajectory_msgs/msg/JointTrajectory`` may stand alone or inside MoveIt's ``RobotTrajectory`` or
+``DisplayTrajectory``. A plan is what ``abi plan`` writes. A plain motion has ``joints``,
+``positions`` and, if known, ``times``, ``velocities`` and ``accelerations``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.certification.motion import Motion
+from abi.errors import MotionError, short
+from abi.obstacles.pose import METRES
+
+_INSIDE = ("joint_trajectory", "trajectory", "solution", "motion")
+_DEEPEST = 4
+
+
+def read_message(data: object, slides: Sequence[str]) -> Motion:
+    """Read a motion from plain data, as JSON and YAML hold it.
+
+    Args:
+        data: the mapping.
+        slides: names of the robot's sliding joints; a plan has their positions in its own unit.
+
+    Raises:
+        MotionError: it is none of the known forms, or a part of it is missing or wrong.
+    """
+    found = data
+    for _ in range(_DEEPEST):
+        if isinstance(found, list) and len(found) == 1:
+            found = found[0]
+        if not isinstance(found, dict):
+            break
+        if "joint_names" in found and "points" in found:
+            return _trajectory(found)
+        if "joints" in found and "positions" in found:
+            return _plain(found)
+        if isinstance(found.get("arm"), dict) and isinstance(found.get("scene"), dict):
+            return _planned(found, slides)
+        found = next((found[name] for name in _INSIDE if name in found), None)
+    raise MotionError(
+        "The file holds no motion.",
+        "Give a JointTrajectory with joint_names and points, a plan, or joints and positions.",
+    )
+
+
+def _trajectory(message: dict[str, Any]) -> Motion:
+    """Motion of a ``JointTrajectory``."""
+    points = message["points"]
+    if not isinstance(points, list) or not all(isinstance(point, dict) for point in points):
+        raise MotionError("The trajectory's points are no list of points.")
+    names = _names(message["joint_names"])
+    times = np.array([_time(k, point) for k, point in enumerate(points, start=1)])
+    rates = [_rows(names, points, name) for name in ("velocities", "accelerations")]
+    positions = _rows(names, points, "positions")
+    if positions is None:
+        raise MotionError("The trajectory has no positions.", "Give them for each point.")
+    notes = []
+    if len(times) and times[0] > 0:
+        notes.append(f"The motion begins at {times[0]:g} s; how the robot gets there is not known.")
+    if rates[0] is None:
+        rates[1] = None
+    return Motion(names, times, positions, rates[0], rates[1], notes=tuple(notes))
+
+
+def _plain(data: dict[str, Any]) -> Motion:
+    """Motion of ``joints``, ``positions`` and what else is known."""
+    names = _names(data["joints"])
+    positions = _table("positions", data["positions"])
+    rates = [
+        None if data.get(name) is None else _table(name, data[name])
+        for name in ("velocities", "accelerations")
+    ]
+    times, timed = data.get("times", data.get("time")), data.get("timed", True) is not False
+    if times is None:
+        numbers = np.arange(float(len(positions)))
+        return Motion(names, numbers, positions, rates[0], rates[1], timed=False)
+    return Motion(names, _table("times", [times])[0], positions, rates[0], rates[1], timed=timed)
+
+
+def _planned(plan: dict[str, Any], slides: Sequence[str]) -> Motion:
+    """Motion of a plan, whose slides are in its scene's unit; straight between its samples."""
+    arm, unit = plan["arm"], plan["scene"].get("unit", "cm")
+    if unit not in METRES:
+        raise MotionError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
+    motion = _plain({name: arm.get(name, []) for name in ("joints", "time", "positions")})
+    scale = [METRES[unit] if name in slides else 1.0 for name in motion.joints]
+    return Motion(motion.joints, motion.times, motion.positions * np.array(scale))
+
+
+def _names(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
+        raise MotionError(f"The joints' names are {short(value)}.", "Give a list of names.")
+    return tuple(value)
+
+
+def _time(row: int, point: dict[str, Any]) -> float:
+    """Time of a point [s], a duration of ROS 2 or ROS 1, or a number."""
+    value = point.get("time_from_start")
+    if isinstance(value, dict):
+        seconds = value.get("sec", value.get("secs"))
+        parts = value.get("nanosec", value.get("nsecs", 0))
+        if _is_number(seconds) and _is_number(parts):
+            return float(seconds) + 1e-9 * float(parts)  # type: ignore[arg-type]
+    if _is_number(value):
+        return float(value)  # type: ignore[arg-type]
+    raise MotionError(
+        f"In row {row} time_from_start is {short(value)}.",
+        "Give sec and nanosec, or a number of seconds.",
+        row=row,
+    )
+
+
+def _rows(names: tuple[str, ...], points: list[dict[str, Any]], name: str) -> FloatArray | None:
+    """Values of all points (m, n), None where none has any.
+
+    Raises:
+        MotionError: some points have them and others do not, or a number is missing.
+    """
+    given = [point.get(name) or [] for point in points]
+    if not any(given):
+        return None
+    for row, values in enumerate(given, start=1):
+        if not isinstance(values, list | tuple) or len(values) != len(names):
+            count = len(values) if isinstance(values, list | tuple) else 1
+            raise MotionError(
+                f"Row {row} has {count} {name} for {len(names)} joints.",
+                "Give one for each joint in every row"
+                + ("." if name == "positions" else f", or no {name} at all."),
+                row=row,
+            )
+        for joint, value in zip(names, values, strict=True):
+            if not _is_number(value):
+                raise MotionError(
+                    f"In row {row} {name} of {joint} holds {short(value)}, which is no number.",
+                    row=row,
+                    joint=joint,
+                )
+    return np.array(given, dtype=float)
+
+
+def _table(name: str, value: object) -> FloatArray:
+    """Rows of equally many numbers."""
+    if not isinstance(value, list | tuple) or not value:
+        raise MotionError(f"The motion's {name} are {short(value)}.", "Give a row a waypoint.")
+    for row, values in enumerate(value, start=1):
+        if not isinstance(values, list | tuple) or not all(map(_is_number, values)):
+            raise MotionError(f"Row {row} of {name} holds something else than numbers.", row=row)
+        if len(values) != len(value[0]):
+            raise MotionError(
+                f"Row {row} of {name} has {len(values)} numbers, and the first {len(value[0])}.",
+                row=row,
+            )
+    return np.array(value, dtype=float)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,221 @@
+"""A motion as the robot of a scene carries it out: its joints in order, and polynomials of time."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.certification.motion import Motion
+from abi.errors import MotionError, SceneError
+from abi.obstacles.pose import METRES
+from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.held_joints import held_in_metres, planned_joints
+from abi.robot.urdf.robot import Joint, Robot
+from abi.robot.urdf.urdf_joints import some_of
+from abi.robot.urdf.usual_tip import usual_tip
+from abi.scene.scene import Scene
+
+_PAST, _FAR = 1.0, 0.05
+"""Angle past a limit from which on degrees are suspected, and distance of the first waypoint from
+the start state that is refused, [rad] or [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotMotion(ShortRepr):
+    """A motion of a robot's joints; all others stand still.
+
+    The parameter of the k-th waypoint is k; between two of them it is the share of the time.
+
+    Attributes:
+        motion: with the joints in the order of the chain's coordinates.
+        chain: the joints that move, standing in the world, [m].
+        points: Bézier points of each piece, shape (m - 1, degree + 1, n), [rad] or [m].
+        notes: sentences on what was assumed.
+    """
+
+    motion: Motion
+    chain: Chain
+    points: FloatArray
+    notes: tuple[str, ...]
+
+    @property
+    def degree(self) -> int:
+        """Degree of the polynomials."""
+        return int(self.points.shape[1]) - 1
+
+    def time_at(self, parameter: float) -> float:
+        """Time of a parameter, [s], or number of the waypoint if no times are known."""
+        times = self.motion.times
+        return float(np.interp(parameter, np.arange(len(times)), times))
+
+    def positions_at(self, parameters: FloatArray) -> FloatArray:
+        """Joint positions at parameters (k,), shape (k, n), [rad] or [m]."""
+        piece = np.clip(parameters.astype(int), 0, len(self.points) - 1)
+        share = (parameters - piece)[:, None, None]
+        points = self.points[piece]
+        while points.shape[1] > 1:
+            points = points[:, :-1] + share * (points[:, 1:] - points[:, :-1])
+        return np.asarray(points[:, 0])
+
+
+def robot_motion(
+    motion: Motion, scene: Scene, start: Mapping[str, float] | None = None
+) -> RobotMotion:
+    """Match a motion with the robot of a scene.
+
+    Args:
+        motion: the motion.
+        scene: with the robot, where it stands, and joints of its gripper that are held.
+        start: positions of joints that the robot stands at, [rad] or [m]; None if not known.
+
+    Raises:
+        MotionError: a joint is unknown or missing, angles look like degrees, or the first waypoint
+            is far from the start; names row, joint and unit.
+    """
+    robot = scene.arm.robot
+    motion, notes = _matched(motion, robot)
+    _suspect_degrees(motion, robot)
+    _check_start(motion, robot, start or {})
+    held = held_in_metres(robot, scene.arm.gripper, METRES[scene.unit])
+    held = {name: at for name, at in held.items() if name not in motion.joints}
+    metres = METRES[scene.unit]
+    x, y, z = scene.arm.base
+    place = x * metres, y * metres, z * metres
+    try:
+        chain = Chain.moved_by(robot, motion.joints, place, scene.arm.base_wxyz, held)
+    except SceneError as error:
+        raise MotionError(error.message) from None
+    notes += _standing(chain)
+    return RobotMotion(motion, chain, read_only(bezier_points(motion)), (*motion.notes, *notes))
+
+
+def bezier_points(motion: Motion) -> FloatArray:
+    """Bézier points (m - 1, degree + 1, n) of the polynomials between waypoints.
+
+    They have the positions, velocities and accelerations at both ends (Hermite interpolation).
+    """
+    p, spans = motion.positions, np.diff(motion.times)[:, None]
+    a, b = p[:-1], p[1:]
+    if motion.velocities is None:
+        return np.stack([a, b], axis=1)
+    u, v = motion.velocities[:-1] * spans, motion.velocities[1:] * spans
+    if motion.accelerations is None:
+        return np.stack([a, a + u / 3, b - v / 3, b], axis=1)
+    f, g = (one * spans**2 for one in (motion.accelerations[:-1], motion.accelerations[1:]))
+    inner = a + u / 5, a + 2 * u / 5 + f / 20, b - 2 * v / 5 + g / 20, b - v / 5
+    return np.stack([a, *inner, b], axis=1)
+
+
+def _matched(motion: Motion, robot: Robot) -> tuple[Motion, list[str]]:
+    """The motion of the robot's own coordinates, from the root on, and what was left out."""
+    by_name = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
+    free = [name for name, joint in by_name.items() if joint.mimic is None]
+    for name in motion.joints:
+        if name not in by_name:
+            like = difflib.get_close_matches(name, free, 1)
+            hint = f"Did you mean {like[0]}?" if like else f"It has {some_of(free, 8)}."
+            raise MotionError(f"The robot has no joint {name} that moves.", hint, joint=name)
+    notes = [
+        f"{name} follows {by_name[name].coordinate}, so its own column is not used."
+        for name in motion.joints
+        if name not in free
+    ]
+    kept = [name for name in free if name in motion.joints]
+    if missing := _missing(robot, kept):
+        like = difflib.get_close_matches(missing, motion.joints, 1)
+        hint = "Give its positions, too" + (f"; is it {like[0]}?" if like else ".")
+        raise MotionError(f"The motion does not say where {missing} is.", hint, joint=missing)
+    columns = [motion.joints.index(name) for name in kept]
+    rates = [
+        None if table is None else table[:, columns]
+        for table in (motion.velocities, motion.accelerations)
+    ]
+    positions = motion.positions[:, columns]
+    kept_motion = replace(
+        motion,
+        joints=tuple(kept),
+        positions=positions,
+        velocities=rates[0],
+        accelerations=rates[1],
+    )
+    return kept_motion, notes
+
+
+def _missing(robot: Robot, given: Sequence[str]) -> str:
+    """First joint of the arm, or before one that is given, that is not given; empty if none."""
+    arm = planned_joints(robot, usual_tip(robot))
+    wanted = set(arm) if set(arm) & set(given) else set()
+    parents = {joint.child: joint for joint in robot.joints}
+    by_name = {joint.name: joint for joint in robot.joints}
+    for name in given:
+        joint: Joint | None = by_name[name]
+        while joint is not None:
+            if joint.kind != "fixed":
+                wanted.add(joint.coordinate)
+            joint = parents.get(joint.parent)
+    return next((one.name for one in robot.joints if one.name in wanted - set(given)), "")
+
+
+def _suspect_degrees(motion: Motion, robot: Robot) -> None:
+    """Raise where angles are far past their limits, and all would fit in degrees."""
+    joints = {joint.name: joint for joint in robot.joints}
+    turning = [k for k, name in enumerate(motion.joints) if joints[name].kind != "prismatic"]
+    if not turning:
+        return
+    limits = np.array(
+        [(joints[motion.joints[k]].low, joints[motion.joints[k]].high) for k in turning]
+    )
+    angles = motion.positions[:, turning]
+    past = np.maximum(limits[:, 0] - angles, angles - limits[:, 1])
+    row, k = np.unravel_index(int(past.argmax()), past.shape)
+    fits = np.radians(angles)
+    if past[row, k] > _PAST and ((fits >= limits[:, 0]) & (fits <= limits[:, 1])).all():
+        name, angle = motion.joints[turning[k]], float(angles[row, k])
+        limit = float(limits[k, 1] if angle > limits[k, 1] else limits[k, 0])
+        raise MotionError(
+            f"In row {row + 1} {name} is at {angle:g} rad, past its limit of {limit:.4g} rad; all "
+            "rows would fit in degrees.",
+            f"Convert them to radians, or name the unit in a CSV's header: {name} [deg].",
+            row=int(row) + 1,
+            joint=name,
+        )
+
+
+def _check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> None:
+    """Raise where the first waypoint is not near the state in which the robot stands."""
+    slides = {joint.name for joint in robot.joints if joint.kind == "prismatic"}
+    for name in start:
+        if name not in motion.joints:
+            raise MotionError(
+                f"The start state names {name}, which the motion does not move.",
+                f"Name some of {some_of(motion.joints, 8)}.",
+                joint=name,
+            )
+    for name, first in zip(motion.joints, motion.positions[0].tolist(), strict=True):
+        if abs(first - start.get(name, first)) > _FAR:
+            unit = "m" if name in slides else "rad"
+            raise MotionError(
+                f"Row 1 is far from the start state: {name} is at {first:.4g} {unit} there and "
+                f"stands at {start[name]:.4g} {unit}.",
+                "Add the way from the start state to the motion.",
+                row=1,
+                joint=name,
+            )
+
+
+def _standing(chain: Chain) -> list[str]:
+    """A sentence on the joints that the motion does not move; none if there are none."""
+    slides = {joint.name: "m" for joint in chain.robot.joints if joint.kind == "prismatic"}
+    own = {joint.name for joint in chain.robot.joints if joint.mimic is None}
+    still = [
+        f"{name} at {at:.4g} {slides.get(name, 'rad')}"
+        for name, at in chain.held.items()
+        if name in own
+    ]
+    return (
+        [f"Joints that the motion does not name stand still: {some_of(still, 8)}."] if still else []
+    )

@@ -1,0 +1,79 @@
+"""The scene in which a robot moves: that of a file with another robot, or the robot alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import SHIPPED, archive_of, load_robot
+from abi.scene.scene import Scene
+
+_ROOM = 2.0
+"""Half of the room that a robot alone has around it, over the length of all its joints."""
+
+
+def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
+    """A scene with a robot.
+
+    Where a scene has a robot, the other one stands in its place; else it stands at the origin.
+
+    Args:
+        robot: a shipped arm's name, or a ``.urdf`` or ``.zip`` file; None for the scene's own.
+        scene: with the obstacles; None for a room without any, in metres.
+
+    Raises:
+        SceneError: the robot cannot be read, or there is none.
+    """
+    if robot is None:
+        if scene is None or scene.arm.model != "urdf":
+            raise SceneError("robot", robot, "a URDF or zip file, or a scene with one")
+        return scene
+    name, files = _files(str(robot))
+    if scene is None:
+        return _alone(name, files)
+    arm: dict[str, Any] = {"model": "urdf", "urdf": name, "tip": None, "base_link": None}
+    if scene.arm.model != "urdf":
+        arm["base"] = (0.0, 0.0, 0.0)
+    return scene.replace(files=files, arm=arm)
+
+
+def _files(robot: str) -> tuple[str, dict[str, bytes]]:
+    """Name of a robot as a scene has it, and its file as an archive."""
+    if robot in SHIPPED:
+        return robot, {}
+    path = Path(robot)
+    return path.name, {path.name: archive_of(path.name, MeshSource(folder=path.parent))}
+
+
+def _alone(name: str, files: dict[str, bytes]) -> Scene:
+    """A robot at the origin of a room that it cannot leave, whose floor it cannot reach."""
+    half = _ROOM * max(_length(load_robot(name, MeshSource(files))), 0.1)
+    return Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": [-half] * 3, "max": [half] * 3},
+            "start": [0.0, 0.0, 0.0],
+            "goal": [0.0, 0.0, half],
+            "mesh": {"pitch": half / 4},
+            "arm": {"model": "urdf", "urdf": name, "base": [0.0, 0.0, 0.0]},
+        },
+        MeshSource(files),
+    )
+
+
+def _length(robot: Robot) -> float:
+    """Length of all joints and links of a robot in a row, [m]."""
+    length = 0.0
+    for joint in robot.joints:
+        length += float((joint.origin[:3, 3] ** 2).sum() ** 0.5)
+        length += joint.high - joint.low if joint.kind == "prismatic" else 0.0
+    points = [
+        (shape.pose[:3, 3] ** 2).sum() ** 0.5 + max(shape.size) * (shape.kind != "mesh")
+        for link in robot.links.values()
+        for shape in link.shapes
+    ]
+    return length + float(max(points, default=0.0))

@@ -1,0 +1,216 @@
+"""Verdict on a motion: proven clear, touching, or not decided."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+from abi.arm_planning.world.solid_rows import FLOOR
+from abi.arrays import ShortRepr
+from abi.certification.clearance_proof import MotionTask, Separation
+from abi.certification.joint_limits import LimitsKept
+from abi.scene.scene import Scene
+
+State = Literal["clear", "touches", "undecided"]
+
+_ASSUMED = {
+    "linear": "straight in the joints between waypoints, as the file gives positions alone",
+    "cubic": "cubic polynomials between waypoints, from their positions and velocities",
+    "quintic": "quintic polynomials between waypoints, from their positions, velocities and "
+    "accelerations",
+}
+
+
+class TimeStretch(NamedTuple):
+    """A part of the motion, from one time to another, [s], and what is known of it."""
+
+    first: float
+    last: float
+    state: State
+
+
+class Touch(NamedTuple):
+    """A contact of a link, decided on the exact shapes.
+
+    Attributes:
+        time: first time at which it touches, [s].
+        link: name of the link.
+        obstacle: number of an obstacle from 0, name of another link, or ``floor``.
+        depth: largest depth found, at least, [unit].
+        deepest: time of that, [s].
+    """
+
+    time: float
+    link: str
+    obstacle: int | str
+    depth: float
+    deepest: float
+
+
+class Doubt(NamedTuple):
+    """A stretch of the motion on which it is not decided whether a link touches something.
+
+    Attributes:
+        first, last: times, [s].
+        link: name of the link.
+        obstacle: number of an obstacle from 0, name of another link, or ``floor``.
+        distance: of the exact shapes in its middle, at most, [unit].
+        would_decide: what would decide it, as a sentence.
+    """
+
+    first: float
+    last: float
+    link: str
+    obstacle: int | str
+    distance: float
+    would_decide: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionVerdict(ShortRepr):
+    """What is known of a motion.
+
+    Attributes:
+        state: ``clear``: proven not to touch anything at any time; ``touches``; or ``undecided``.
+        scene: the scene, with the robot.
+        task: the motion, the robot's bodies and what they keep clear of.
+        clearance: distance from every obstacle that is proven where it is clear, else the least
+            that was found, [unit]; inf without obstacles.
+        nearest: link, obstacle and time [s] of the least distance that was found; None without
+            obstacles.
+        touches: contacts, the first one first.
+        doubts: what is not decided.
+        stretches: the whole motion in the order of time.
+        limits: limits of the joints.
+        proof: the directions that prove it; None if it is not clear.
+    """
+
+    state: State
+    scene: Scene
+    task: MotionTask
+    clearance: float
+    nearest: tuple[str, int, float] | None
+    touches: tuple[Touch, ...]
+    doubts: tuple[Doubt, ...]
+    stretches: tuple[TimeStretch, ...]
+    limits: LimitsKept
+    proof: Separation | None
+
+    @property
+    def assumed(self) -> str:
+        """How the joints are taken to move between waypoints, as the end of a sentence."""
+        return _ASSUMED[self.task.motion.motion.interpolation]
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence."""
+        unit = self.scene.unit
+        if self.state == "clear":
+            if math.isinf(self.clearance):
+                return "Proven clear: the robot touches neither itself nor the floor at any time."
+            kept = f"its links keep {self.clearance:.4g} {unit} from every obstacle"
+            return f"Proven clear: {kept if self.clearance > 0 else 'they touch nothing'}."
+        if self.state == "touches":
+            one = self.touches[0]
+            depth = f", up to {one.depth:.3g} {unit} deep" if one.depth > 0 else ""
+            return (
+                f"Touches: {one.link} meets {_words(one.obstacle)} from {self.at(one.time)} on"
+                f"{depth}."
+            )
+        doubt = self.doubts[0]
+        return (
+            f"Not decided: {doubt.link} is {doubt.distance:.3g} {unit} or less from "
+            f"{_words(doubt.obstacle)} between {self.at(doubt.first)} and {self.at(doubt.last)}. "
+            f"{doubt.would_decide}"
+        )
+
+    def at(self, time: float) -> str:
+        """A time as text."""
+        return f"{time:.4g} s" if self.task.motion.motion.timed else f"waypoint {time + 1:.4g}"
+
+    @property
+    def _where(self) -> tuple[str | None, int | str | None, float | None]:
+        """Link, obstacle and time of the first contact, the first doubt, or the least distance."""
+        if self.touches:
+            return self.touches[0].link, self.touches[0].obstacle, self.touches[0].time
+        if self.doubts:
+            return self.doubts[0].link, self.doubts[0].obstacle, self.doubts[0].first
+        return self.nearest or (None, None, None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The verdict as plain data, with all that ``abi verify`` checks."""
+        motion, first = self.task.motion.motion, self.touches[0] if self.touches else None
+        link, obstacle, time = self._where
+        return {
+            "version": 1,
+            "verdict": self.state,
+            "sentence": self.sentence,
+            "clearance": self.clearance if math.isfinite(self.clearance) else None,
+            "time": time,
+            "link": link,
+            "obstacle": obstacle,
+            "depth": first.depth if first else None,
+            "interpolation": motion.interpolation,
+            "touches": [one._asdict() for one in self.touches],
+            "undecided": [one._asdict() for one in self.doubts],
+            "stretches": [one._asdict() for one in self.stretches],
+            "limits": self.limits.to_dict(),
+            "allowed": [one._asdict() for one in self.task.bodies.allowed],
+            "notes": list(self.task.motion.notes),
+            "motion": {
+                "joints": list(motion.joints),
+                "timed": motion.timed,
+                "times": motion.times.tolist(),
+                "positions": motion.positions.tolist(),
+                "velocities": None if motion.velocities is None else motion.velocities.tolist(),
+                "accelerations": (
+                    None if motion.accelerations is None else motion.accelerations.tolist()
+                ),
+            },
+            "scene": self.scene.to_dict(),
+            "certificate": None if self.proof is None else _certificate(self.task, self.proof),
+        }
+
+
+def named(task: MotionTask, number: int) -> int | str:
+    """Number of an obstacle, or name of another link or of the floor."""
+    if number >= 0:
+        return number
+    return "floor" if number == FLOOR else task.bodies.bodies[-number - 2].link
+
+
+def _words(obstacle: int | str) -> str:
+    return f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else str(obstacle)
+
+
+def _certificate(task: MotionTask, proof: Separation) -> dict[str, Any]:
+    """Bodies, pairs that keep apart, and directions."""
+    metres, numbers = task.bodies.metres, proof.others.tolist()
+    rows = zip(
+        proof.pieces.tolist(),
+        proof.poses.tolist(),
+        proof.bodies.tolist(),
+        numbers,
+        proof.directions.tolist(),
+        strict=True,
+    )
+    return {
+        "margin": proof.margin if len(task.obstacles) else None,
+        "bodies": [
+            {
+                "link": body.link,
+                "joint": body.frame,
+                "radius": body.radius / metres,
+                "points": (body.points / metres).tolist(),
+            }
+            for body in task.bodies.bodies
+        ],
+        "pairs": task.bodies.pairs[0].tolist(),
+        "planes": [
+            {"t0": t0, "t1": t1, "at": at, "body": body, "direction": direction}
+            | ({"other": -2 - other} if other < FLOOR else {})
+            | ({"obstacle": named(task, other)} if other >= FLOOR else {})
+            for (t0, t1), at, body, other, direction in rows
+        ],
+    }

@@ -1,0 +1,307 @@
+"""Check of the certificate of a motion that was planned elsewhere, in exact numbers.
+
+The proof is that of :mod:`abi.certification.clearance_proof`. The motion, the bodies and the pairs
+that must keep apart are checked as written. That the bodies hold the corners of the links'
+collision shapes is checked, too. Pairs of links that are not among them are listed by ``allowed``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from abi.errors import SceneError
+from abi.obstacles.pose import METRES
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.robot import Robot
+from abi.scene.scene import Scene
+from abi.verify.certificate import MOTION, CertifiedPlane, planes_of, words_of
+from abi.verify.exact import ExactFloor, ExactSolid, Vec3, times_length
+from abi.verify.exact_chain import Exact, ExactChain, ExactFrame, exact_joints
+from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact_path import ExactPath, exact_path
+from abi.verify.fault import Fault
+from abi.verify.link_corners import LinkBody, check_corners
+from abi.verify.plan_fields import finite, list_of, mapping, vector_of
+from abi.verify.plan_obstacles import obstacles_of
+from abi.verify.sides import check_apart
+
+_BITS = 200
+_ONE = 1 << _BITS
+
+
+class _Body(NamedTuple):
+    """All points within ``radius`` of a hull in the frame of a joint, -1 for the world."""
+
+    number: int
+    link: str
+    frame: int
+    points: tuple[Vec3, ...]
+    radius: Fraction
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """Joints on their path, with the poses, ways and levers that were asked for."""
+
+    chain: ExactChain
+    path: ExactPath
+    frames: dict[Fraction, list[ExactFrame]] = field(default_factory=dict)
+    ways: dict[tuple[Fraction, Fraction, Fraction], list[Fraction]] = field(default_factory=dict)
+    levers: dict[tuple[int, int], list[Fraction]] = field(default_factory=dict)
+    wholes: dict[int, Exact] = field(default_factory=dict)
+
+    def near(self, plane: CertifiedPlane) -> tuple[list[ExactFrame], list[Fraction]]:
+        """Frames at the pose of a plane, and how far each coordinate gets from it."""
+        start, end, at = plane.start, plane.end, plane.at
+        if not 0 <= start <= at <= end <= len(self.path.pieces):
+            raise Fault(f"a piece from {float(start):g} is not on the motion")
+        if at not in self.frames:
+            self.frames[at] = self.chain.place(self.path.positions(at))
+        key = start, end, at
+        if key not in self.ways:
+            here = self.path.positions(at)
+            columns = zip(*self.path.hull(start, end), strict=True)
+            self.ways[key] = [
+                max(abs(one - middle) for one in column)
+                for column, middle in zip(columns, here, strict=True)
+            ]
+        return self.frames[at], self.ways[key]
+
+    def way(self, body: _Body, behind: int, ways: list[Fraction]) -> Fraction:
+        """Bound of the motion of a body's hull beside the frame ``behind``, [unit]."""
+        key = body.number, behind
+        if key not in self.levers:
+            self.levers[key] = self.chain.levers(body.points, body.frame, behind)
+        pairs = zip(self.levers[key], ways, strict=True)
+        return sum((lever * way for lever, way in pairs), Fraction(0))
+
+    def products(
+        self, frames: list[ExactFrame], body: _Body, normal: Vec3
+    ) -> tuple[Fraction, Fraction]:
+        """Bounds of the products of a direction with a body's hull at a pose.
+
+        The direction is turned into the body's frame, so that each point takes one product.
+        """
+        if body.number not in self.wholes:
+            whole = [[_whole(part) for part in point] for point in body.points]
+            self.wholes[body.number] = np.array(whole, dtype=object)
+        points = self.wholes[body.number]
+        n = np.array([_whole(part) for part in normal], dtype=object)
+        size, length = int(abs(points).max()) + 1, int(abs(n).max()) + 1
+        if body.frame < 0:
+            turned, shift, slack = n, 0, 0
+        else:
+            turn, origin, turn_error, origin_error = frames[body.frame]
+            turned = (turn.T @ n) >> _BITS
+            shift = int((origin @ n) >> _BITS)
+            # each entry of the turned direction is wrong by the rotation's error and by rounding
+            error = 3 * (length * turn_error // _ONE + 1) + 6 + 1
+            far = int(abs(origin).max()) + 1
+            slack = 3 * (size * error // _ONE + 1) + 6
+            slack += 3 * ((length * origin_error + far) // _ONE + 1) + 6
+        products = (points @ turned) >> _BITS
+        slack += 3 * (size + length) // _ONE + 9  # rounding of the points and of the direction
+        low, high = int(products.min()) + shift, int(products.max()) + shift
+        return Fraction(low - slack, _ONE), Fraction(high + 1 + slack, _ONE)
+
+
+def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None) -> str:
+    """Check the certificate of a motion, and return what it proves as the end of a sentence.
+
+    Args:
+        data: what ``abi certify`` writes.
+        folder: source of the scene's mesh files and robot.
+
+    Raises:
+        Fault: it does not prove what is claimed.
+        SceneError: a field has the wrong form.
+    """
+    if data.get("verdict") != "clear":
+        raise Fault("the motion is not said to be clear")
+    scene = Scene.from_dict(data.get("scene"), folder)
+    if scene.arm.model != "urdf":
+        raise SceneError("scene.arm.model", scene.arm.model, "urdf")
+    obstacles = obstacles_of(data["scene"], scene)
+    certificate = mapping(MOTION, data.get("certificate"))
+    margin = _margin(data, certificate, obstacles)
+    motion = _motion(mapping("motion", data.get("motion")), scene)
+    bodies = _bodies(certificate, motion.chain, scene.arm.robot)
+    pairs = _pairs(certificate, len(bodies))
+    planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
+    span = Fraction(0), Fraction(len(motion.path.pieces))
+    floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
+    for body in bodies:
+        least = partial(_least, motion, body)
+        for k, obstacle in enumerate(obstacles if body.frame >= 0 else ()):
+            label = f"{body.link} and obstacle {k + 1}"
+            group = planes.get((body.number, k), [])
+            check_apart(label, group, least, span, obstacle, margin)
+        if body.frame >= 1:
+            group = planes.get((body.number, "floor"), [])
+            check_apart(f"{body.link} and floor", group, least, span, floor)
+    for i, j in pairs:
+        label = f"{bodies[j].link} and {bodies[i].link}"
+        apart = partial(_apart, motion, bodies[i], bodies[j])
+        check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
+    _check_outside(motion, bodies, obstacles)
+    _check_pairs(data, motion.chain, bodies, pairs)
+    count = sum(map(len, planes.values()))
+    return (
+        f"{words_of(margin, scene.unit)}, and clear of the floor and each other "
+        f"({len(pairs)} pairs), by {count} directions; {_excepted(data)}"
+    )
+
+
+def _margin(
+    data: dict[str, Any], certificate: dict[str, Any], obstacles: Sequence[ExactSolid | ExactMesh]
+) -> Fraction | None:
+    """Distance that is claimed, [unit]; None without obstacles."""
+    given, stated = certificate.get("margin"), data.get("clearance")
+    if (given is None) != (not obstacles) or given != stated:
+        raise Fault("its margin is not the clearance stated")
+    margin = None if given is None else Fraction(finite(f"{MOTION}.margin", given))
+    if margin is not None and margin < 0:
+        raise Fault("its margin is negative")
+    return margin
+
+
+def _motion(motion: dict[str, Any], scene: Scene) -> _Motion:
+    """The motion of the scene's robot; sliding joints go as far as it takes them."""
+    robot, units = scene.arm.robot, round(1 / METRES[scene.unit])
+    names = list_of("motion.joints", motion.get("joints"))
+    free = {one.name: one for one in robot.joints if one.kind != "fixed" and one.mimic is None}
+    if not names or len(set(names)) != len(names) or not all(name in free for name in names):
+        raise Fault("its joints are not the robot's")
+    held = {name: at for name, at in scene.arm.gripper.items() if name not in names}
+    stands = scene.arm.base, units, scene.arm.base_wxyz, held
+    chain = exact_joints(robot, tuple(names), *stands)
+    path = exact_path(motion, [units if slides else 1 for slides in chain.slides])
+    columns = [*zip(*(row for piece in path.pieces for row in piece), strict=True)]
+    limits = tuple(
+        (min(low, *column), max(high, *column))
+        for (low, high), column in zip(chain.limits, columns, strict=True)
+    )
+    return _Motion(chain.within(limits), path)
+
+
+def _bodies(certificate: dict[str, Any], chain: ExactChain, robot: Robot) -> list[_Body]:
+    """Bodies that hold the corners of all links with shapes."""
+    bodies = []
+    label = f"{MOTION}.bodies"
+    for number, entry in enumerate(list_of(label, certificate.get("bodies"))):
+        data = mapping(label, entry)
+        link, radius = data.get("link"), Fraction(finite(f"{label}.radius", data.get("radius")))
+        points = [
+            vector_of(f"{label}.points", one)
+            for one in list_of(f"{label}.points", data.get("points"))
+        ]
+        if not isinstance(link, str) or link not in chain.frames or radius < 0 or not points:
+            raise Fault("a body has no link, or no extent")
+        if data.get("joint") != chain.frames[link]:
+            raise Fault(f"{link} is moved by another joint")
+        bodies.append(_Body(number, link, chain.frames[link], tuple(points), radius))
+    by_link: dict[str, list[LinkBody]] = {name: [] for name in robot.links}
+    for body in bodies:
+        corners = np.array(body.points, dtype=np.float64)
+        anywhere = np.zeros((2, 3)), np.inf
+        by_link[body.link].append(LinkBody(*anywhere, corners, float(body.radius)))
+    check_corners(robot, chain, by_link)
+    return bodies
+
+
+def _pairs(certificate: dict[str, Any], bodies: int) -> list[tuple[int, int]]:
+    pairs = []
+    for entry in list_of(f"{MOTION}.pairs", certificate.get("pairs")):
+        pair = list_of(f"{MOTION}.pairs", entry)
+        if len(pair) != 2 or any(type(one) is not int or not 0 <= one < bodies for one in pair):
+            raise Fault("a pair is not of two bodies")
+        pairs.append((int(pair[0]), int(pair[1])))
+    return pairs
+
+
+def _check_pairs(
+    data: dict[str, Any],
+    chain: ExactChain,
+    bodies: Sequence[_Body],
+    pairs: Sequence[tuple[int, int]],
+) -> None:
+    """Raise where two links neither keep apart, nor are neighbours, nor are said to be allowed."""
+    apart = {frozenset((bodies[i].link, bodies[j].link)) for i, j in pairs}
+    listed = [mapping("allowed", one) for one in list_of("allowed", data.get("allowed"))]
+    allowed = {frozenset((str(one.get("link")), str(one.get("other")))) for one in listed}
+    links = {body.link: body.frame for body in bodies}
+    counts = {name: [b.number for b in bodies if b.link == name] for name in links}
+    kept = {frozenset(pair) for pair in pairs}
+    for first, one in links.items():
+        for second, other in links.items():
+            between = {*chain.above(one)} ^ {*chain.above(other)}
+            pair = frozenset((first, second))
+            if first >= second or len(between) <= 1 or pair in allowed:
+                continue
+            wanted = {frozenset((i, j)) for i in counts[first] for j in counts[second]}
+            if pair not in apart or not wanted <= kept:
+                raise Fault(f"{first} and {second} are neither kept apart nor said to be allowed")
+
+
+def _excepted(data: dict[str, Any]) -> str:
+    """What is allowed to touch though it is not next to each other, as the end of a sentence."""
+    others = [one for one in data["allowed"] if one.get("reason") not in ("adjacent", "mount")]
+    names = [f"{one.get('link')} and {one.get('other')}" for one in others]
+    return f"allowed to touch are {', '.join(names)}" if names else "only neighbours may touch"
+
+
+def _check_outside(
+    motion: _Motion, bodies: Sequence[_Body], obstacles: Sequence[ExactSolid | ExactMesh]
+) -> None:
+    """Raise where a body, clear of all triangles, is inside a closed mesh."""
+    frames = motion.chain.place(motion.path.positions(Fraction(0)))
+    for body in bodies:
+        if body.frame >= 0:
+            point, _ = frames[body.frame].place(body.points[0])
+            for obstacle in obstacles:
+                if isinstance(obstacle, ExactMesh) and obstacle.inside(point):
+                    raise Fault(f"{body.link} is inside a mesh")
+
+
+def _least(motion: _Motion, body: _Body, plane: CertifiedPlane) -> Fraction:
+    """Lower bound of a plane's product with a body all along its piece."""
+    frames, ways = motion.near(plane)
+    way = motion.way(body, -1, ways) + body.radius
+    return motion.products(frames, body, plane.normal)[0] - times_length(way, plane.normal)
+
+
+def _apart(motion: _Motion, first: _Body, second: _Body, plane: CertifiedPlane) -> Fraction:
+    """The same of the second of two bodies, which a plane must keep apart all along."""
+    frames, ways = motion.near(plane)
+    _, highest = motion.products(frames, first, plane.normal)
+    least, _ = motion.products(frames, second, plane.normal)
+    common = motion.chain.meeting(first.frame, second.frame)
+    way = motion.way(first, common, ways) + motion.way(second, common, ways)
+    way += first.radius + second.radius
+    if least - highest <= times_length(way, plane.normal):
+        raise Fault(f"the piece from {float(plane.start):g} is not separated")
+    return least
+
+
+def _key(bodies: int, entry: dict[str, Any]) -> tuple[int, int | str]:
+    """Body, and number of an obstacle, ``floor``, or another body: -1 less its number."""
+    body, obstacle, other = entry.get("body"), entry.get("obstacle"), entry.get("other")
+    if type(body) is not int or not 0 <= body < bodies:
+        raise Fault("a direction belongs to no body")
+    if type(other) is int and 0 <= other < bodies:
+        return body, -1 - other
+    if obstacle == "floor" or (type(obstacle) is int and obstacle >= 0):
+        return body, obstacle
+    raise Fault("a direction belongs to no obstacle")
+
+
+def _whole(number: Fraction) -> int:
+    """Number of 2^-200 below a number, less than one away."""
+    return number.numerator * _ONE // number.denominator

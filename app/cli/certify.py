@@ -1,0 +1,101 @@
+"""``abi certify``: the verdict on a motion that anybody planned."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from app.cli.exit_code import INCOMPLETE, UNDECIDED
+from app.cli.given_scene import STANDARD, given_scene
+from app.cli.output import print_text, write_text
+
+if TYPE_CHECKING:
+    from abi.certification.verdict import MotionVerdict
+
+
+@click.command(short_help="Prove that a motion from elsewhere keeps a robot clear.")
+@click.argument("motion", type=click.Path(path_type=Path))
+@click.option("--robot", help="A .urdf or .zip file, or ur5e, panda or xarm7.")
+@click.option("--scene", help="A scene with the obstacles.  [default: the robot alone]")
+@click.option("--clearance", type=float, default=0.0, help="Distance to keep from obstacles.")
+@click.option("--start", help="State in which the robot stands: NAME=VALUE,NAME=VALUE.")
+@click.option("--acceleration", type=float, help="Limit of each joint, rad/s² or m/s².")
+@click.option("--budget", type=click.IntRange(1_000), help="Pairs to try at most.")
+@click.option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), help="Write JSON to a file."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of sentences.")
+def certify(
+    motion: Path,
+    robot: str | None,
+    scene: str | None,
+    clearance: float,
+    start: str | None,
+    acceleration: float | None,
+    budget: int | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Prove that the motion in a file keeps a robot clear at all times, or find where it touches.
+
+    MOTION is a ROS 2 JointTrajectory (YAML or JSON), a CSV with the joints' names in its first row,
+    a plan of abi plan, or JSON with joints, times and positions.
+
+    Exit code 0: proven clear; 3: it touches something; 4: not decided; 2: bad input.
+    """
+    from abi.certification.certify_motion import certify_motion
+    from abi.certification.clearance_proof import MOST_TRIES
+    from abi.certification.read_motion import load_motion
+    from abi.certification.robot_scene import robot_scene
+
+    place = robot_scene(robot, None if scene is None else given_scene(scene))
+    verdict = certify_motion(
+        load_motion(motion, place.arm.robot),
+        place,
+        None if start is None else _state(start),
+        clearance,
+        acceleration,
+        budget or MOST_TRIES,
+    )
+    text = json.dumps(verdict.to_dict(), allow_nan=False) if out or as_json else ""
+    if out is not None and str(out) != STANDARD:
+        write_text(out, text)
+    print_text(text if as_json or str(out) == STANDARD else _told(verdict))
+    if verdict.state != "clear":
+        raise SystemExit(INCOMPLETE if verdict.state == "touches" else UNDECIDED)
+
+
+def _state(text: str) -> dict[str, float]:
+    """Positions of joints by name."""
+    state = {}
+    for part in text.split(","):
+        name, sign, value = part.partition("=")
+        try:
+            state[name.strip()] = float(value)
+        except ValueError:
+            sign = ""
+        if not sign:
+            raise click.UsageError(f"--start: {part.strip()!r} is not NAME=VALUE, as elbow=1.57.")
+    return state
+
+
+def _told(verdict: MotionVerdict) -> str:
+    """The verdict as a few lines."""
+    lines = [verdict.sentence, f"Assumed: {verdict.assumed}."]
+    lines += verdict.task.motion.notes
+    lines += [
+        f"{one.joint} passes its limit of {one.quantity}: {one.value:.4g} at "
+        f"{verdict.at(one.time)}, limit {one.limit:.4g}."
+        for one in verdict.limits.passed
+    ]
+    if not verdict.limits.passed:
+        lines.append("Limits of the joints hold.")
+    unknown = [name for name, peak in verdict.limits.peaks.items() if peak is None]
+    if unknown:
+        lines.append(f"Not judged, as the motion or the robot does not say: {', '.join(unknown)}.")
+    others = [one for one in verdict.task.bodies.allowed if one.reason in ("srdf", "always")]
+    lines += [f"{one.link} and {one.other} may touch ({one.reason})." for one in others]
+    return "\n".join(lines)

@@ -1,0 +1,151 @@
+"""Verdicts on motions: no sample refutes a proof, and no plate between samples escapes it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+import abi
+from abi.arrays import FloatArray
+from abi.certification.clearance_proof import nearest
+from abi.certification.exact_contact import ContactFinder
+from abi.certification.robot_scene import robot_scene
+from abi.certification.verdict import MotionVerdict
+from abi.scene.scene import Scene
+from abi.verify.verify import verify
+
+pytestmark = pytest.mark.slow
+JOINTS = (
+    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
+)
+UP = [0.0, -1.6, 1.2, -1.2, -1.57, 0.0]
+
+
+def scene_with(obstacles: list[dict[str, Any]]) -> Scene:
+    return robot_scene("ur5e").replace(obstacles=obstacles)
+
+
+def swing(degree: int = 1) -> dict[str, FloatArray | None]:
+    """A swing of the shoulder by half a turn over two waypoints."""
+    positions = np.array([UP, UP])
+    positions[0, 0], positions[1, 0] = -1.5, 1.5
+    still = np.zeros((2, 6))
+    return {
+        "times": np.array([0.0, 2.0]),
+        "positions": positions,
+        "velocities": still if degree > 1 else None,
+        "accelerations": still if degree > 3 else None,
+    }
+
+
+def verdict_of(scene: Scene, motion: dict[str, Any], **options: Any) -> MotionVerdict:
+    return abi.certify(None, JOINTS, scene=scene, **motion, **options)
+
+
+def tool_at(scene: Scene, share: float) -> FloatArray:
+    """Place of the tool in the swing, [m]."""
+    verdict = verdict_of(scene, swing())
+    chain = verdict.task.bodies.chain
+    return np.asarray(chain.poses(verdict.task.motion.positions_at(np.array([share])))[0, -1, :, 3])
+
+
+@pytest.mark.parametrize("degree", [1, 3, 5])
+def test_a_plate_that_a_thousand_samples_miss_is_found(degree: int) -> None:
+    empty = scene_with([])
+    x, y, z = tool_at(empty, 0.5123456).tolist()
+    # a leaf that stands in the way of the tool, far thinner than the step between samples
+    plate = {"shape": "box", "size": [0.3, 1e-5, 0.3], "position": [x, y, z]}
+    scene = scene_with([plate])
+    verdict = verdict_of(scene, swing(degree))
+    assert verdict.state == "touches"
+    first = verdict.touches[0]
+    assert first.obstacle == 0
+    assert 0 < first.time < 2
+    states = [one.state for one in verdict.stretches]
+    assert "touches" in states
+    assert states[0] == states[-1] == "clear"
+    finder = ContactFinder(verdict.task)
+    just, before = verdict.task.motion, first.time - 1e-4
+    assert just.time_at(0.5) == 1.0
+    assert finder.at(first.time / 2 + 1e-7, first.link, 0).touches
+    assert not finder.at(before / 2, first.link, 0).touches
+
+
+def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:
+    box = {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [-0.7, 0.0, 0.3]}
+    ball = {"shape": "sphere", "radius": 0.1, "position": [0.0, 0.0, 1.6]}
+    scene = scene_with([box, ball])
+    verdict = verdict_of(scene, swing(5))
+    assert verdict.state == "clear"
+    assert verdict.clearance > 0
+    found = nearest(verdict.task, np.linspace(0, 1, 2001))
+    assert verdict.clearance <= found.distance
+    data = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
+    (proof,) = verify(data)
+    assert proof.proven, proof.reason
+
+
+def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
+    """A certificate that proves nothing any more."""
+    data = json.loads(json.dumps(data))
+    certificate = data["certificate"]
+    if kind == "motion":
+        data["motion"]["positions"][1][1] += 2.0
+    elif kind == "plane":
+        del certificate["planes"][0]
+    elif kind == "direction":
+        certificate["planes"][0]["direction"] = [-x for x in certificate["planes"][0]["direction"]]
+    elif kind == "body":
+        certificate["bodies"][-1]["points"] = certificate["bodies"][-1]["points"][:4]
+    elif kind == "pair":
+        certificate["pairs"].pop()
+    elif kind == "margin":
+        certificate["margin"] = data["clearance"] = data["clearance"] + 0.05
+    else:
+        data["scene"]["obstacles"][0]["position"][0] += 0.45
+    return dict(data)
+
+
+@pytest.mark.parametrize(
+    "kind", ["motion", "plane", "direction", "body", "pair", "margin", "obstacle"]
+)
+def test_a_damaged_certificate_is_refused(kind: str) -> None:
+    box = {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [-0.7, 0.0, 0.3]}
+    data = verdict_of(scene_with([box]), swing()).to_dict()
+    (proof,) = verify(damaged(kind, data))
+    assert not proof.proven
+
+
+def test_limits_are_found_where_polynomials_are_largest() -> None:
+    motion = swing(3)
+    motion["times"] = np.array([0.0, 1.0])
+    verdict = verdict_of(scene_with([]), motion, acceleration=5.0)
+    passed = {one.quantity: one for one in verdict.limits.passed}
+    # from rest to rest, a cubic is fastest in its middle: 1.5 times the mean speed of 3 rad/s
+    assert passed["speed"].value == pytest.approx(4.5)
+    assert passed["speed"].time == pytest.approx(0.5)
+    assert passed["acceleration"].value == pytest.approx(18.0)
+    assert verdict.limits.peaks["acceleration"] is not None
+    straight = verdict_of(scene_with([]), swing())
+    assert straight.limits.peaks["acceleration"] is None
+
+
+def test_a_link_inside_a_mesh_from_the_first_waypoint_on_is_told(tmp_path: Any) -> None:
+    import trimesh
+
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.4)
+    content = ball.export(file_type="stl")
+    assert isinstance(content, bytes)
+    x, y, z = tool_at(scene_with([]), 0.0).tolist()
+    mesh = {"shape": "mesh", "file": "ball.stl", "unit": "m", "position": [x, y, z]}
+    scene = robot_scene("ur5e").replace(files={"ball.stl": content}, obstacles=[mesh])
+    still = swing()
+    assert still["positions"] is not None
+    still["positions"] = np.repeat(still["positions"][:1], 2, axis=0)
+    verdict = verdict_of(scene, still)
+    assert verdict.state == "touches"
+    assert verdict.touches[0].time == 0.0

@@ -1,0 +1,156 @@
+"""Readers of motions: every form gives the same motion, and each wrong input one clear sentence."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from abi.certification.motion import Motion
+from abi.certification.read_motion import read_motion
+from abi.certification.robot_motion import bezier_points, robot_motion
+from abi.certification.robot_scene import robot_scene
+from abi.errors import MotionError
+from abi.scene.scene_file import yaml_text
+
+SCENE = robot_scene("ur5e")
+ROBOT = SCENE.arm.robot
+JOINTS = (
+    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
+)
+TABLE = [[0.1 * k + 0.2 * j for j in range(6)] for k in range(3)]
+TIMES = [0.0, 0.5, 1.25]
+
+
+def csv_text(rows: list[list[object]], names: tuple[str, ...] = JOINTS) -> bytes:
+    head = ",".join(["time", *names])
+    return "\n".join([head, *(",".join(map(str, row)) for row in rows)]).encode()
+
+
+def message(**changed: object) -> dict[str, Any]:
+    points = [
+        {
+            "positions": row,
+            "velocities": [0.1] * 6,
+            "time_from_start": {"sec": int(time), "nanosec": int(time % 1 * 1e9)},
+        }
+        for row, time in zip(TABLE, TIMES, strict=True)
+    ]
+    return {"joint_names": list(JOINTS), "points": points} | changed
+
+
+def written() -> dict[str, bytes]:
+    rows: list[list[object]] = [[time, *row] for time, row in zip(TIMES, TABLE, strict=True)]
+    degrees: list[list[object]] = [
+        [1000 * time, *(math.degrees(one) for one in row)]
+        for time, row in zip(TIMES, TABLE, strict=True)
+    ]
+    in_degrees = csv_text(degrees, tuple(f"{name} [deg]" for name in JOINTS))
+    plain = {"joints": list(JOINTS), "times": TIMES, "positions": TABLE}
+    return {
+        "a.csv": csv_text(rows),
+        "b.csv": in_degrees.replace(b"time", b"time [ms]", 1),
+        "c.csv": csv_text(rows).replace(b",", b";"),
+        "d.json": json.dumps(plain).encode(),
+        "e.json": json.dumps(message()).encode(),
+        "f.yaml": (yaml_text(message()) + "---\n").encode(),
+        "g.yaml": yaml_text({"trajectory": [{"joint_trajectory": message()}]}).encode(),
+    }
+
+
+@pytest.mark.parametrize("name", list(written()))
+def test_every_form_gives_the_same_motion(name: str) -> None:
+    motion = read_motion(name, written()[name], ROBOT)
+    assert motion.joints == JOINTS
+    np.testing.assert_allclose(motion.times, TIMES, atol=1e-12)
+    np.testing.assert_allclose(motion.positions, TABLE, atol=1e-12)
+    assert motion.interpolation == ("cubic" if name[0] in "efg" else "linear")
+
+
+def test_waypoints_without_times_are_numbered() -> None:
+    text = "\n".join([",".join(JOINTS), *(",".join(map(str, row)) for row in TABLE)])
+    motion = read_motion("a.csv", text.encode(), ROBOT)
+    assert not motion.timed
+    assert motion.times.tolist() == [0, 1, 2]
+
+
+def rows_with(row: int, column: int, value: object) -> list[list[object]]:
+    rows: list[list[object]] = [[time, *one] for time, one in zip(TIMES, TABLE, strict=True)]
+    rows[row][column] = value
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.csv", csv_text(rows_with(1, 2, "x")), ["row 2", "shoulder_lift_joint", "'x'"]),
+        ("a.csv", csv_text(rows_with(1, 2, "nan")), ["row 2", "shoulder_lift_joint", "nan"]),
+        ("a.csv", csv_text(rows_with(2, 0, 0.5)), ["row 3", "0.5 s", "increase"]),
+        ("a.csv", csv_text(rows_with(2, 1, 90)), ["row 3", "shoulder_pan_joint", "rad", "degrees"]),
+        ("a.csv", csv_text(rows_with(0, 0, 0), ("x", *JOINTS[1:])), ["shoulder_pan_joint"]),
+        ("a.csv", csv_text(rows_with(0, 0, 0), (JOINTS[1], *JOINTS[1:])), [JOINTS[1], "2 times"]),
+        ("a.csv", csv_text(rows_with(0, 0, 0), ("elbow_joint [ft]", *JOINTS[1:])), ["unit"]),
+        ("a.csv", b"", ["empty"]),
+        ("a.csv", b"time,a\n0,1\n1,2", ["column", "shoulder_pan_joint"]),
+        ("a.csv", csv_text(rows_with(0, 0, 0)[:1]), ["1 waypoint"]),
+        ("a.json", json.dumps(message(joint_names=[*JOINTS[:5], "wrist"])).encode(), ["wrist"]),
+        ("a.json", json.dumps(message(joint_names=list(JOINTS[:5]))).encode(), ["Row 1", "5"]),
+        ("a.json", b"{", ["JSON"]),
+        ("a.json", b"[]", ["no motion"]),
+        ("a.bag", b"", [".csv"]),
+        ("a.csv", b"\xff\xfe", ["UTF-8"]),
+    ],
+)
+def test_wrong_input_is_one_sentence(name: str, content: bytes, words: list[str]) -> None:
+    with pytest.raises(MotionError) as caught:
+        robot_motion(read_motion(name, content, ROBOT), SCENE)
+    said = f"{caught.value.message} {caught.value.hint}"
+    assert all(word in said for word in words), said
+    assert "\n" not in said
+
+
+def test_velocities_in_some_rows_only_are_refused() -> None:
+    data = message()
+    data["points"][1]["velocities"] = []
+    with pytest.raises(MotionError, match="Row 2 has 0 velocities for 6 joints"):
+        read_motion("a.json", json.dumps(data).encode(), ROBOT)
+
+
+def test_a_first_waypoint_far_from_the_start_state_is_refused() -> None:
+    motion = Motion(JOINTS, TIMES, TABLE)  # type: ignore[arg-type]
+    robot_motion(motion, SCENE, {JOINTS[2]: 0.41})
+    with pytest.raises(MotionError, match=r"Row 1 .* elbow_joint is at 0.4 rad .* at 1 rad"):
+        robot_motion(motion, SCENE, {JOINTS[2]: 1.0})
+
+
+def test_a_joint_in_the_middle_must_be_given() -> None:
+    motion = Motion(JOINTS[:2] + JOINTS[3:], TIMES, np.array(TABLE)[:, 1:])  # type: ignore[arg-type]
+    with pytest.raises(MotionError, match="does not say where elbow_joint is"):
+        robot_motion(motion, SCENE)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1, 3, 5]))
+def test_polynomials_have_the_derivatives_of_the_waypoints(seed: int, degree: int) -> None:
+    random = np.random.default_rng(seed)
+    times = np.cumsum(random.uniform(0.1, 2, 4))
+    p, v, a = random.normal(size=(3, 4, 2))
+    rates = (v if degree > 1 else None, a if degree > 3 else None)
+    motion = Motion(("a", "b"), times, p, *rates)
+    points = bezier_points(motion)
+    assert points.shape == (3, degree + 1, 2)
+    np.testing.assert_allclose(points[:, 0], p[:-1])
+    np.testing.assert_allclose(points[:, -1], p[1:])
+    spans = np.diff(times)[:, None]
+    if degree > 1:
+        np.testing.assert_allclose(degree * (points[:, 1] - points[:, 0]) / spans, v[:-1])
+        np.testing.assert_allclose(degree * (points[:, -1] - points[:, -2]) / spans, v[1:])
+    if degree > 3:
+        for side, wanted in ((points, a[:-1]), (points[:, ::-1], a[1:])):
+            second = side[:, 0] - 2 * side[:, 1] + side[:, 2]
+            np.testing.assert_allclose(20 * second / spans**2, wanted, atol=1e-9)
