@@ -19,8 +19,10 @@ from abi.errors import ExportError
 from abi.obstacles.obstacle_set import Obstacles
 from abi.planner.arm_faults import arm_faults, limits_warning
 from abi.planner.arm_words import clearance_sentence
+from abi.planner.own_search import OWN, expanded_by_a_star
 from abi.planner.plan import Plan
 from abi.search.compare import COMPARED
+from abi.search.search import search
 from abi.search.subset import evenly, subset
 
 EDGES = 5_000
@@ -93,11 +95,13 @@ def _steps(plan: Plan) -> list[dict[str, Any]]:
         text = f"{plan.graph.edge_count:,} edges, each clear along its whole length."
         steps.append(_step("2 Graph", "The graph of what is left", text, ["mesh"]))
     if plan.path is not None:
-        chosen = COMPARED[plan.path.algorithm].label
+        own = plan.path.algorithm == OWN
         length = _length(plan.path.length, unit)
         text = f"{plan.path.expanded:,} nodes visited, dark first; the path is {length} long."
-        search = _step("3 Search", f"The shortest path, by {chosen}", text, ["search"])
-        steps.append(search | {"bar": "search", "seconds": _SEARCH_SECONDS})
+        text += _beside_ours(plan) if own else ""
+        title = "The path of your search" if own else _by(plan.path.algorithm)
+        step = _step("3 Search", title, text, ["search"])
+        steps.append(step | {"bar": "search", "seconds": _SEARCH_SECONDS})
     if plan.taut is not None:
         text = f"{_length(plan.taut.length, unit)}, freed of the edges' directions."
         steps.append(_step("3½ Taut", "The path pulled taut", text, ["path", "taut"]))
@@ -112,6 +116,22 @@ def _steps(plan: Plan) -> list[dict[str, Any]]:
     if plan.error is not None and plan.error.message not in steps[-1]["text"]:
         steps[-1]["text"] += f" {plan.error.message}"
     return steps
+
+
+def _by(algorithm: str) -> str:
+    return f"The shortest path, by {COMPARED[algorithm].label}"
+
+
+def _beside_ours(plan: Plan) -> str:
+    """What A* expands on the same graph, and the shortest length, beside a user's own search."""
+    assert plan.graph is not None
+    straight, grid = expanded_by_a_star(plan.graph)
+    least = search("a_star", plan.graph, "length").length
+    return (
+        f" A* visits {straight:,} with the straight distance as its heuristic, and {grid:,} with "
+        "the distance along this grid's own edges, which says more of what is left and still "
+        f"never too much; the shortest path is {_length(least, plan.scene.unit)}."
+    )
 
 
 def _step(name: str, title: str, text: str, draw: list[str]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from abi.arrays import ShortRepr
 from abi.browser import missing_browser
 from abi.export import html_page
+from abi.planner.own_search import OwnSearch, plan_with
 from abi.planner.plan import Plan, require_plan
 
 HEIGHT = 560
@@ -37,21 +38,27 @@ class ShownPlan(ShortRepr):
         )
 
 
-def show(plan: Plan) -> ShownPlan:
+def show(plan: Plan, search: OwnSearch | None = None) -> ShownPlan:
     """Show a plan: in a notebook as the cell's value, elsewhere in a browser tab.
 
     The page is that of ``abi export --to plan.html`` and plays without a server.
 
     Args:
         plan: a plan; it may be incomplete, but must have a mesh.
+        search: of your own; it gets the plan's graph and returns the nodes of its path, or these
+            and the nodes that it has expanded, in their order. The later stages are planned again
+            for its path, for the tool alone, and the page has its steps.
 
     Returns:
         An object with the HTML text in ``page``, which a notebook draws.
 
     Raises:
         ExportError: no plan, or one without a mesh.
+        ArgumentError: what ``search`` returns is no path of the graph.
     """
     require_plan(plan)
+    if search is not None:
+        plan = plan_with(plan.scene, search)
     page = html_page.write(plan, "plan.html").decode()
     if "ipykernel" not in sys.modules:
         folder = Path(tempfile.mkdtemp(prefix="abi-"))

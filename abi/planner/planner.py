@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from types import MappingProxyType
 
@@ -26,7 +27,7 @@ from abi.planner.tool_branch import ToolBranch, ToolStages
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene, require_scene
-from abi.search.search import SEARCHES
+from abi.search.search import SEARCHES, SearchFunction
 
 _MANY_NODES, _MANY_OBSTACLES = 30_000, 300
 """Sizes above which waiting for the compiler takes less time than planning without it."""
@@ -54,18 +55,24 @@ class Planner:
     their calls take turns. To plan at the same time, each needs its own.
     """
 
-    def __init__(self, compile: bool = True, effort: JointSearchEffort = THOROUGH) -> None:
+    def __init__(
+        self,
+        compile: bool = True,
+        effort: JointSearchEffort = THOROUGH,
+        searches: Mapping[str, SearchFunction] = SEARCHES,
+    ) -> None:
         """Start without any remembered results.
 
         Args:
             compile: whether to compile the inner loops in the background from the first plan on. A
                 plan that would take longer than the compiler waits for it all the same.
             effort: how long a motion is sought in the space of the joints.
+            searches: the searches of stage 3, by the names that scenes have for them.
         """
         self._effort = effort
         self._compile, self._planned = compile, False
         self._turn = threading.Lock()
-        self._stages = ToolStages()
+        self._stages = ToolStages(searches)
         self._arm_aware, self._arm_aware_ms, self._arm_aware_interpreted = ArmAware(), 0.0, False
 
     def skip_first(self) -> None:

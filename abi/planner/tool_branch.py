@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -37,7 +37,7 @@ from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
-from abi.search.search import SEARCHES, SearchResult
+from abi.search.search import SEARCHES, SearchFunction, SearchResult
 from abi.search.taut.lower_bound import Bound, lower_bound
 from abi.search.taut.taut_path import taut as pull_taut
 from abi.tet_mesh.exclusion import FreeMesh
@@ -49,14 +49,14 @@ _COURSES = 2
 class ToolStages:
     """What the tool's stages call, each of which remembers its last result."""
 
-    def __init__(self) -> None:
+    def __init__(self, searches: Mapping[str, SearchFunction] = SEARCHES) -> None:
         self.obstacles = Stage(ObstacleSet)
         self.mesh = Stage(shared_mesh)
         self.exclude = Stage(ExclusionCache())
         self.graph = Stage(build_graph)
         # compared with each other: what else the machine did meanwhile is not theirs
         clock = time.thread_time
-        self.searches = {name: Stage(search, clock) for name, search in SEARCHES.items()}
+        self.searches = {name: Stage(search, clock) for name, search in searches.items()}
         self.path_clearance = Stage(ObstacleSet.polyline_clearance)
         self.taut = Stage(pull_taut)
         self.optimum = Stage(lower_bound)

@@ -92,7 +92,9 @@ def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
     )
 
 
-SEARCHES: Mapping[str, Callable[[Graph, Weight], SearchResult]] = MappingProxyType(
+SearchFunction = Callable[[Graph, Weight], SearchResult]
+"""Finds the path of a graph that costs least."""
+SEARCHES: Mapping[str, SearchFunction] = MappingProxyType(
     {name: partial(search, name) for name in ("a_star", "dijkstra", "bellman_ford")}
 )
 """The algorithms by name."""
