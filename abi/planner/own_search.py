@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import heapq
 import itertools
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -10,16 +12,14 @@ from typing import Any
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import IntArray, read_only
 from abi.errors import ArgumentError, NoPath
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
-from abi.search.arcs import Arcs
 from abi.search.graph import Graph
-from abi.search.heap_kernels import best_first_order
 from abi.search.heuristic import Weight
-from abi.search.search import SEARCHES, SearchResult, search
+from abi.search.search import SEARCHES, SearchFunction, SearchResult, search
 
 OWN = "own"
 """Name of the search in the plan."""
@@ -38,17 +38,36 @@ def plan_with(scene: Scene, own: OwnSearch) -> Plan:
     Raises:
         ArgumentError: what it returns is no path of the graph.
     """
-    searches = {**SEARCHES, scene.search.algorithm: partial(_searched, own)}
+    found: SearchFunction = partial(_searched, own)
+    searches = {**SEARCHES, scene.search.algorithm: found}
     return Planner(searches=searches)(scene.replace(arm={"avoid": False}))
 
 
 def expanded_by_a_star(graph: Graph) -> tuple[int, int]:
     """Nodes that A* expands, by length: with the straight distance, and with the grid's own."""
-    arcs = Arcs.of(graph, "length")
-    away: FloatArray = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1)
-    ends = graph.start, graph.goal
-    straight = best_first_order(arcs.rows, read_only(away), ends, (1.0, 1.0))
-    return len(straight), search("a_star", graph, "length").expanded
+    return _expanded_in_textbook(graph), search("a_star", graph, "length").expanded
+
+
+def _expanded_in_textbook(graph: Graph) -> int:
+    """Nodes that A* with a heap of (f, node) expands, none twice: of equals the lower id first."""
+    left = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1).tolist()
+    indptr, indices, lengths = graph.indptr, graph.indices, graph.lengths
+    cost, closed = {graph.start: 0.0}, set()
+    heap = [(left[graph.start], graph.start)]
+    while heap:
+        _, node = heapq.heappop(heap)
+        if node in closed:
+            continue
+        closed.add(node)
+        if node == graph.goal:
+            break
+        row = slice(int(indptr[node]), int(indptr[node + 1]))
+        for other, length in zip(indices[row].tolist(), lengths[row].tolist(), strict=True):
+            g = cost[node] + length
+            if g < cost.get(other, math.inf):
+                cost[other] = g
+                heapq.heappush(heap, (g + left[other], other))
+    return len(closed)
 
 
 def _searched(own: OwnSearch, graph: Graph, weight: Weight) -> SearchResult:
