@@ -8,6 +8,7 @@ from __future__ import annotations
 from app.layers.arm.arm import ArmLayer
 from app.layers.arm.arm_ghosts import ArmGhostsLayer
 from app.layers.arm.arm_regions import ArmRegionsLayer
+from app.layers.arm.joint_trees import JointTreesLayer
 from app.layers.axes import AxesLayer
 from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
@@ -49,5 +50,11 @@ LAYERS: tuple[type[Layer], ...] = (
 )
 DETAILS: tuple[type[Layer], ...] = (TablesLayer, StageNotesLayer, PlotsLayer, MeshLayer, NamesLayer)
 """Layers that a drag can do without for a moment while many tabs drag."""
-SLOW_LAYERS: tuple[type[Layer], ...] = (ArmLayer, ArmGhostsLayer, ArmRegionsLayer, PaperTextLayer)
+SLOW_LAYERS: tuple[type[Layer], ...] = (
+    ArmLayer,
+    ArmGhostsLayer,
+    ArmRegionsLayer,
+    JointTreesLayer,
+    PaperTextLayer,
+)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

@@ -108,6 +108,7 @@ class AllPanels:
             self.stages.mesh,
             self.stages.search,
             self.stages.bases,
+            self.stages.arm.ends,
             self.ends,
             self.obstacles,
             self.files,

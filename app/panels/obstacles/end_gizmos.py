@@ -104,10 +104,18 @@ class EndGizmos:
             self._with_handles = self._chosen
             for name, gizmo in self.gizmos.items():
                 gizmo.disable_axes = name != self._chosen
+        if not frame.outdated and frame.refused is None:
+            self._follow_joints(frame.plan.scene)
         for label in self._labels.values():
             label.font_screen_scale = frame.label_scale
         if not frame.outdated or frame.refused is not None:  # an end stays where it was refused
             self._write_labels()
+
+    def _follow_joints(self, scene: Scene) -> None:
+        """Put the ends where the joints that are asked for put the tool."""
+        for name in self.gizmos:
+            if getattr(scene.arm, name) is not None and not self.held:
+                self.place(name, getattr(scene, name))
 
     def _drag_gizmo(self, event: viser.TransformControlsEvent) -> None:
         self.held = phase_holds(event.phase, self.held)

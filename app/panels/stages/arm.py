@@ -9,11 +9,15 @@ import viser
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
 from app.panels.length_step import fine_step, length_step
+from app.panels.stages.arm_ends import ArmEndsPanel
 from app.panels.stages.arm_model import ArmModelPanel
 from app.panels.stages.fields import Fields
 from app.panels.widgets import Choice, Wake
 
 DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
+
+_WHICH_ARM = ("model", "urdf", "tip", "base_link")
+"""Fields that say which joints there are."""
 
 
 class ArmPanel:
@@ -42,6 +46,7 @@ class ArmPanel:
         self.base = gui.add_vector3(
             "base [{unit}]", arm.base, step=0.1, hint="Where the arm stands: x, y, z."
         )
+        self.ends = ArmEndsPanel(gui, wake)
         self._add_papers(gui, arm)
         widgets = {
             "arm.avoid": self.avoid,
@@ -113,7 +118,10 @@ class ArmPanel:
         """Read the section as typed."""
         model = self.model.read()
         self._show_papers()
-        return {"arm": {**model, **self._fields.read()["arm"]}}
+        # joints that were asked of another arm mean nothing to this one
+        same = not self.model.is_paper and all(model[name] == self._arm[name] for name in self._arm)
+        ends = self.ends.read() if same else {"start": None, "goal": None, "search": "auto"}
+        return {"arm": {**model, **ends, **self._fields.read()["arm"]}}
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
@@ -125,7 +133,9 @@ class ArmPanel:
             f"Torque of the wrist [{torque}], force of the slide [{force}], torque of the gripper "
             f"[{torque}]; at 0 the joint stands still."
         )
+        self._arm = {name: getattr(scene.arm, name) for name in _WHICH_ARM}
         self.model.write(scene)
+        self.ends.write(scene)
         self._show_papers()
         self._fields.write(scene)
 

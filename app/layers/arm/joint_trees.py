@@ -1,0 +1,76 @@
+"""Trees of a search in the space of the joints: the tool tip's way along each of their edges."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.joint_search.joint_tree import JointTree
+from abi.planner.plan import Plan
+from abi.robot.urdf_arm import UrdfArm
+from app.drawing.lines import NO_SEGMENTS, Segments, add_line, segments
+from app.shared.once_a_plan import once_a_plan
+from app.state.frame import Frame, Layer
+from app.ui import style
+from app.ui.layout import Layout
+
+_MOST = 2_000
+"""Edges of a tree that are drawn, at most: the first ones."""
+_PARTS = 6
+"""Straight pieces that the way along an edge is drawn with."""
+
+
+class _TreeLines(NamedTuple):
+    """Ways of the tool tip, as segments: along the edges of both trees, and along the path."""
+
+    start: Segments
+    goal: Segments
+    path: Segments
+
+
+class JointTreesLayer(Layer):
+    """Both trees, and the path that was found; shown with the edges of the mesh."""
+
+    def __init__(self, layout: Layout) -> None:
+        scene = layout.client.scene
+        self._lines = {
+            "start": add_line(scene, "/joint_tree/start", style.DIJKSTRA, 1.5),
+            "goal": add_line(scene, "/joint_tree/goal", style.BELLMAN_FORD, 1.5),
+            "path": add_line(scene, "/joint_tree/path", style.QUADRATIC, 4.0),
+        }
+        self._drawn: object = None
+
+    def draw(self, frame: Frame) -> None:
+        """Draw the trees of the plan's search, if it has one."""
+        plan = frame.plan
+        if plan.joint_search is not self._drawn:
+            self._drawn = plan.joint_search
+            for name, points in tree_lines(plan)._asdict().items():
+                self._lines[name].points = points
+        visible = self._drawn is not None and frame.theatre is None and "edges" in frame.shown
+        for line in self._lines.values():
+            line.visible = visible
+
+
+@once_a_plan
+def tree_lines(plan: Plan) -> _TreeLines:
+    """Ways of the tool tip along the edges of a plan's trees, and along the path found."""
+    search, arm = plan.joint_search, plan.arm
+    if search is None or search.path is None or not isinstance(arm, UrdfArm):
+        return _TreeLines(NO_SEGMENTS, NO_SEGMENTS, NO_SEGMENTS)
+    rows = np.arange(len(search.path), dtype=np.int32)
+    path = JointTree(search.path, rows - 1)
+    start, goal, found = (_along_edges(tree, arm) for tree in (*search.trees, path))
+    return _TreeLines(start, goal, found)
+
+
+def _along_edges(tree: JointTree, arm: UrdfArm) -> Segments:
+    """Ways of the tool tip along the edges of a tree."""
+    ends = tree.positions[tree.edges[:_MOST]]
+    if not len(ends):
+        return NO_SEGMENTS
+    share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
+    positions = ends[:, :1] + share * (ends[:, 1:] - ends[:, :1])
+    places = arm.tool(positions.reshape(-1, positions.shape[2])).reshape(len(ends), -1, 3)
+    return np.concatenate([segments(way) for way in places])
