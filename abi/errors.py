@@ -328,12 +328,12 @@ class ArmNotClear(StageError):
         return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
 
     def nor_in_joints(self, fault: NoJointMotion) -> ArmNotClear:
-        """The same, and why there is no motion in the space of the joints, either."""
+        """A copy whose text adds why there is no motion in the space of the joints, either."""
         text = " ".join(self._sentences[:1] + fault._sentences[:1])
         return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
 
     def along_tool(self, touched: str) -> ArmNotClear:
-        """The same, and what the arm touches along the curve of the tool alone, as a sentence."""
+        """A copy whose text adds what the arm touches along the curve of the tool alone."""
         text = f"{self._sentences[0]} Along the curve of the tool tip alone {touched}."
         return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
 

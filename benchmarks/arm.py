@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 
 from abi import compiling
-from abi.arm_planning.exclusion.regions import shadow
-from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arm_planning.exclusion.paper_arm_regions import shadow
+from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from benchmarks.arm_campaign import Record, figures, record
 from benchmarks.quality import is_ompl_installed
@@ -104,8 +104,8 @@ def shadow_drag(pitch: float, nodes: int, scenes: int) -> Row:
         for step in range(_STEPS):
             moved = _moved(scene, _SWING * np.sin(2 * np.pi * step / _STEPS))
             begin = time.thread_time()
-            surroundings = arm_surroundings(arm, ObstacleSet(moved.obstacles), box.min[2])
-            shadow(arm, "up", scene.arm.q5, surroundings, (box.min, box.max))
+            collision_world = paper_arm_world(arm, ObstacleSet(moved.obstacles), box.min[2])
+            shadow(arm, "up", scene.arm.q5, collision_world, (box.min, box.max))
             times.append(1e3 * (time.thread_time() - begin))
     return {
         "method": "shadow",

@@ -25,7 +25,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
 from benchmarks.arm_lattice import Poses, lattice_motion

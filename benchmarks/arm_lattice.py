@@ -18,8 +18,8 @@ import scipy
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Capsule
-from abi.robot.paper_arm.arm import PaperArm, place
 from abi.robot.paper_arm.link_capsules import COLUMN
+from abi.robot.paper_arm.paper_arm import PaperArm, place
 from abi.scene.scene import Scene
 
 NODES = 100_000

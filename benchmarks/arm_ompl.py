@@ -24,8 +24,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.primitives import Capsule
-from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.link_capsules import COLUMN, UPPER_ARM
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 
 declare_helpers()

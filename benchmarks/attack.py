@@ -21,7 +21,7 @@ from websockets.exceptions import WebSocketException
 from app.guard.connection import MAX_REFUSED
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from benchmarks.web_tab import CAMERA
 from tests.app.fake_tab import FakeTab, until

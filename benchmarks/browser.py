@@ -26,7 +26,7 @@ from playwright.sync_api import Browser, sync_playwright
 from abi.scene.scene import Scene, load_scene
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from tests.browser.page import FLAGS, Page
 

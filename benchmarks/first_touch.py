@@ -25,7 +25,7 @@ from abi.planner.arm_faults import worst_limit
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene, load_scene
-from app.state.look import OPENING
+from app.state.appearance import OPENING
 
 
 def places(scene: Scene, count: int, seed: int) -> Iterator[FloatArray]:

@@ -25,7 +25,7 @@ from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort, search_joints
 from abi.arm_planning.motion_law import motion_law
-from abi.arm_planning.world.surroundings import chain_surroundings
+from abi.arm_planning.world.collision_world import chain_world
 from abi.arrays import FloatArray
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.settings import MotionSettings
@@ -64,7 +64,7 @@ class Attempt(NamedTuple):
 def attempt(arm: UrdfArm, problem: MotionProblem, effort: JointSearchEffort) -> Attempt:
     """Solve one problem."""
     begin = time.thread_time()
-    surroundings = chain_surroundings(arm, problem.obstacles, _FLOOR)
+    surroundings = chain_world(arm, problem.obstacles, _FLOOR)
     space = JointSpace(arm, surroundings, 0.0)
     ends = {"start": problem.start, "goal": problem.goal}
     blocked = [name for name, pose in ends.items() if not space.clear(np.stack([pose, pose]))]

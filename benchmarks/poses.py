@@ -27,12 +27,12 @@ from abi.arrays import FloatArray
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.arm import PaperArm, urdf
+from abi.robot.paper_arm.paper_arm import PaperArm, urdf
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import scene_names
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from app.ui import page as functions
 from benchmarks.browser import chromium

@@ -29,7 +29,7 @@ from playwright.sync_api import Browser
 
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from app.server.address import Address
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.state.tab_state import TabState
 from benchmarks.browser import chromium
 from benchmarks.interrupt import Interrupt

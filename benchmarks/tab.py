@@ -21,7 +21,7 @@ import numpy as np
 import abi
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from benchmarks.browser import scene_with
 from tests.app.fake_tab import FakeTab
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm_planning.branch.arm_sight import ArmSight
+from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.motion.trajectory import ArmMotion
-from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm, place
 from abi.scene.scene import Scene
 from tests.random_scenes import mesh_source
 
@@ -60,11 +60,11 @@ def free_branches(scene: Scene, ends: FloatArray) -> Sequence[str]:
     if obstacles.signed_distance(ends).min() < scene.spline.clearance + 0.02:
         return []
     arm = PaperArm.from_settings(scene.arm)
-    surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
+    collision_world = paper_arm_world(arm, obstacles, scene.workspace.min[2])
     branches = []
     for elbow in scene.arm.branches:
-        sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, 0.02)
-        if all(sight.leg_refutation(end[None]) is None for end in ends):
+        branch = ElbowBranch(arm, elbow, collision_world, (0.0, 0.0), 0.0, 0.02)
+        if all(branch.polyline_refutation(end[None]) is None for end in ends):
             branches.append(elbow)
     return branches
 

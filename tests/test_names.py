@@ -33,3 +33,14 @@ def test_no_two_classes_have_the_same_name() -> None:
         files[name].append(file)
     assert len(files) > 300
     assert {name: those for name, those in files.items() if len(those) > 1} == {}
+
+
+def test_a_docstring_can_be_read_without_its_neighbours() -> None:
+    texts = [
+        (file, ast.get_docstring(node) or "")
+        for file, tree in _modules().items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+    ]
+    assert len(texts) > 2000
+    assert [one for one in texts if one[1].startswith(("The same", "As before", "Of a "))] == []

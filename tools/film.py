@@ -14,7 +14,7 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 from abi.scene.scene import Scene, load_scene
-from app.state.look import OPENING
+from app.state.appearance import OPENING
 from tools.visit import Visit, visit
 
 DRAGGED, MOVED = 28, 34

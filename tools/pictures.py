@@ -17,7 +17,7 @@ from playwright.sync_api import Browser
 
 import abi
 from abi.scene.scene import Scene, load_scene
-from app.state.look import OPENING
+from app.state.appearance import OPENING
 from benchmarks.browser import chromium
 from tools import film
 from tools.visit import Visit, visit

@@ -15,7 +15,7 @@ from playwright.sync_api import Browser
 from abi.scene.scene import Scene
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import Look
+from app.state.appearance import Look
 from app.tab.session import Session
 from app.ui import style
 from tests.browser.page import Page

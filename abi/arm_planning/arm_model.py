@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol, Self
 
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
-from abi.arm_planning.exclusion.leg_kernels import ArmLegs
+from abi.arm_planning.exclusion.paper_arm_segment_kernels import ArmSegments
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve
@@ -25,7 +25,7 @@ from abi.tet_mesh.node_tree import NodeTree
 from abi.tet_mesh.tet_mesh import TetMesh
 
 
-class Course(Protocol):
+class JointPath(Protocol):
     """Joint positions of an arm along a curve, on one of its branches."""
 
     @property
@@ -53,16 +53,22 @@ class Course(Protocol):
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
         """The motion by a profile, at uniform times."""
 
-    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
+    def is_refuted(
+        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+    ) -> bool:
         """Check if a quick test shows that the arm is not clear; False if that would take long."""
 
     def clearance(
-        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+        self,
+        motion: ArmMotion,
+        obstacles: ObstacleSet,
+        collision_world: CollisionWorld,
+        required: float,
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
 
 
-class Places(Protocol):
+class NodeExclusion(Protocol):
     """Nodes of a mesh that an arm excludes on one branch."""
 
     @property
@@ -85,34 +91,37 @@ class Places(Protocol):
         """
 
 
-class Sight(Places, Protocol):
+class ArmBranch(NodeExclusion, Protocol):
     """Edges and curves that an arm allows on one branch, such as an elbow of the paper's."""
 
     @property
-    def branch(self) -> str:
+    def name(self) -> str:
         """The branch, as the beginning of a sentence."""
 
     @property
-    def legs(self) -> ArmLegs | None:
-        """Surroundings of straight legs for compiled loops; None if these do not know the arm."""
+    def segments(self) -> ArmSegments | None:
+        """What compiled loops need to test segments; None if they do not know the arm."""
 
     def refutation(self, curve: BSpline | Quadratic) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
 
-    def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """The same for a polyline (k, 3), k >= 1; parameter k is its vertex k."""
+    def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
+        """Why the arm is not clear along a polyline (k, 3), k >= 1; None if it is proven clear.
+
+        The parameter of a refutation counts vertices: k is vertex k.
+        """
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,); None where it is not known."""
 
-    def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Check if the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
+    def clear_segments(self, points: FloatArray) -> BoolArray:
+        """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3)."""
 
-    def course(self, curve: Curve, arc: ArcLength) -> Course:
+    def joint_path(self, curve: Curve, arc: ArcLength) -> JointPath:
         """The joints along a curve."""
 
     def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
-        """A copy with so many times the legs' distance beyond the clearance, and tries of a leg."""
+        """A copy with a multiple of the distance beyond the clearance, and of the tries."""
 
 
 class Unreached(NamedTuple):
@@ -148,33 +157,33 @@ class Unreached(NamedTuple):
         return format_length(value) if self.slides else f"{math.degrees(value):.1f}°"
 
 
-class SightTask(NamedTuple):
-    """Scene and margins that a sight is of.
+class BranchTask(NamedTuple):
+    """Scene and margins that a branch is of.
 
     Attributes:
         scene: the scene.
         obstacles: its obstacles.
-        surroundings: everything around the arm.
+        collision_world: everything around the arm.
         mesh: whose nodes may be asked about.
-        slack: distance that legs and places keep beyond the clearance, [unit].
+        slack: distance that segments and places keep beyond the clearance, [unit].
     """
 
     scene: Scene
     obstacles: ObstacleSet
-    surroundings: Surroundings
+    collision_world: CollisionWorld
     mesh: TetMesh
     slack: float
 
 
-class OtherSights(NamedTuple):
-    """Further sights, tried where no branch leads to a motion.
+class OtherBranches(NamedTuple):
+    """Further branches, tried where no branch leads to a motion.
 
     Attributes:
-        sights: an iterator, which makes each one on demand.
+        branches: an iterator, which makes each one on demand.
         note: sentence on why there are none; empty if that is not known.
     """
 
-    sights: Iterator[Sight]
+    branches: Iterator[ArmBranch]
     note: str = ""
 
 
@@ -185,21 +194,21 @@ class ArmModel(Protocol):
     def arm(self) -> AnyArm:
         """The arm."""
 
-    def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+    def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
         """Surroundings of the arm, above a floor no higher than ``lowest``, [unit]."""
 
-    def courses(
+    def joint_paths(
         self,
         curve: Curve,
         arc: ArcLength,
         settings: ArmSettings,
         obstacles: ObstacleSet,
-        surroundings: Surroundings,
-    ) -> Sequence[Course]:
+        collision_world: CollisionWorld,
+    ) -> Sequence[JointPath]:
         """Joint positions along a curve on each branch that may be taken, the preferred first."""
 
-    def sights(self, task: SightTask) -> Sequence[Sight]:
-        """One sight for each branch that may be taken."""
+    def branches(self, task: BranchTask) -> Sequence[ArmBranch]:
+        """The branches that may be taken."""
 
-    def other_sights(self, task: SightTask) -> OtherSights:
-        """Sights on further branches."""
+    def other_branches(self, task: BranchTask) -> OtherBranches:
+        """Further branches, tried where none of the first leads to a motion."""

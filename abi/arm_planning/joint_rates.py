@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arm_planning.abi_model import JOINT_SPEED, MOVED
 from abi.arm_planning.motion.trajectory import ArmMotion, Quantity, Violation
 from abi.arm_planning.motion_law import ROUNDING, second_derivatives
+from abi.arm_planning.paper_arm_model import JOINT_SPEED, MOVED
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.robot.any_arm import AnyArm
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques

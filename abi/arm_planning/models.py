@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from abi.arm_planning.abi_model import AbiModel
 from abi.arm_planning.arm_model import ArmModel
-from abi.arm_planning.urdf_model import UrdfModel
+from abi.arm_planning.paper_arm_model import PaperArmModel
+from abi.arm_planning.urdf_arm_model import UrdfArmModel
 from abi.scene.settings import ArmSettings
 
 Unit = Literal["m", "cm", "mm"]
 
 MODELS: dict[str, Callable[[ArmSettings, Unit], ArmModel]] = {
-    "abi": AbiModel,
-    "urdf": UrdfModel,
+    "abi": PaperArmModel,
+    "urdf": UrdfArmModel,
 }
 """Arm models by the names that ``arm.model`` takes."""
 

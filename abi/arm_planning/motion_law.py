@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_model import Course
+from abi.arm_planning.arm_model import JointPath
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.speed_profile import three_phase
 from abi.curves.time_optimal_kernels import fastest_speeds
@@ -38,7 +38,7 @@ class JointLimits(NamedTuple):
     accelerations: FloatArray
 
 
-def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
+def motion_law(path: JointPath, settings: MotionSettings) -> PathProfile:
     """Motion from rest to rest along a curve.
 
     All laws but the paper's three phases limit the speeds and accelerations of the joints that the
@@ -85,7 +85,7 @@ def second_derivatives(positions: FloatArray, step: float) -> FloatArray:
     return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
-def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
+def _excess(profile: PathProfile, path: JointPath, limits: JointLimits) -> float:
     """Factor, at least 1, by which a motion is to be slowed so that the limits hold.
 
     The speeds and accelerations are differences of many samples.
@@ -99,7 +99,7 @@ def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
     return max(1.0, faster * ROUNDING, math.sqrt(harder * ROUNDING))
 
 
-def _time_optimal(path: Course, limits: JointLimits) -> TimedProfile:
+def _time_optimal(path: JointPath, limits: JointLimits) -> TimedProfile:
     """Fastest motion along the curve under the joints' limits."""
     length = path.length
     distances = np.linspace(0.0, length, _GRID)

@@ -22,8 +22,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable
-from abi.arm_planning.world.surroundings import Surroundings
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.convex_bodies import RobotBodies, robot_bodies
 from abi.certification.robot_motion import RobotMotion
@@ -89,7 +89,7 @@ class MotionTask(ShortRepr):
 
     motion: RobotMotion
     bodies: RobotBodies
-    around: Surroundings
+    around: CollisionWorld
     obstacles: ObstacleSet
 
 
@@ -190,7 +190,7 @@ def _numbers(task: MotionTask, pairs: FloatArray) -> tuple[IntArray, IntArray]:
 
 def _around(
     bodies: RobotBodies, obstacles: ObstacleSet, floor: float, scene: Scene
-) -> Surroundings:
+) -> CollisionWorld:
     """Obstacles and floor. Links that stand still are asked for neither, the first no floor."""
     frames = np.array([body.frame for body in bodies.bodies])
     own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), (frames >= 1)[:, None])
@@ -203,4 +203,4 @@ def _around(
     points = max(float(np.abs(body.points).max()) for body in bodies.bodies) / bodies.metres
     size = float(np.abs(scene.arm.base).max()) + reach + points
     size += float(np.abs(corners).max(initial=0.0))
-    return Surroundings(solids, read_only(asked), floor, size)
+    return CollisionWorld(solids, read_only(asked), floor, size)

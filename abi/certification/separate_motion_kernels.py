@@ -1,7 +1,7 @@
 """Directions that keep a robot's convex bodies clear while its joints follow polynomials of time.
 
 See ``abi.certification.clearance_proof`` for what a direction proves,
-``abi.arm_planning.world.surroundings_kernels`` for the obstacles.
+``abi.arm_planning.world.collision_world_kernels`` for the obstacles.
 """
 
 from __future__ import annotations
@@ -13,7 +13,12 @@ import numpy as np
 
 from abi.arm_planning.certificates.separate_chain_kernels import WIDER
 from abi.arm_planning.certificates.separate_pairs_kernels import ALLOWANCE, FINEST
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, is_solid, open_box
+from abi.arm_planning.world.collision_world_kernels import (
+    NO_OBSTACLES,
+    Obstacles,
+    is_solid,
+    open_box,
+)
 from abi.arrays import FloatArray, IntArray
 from abi.certification.hull_distance_kernels import from_hull, from_row, radius_of
 from abi.clearance.separation_kernels import (

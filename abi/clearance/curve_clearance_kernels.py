@@ -42,7 +42,7 @@ stretches that are too near, in no order, after one that means nothing."""
 def _bound(
     primitives: FloatArray, enough: float, points: list[float], piece: int, width: int, x: Vec3
 ) -> tuple[float, int, float]:
-    """Of a piece: the least signed distance at its point x, whose it is, and a lower bound.
+    """Minimum signed distance at a point x of a piece, its obstacle, and a bound for all the piece.
 
     Primitives that no point of the piece is nearer to than ``enough`` are left out: the result is
     at most ``enough``, inf and -1 when all are.

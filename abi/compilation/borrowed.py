@@ -16,7 +16,7 @@ _T = TypeVar("_T")
 
 
 def borrowed(value: _T) -> _T:
-    """The same array, or tuple of arrays, to which compiled code counts no references.
+    """Lend an array, or a tuple of arrays, to compiled code without counting references to it.
 
     It must not be returned to Python, and its owner must outlive it; see :func:`held`.
     """

@@ -57,7 +57,7 @@ class Demand:
         return fitted if fitted.holds else None
 
     def met(self, curve: Quadratic | None) -> Fit[Quadratic] | None:
-        """The same if the curve meets the further condition, too, else None."""
+        """The fit, if its curve is proven clear and meets the further condition, else None."""
         fitted = self.proven(curve)
         if fitted is None or self.accepts is None or self.accepts(fitted.curve):
             return fitted

@@ -64,7 +64,7 @@ class TimedProfile(ShortRepr):
         return float(max(self(self.breaks, 1).max(), ((3 * a * inner + 2 * b) * inner + c).max()))
 
     def stretched(self, factor: float) -> TimedProfile:
-        """The same motion slowed down, so that it takes ``factor`` times as long."""
+        """Slow the motion down, so that it takes ``factor`` times as long."""
         powers = factor ** np.array([-3.0, -2.0, -1.0, 0.0])[:, None]
         slower = read_only(self.coefficients * powers)
         return TimedProfile(self.law, self.length, read_only(self.breaks * factor), slower)

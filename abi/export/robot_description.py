@@ -26,7 +26,7 @@ def write(plan: Plan, name: str) -> bytes:
 
 
 def write_archive(plan: Plan, name: str) -> bytes:
-    """The same with its meshes, as a zip that can be uploaded as an arm.
+    """Write the arm's URDF with its meshes, as a zip that can be uploaded as an arm.
 
     Raises:
         ExportError: the plan has no arm.

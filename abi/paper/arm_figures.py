@@ -9,8 +9,8 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.paper import printed
 from abi.paper.comparison import PaperComparison
-from abi.robot.paper_arm.arm import PaperArm, forward
 from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
 

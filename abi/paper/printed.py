@@ -12,7 +12,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.curves.quadratic import Quadratic
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 
 LENGTHS = MappingProxyType({"dijkstra": 13.695, "bellman_ford": 13.496, "a_star": 13.295})
 """Table I: length of the path by each algorithm, [cm]."""

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from abi.arm_planning.arm_model import Sight, SightTask
+from abi.arm_planning.arm_model import ArmBranch, BranchTask
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.errors import ArmNotClear
 from abi.planner.branch import BranchResults, ShortestPath
 from abi.planner.pipeline import find_path, follow_path
@@ -22,7 +22,7 @@ from abi.planner.planning_task import PlanningTask
 from abi.planner.whole_arm_branch import WholeArmBranch
 
 _PATIENCE = 20
-"""Times as many tries to prove a leg clear where there is no path else."""
+"""Times as many tries to prove a segment clear where there is no path else."""
 
 
 class _Candidate(NamedTuple):
@@ -40,13 +40,13 @@ class ArmAware:
         self._exclude: dict[str, ArmExclusionCache] = {}
 
     def __call__(
-        self, task: PlanningTask, surroundings: Surroundings, tool: BranchResults
+        self, task: PlanningTask, collision_world: CollisionWorld, tool: BranchResults
     ) -> BranchResults:
         """Results on a branch on which the whole arm is proven clear.
 
         Args:
             task: what to plan.
-            surroundings: everything around the arm.
+            collision_world: everything around the arm.
             tool: results of the tool alone, up to the curves.
 
         Raises:
@@ -54,38 +54,38 @@ class ArmAware:
         """
         assert tool.free is not None
         slack = task.margin - task.scene.spline.clearance
-        asked = SightTask(task.scene, task.obstacles, surroundings, tool.free.mesh, slack)
-        sights = task.model.sights(asked)
-        on = partial(self._branch, task, surroundings, tool)
+        asked = BranchTask(task.scene, task.obstacles, collision_world, tool.free.mesh, slack)
+        arm_branches = task.model.branches(asked)
+        on = partial(self._branch, task, collision_world, tool)
         faults: dict[str, ArmNotClear] = {}
-        candidates = _with_path([on(one, one.branch) for one in sights], tool, faults)
+        candidates = _with_path([on(one, one.name) for one in arm_branches], tool, faults)
         if not candidates:  # near the base axis, and along an obstacle, a proof may take more
-            shut = [one for one in sights if faults[one.branch].where == "path"]
-            patient = [on(one.scaled(tries=_PATIENCE), one.branch) for one in shut]
+            shut = [one for one in arm_branches if faults[one.name].where == "path"]
+            patient = [on(one.scaled(tries=_PATIENCE), one.name) for one in shut]
             candidates = _with_path(patient, tool, faults)
         for branch, path, results in sorted(candidates, key=_cost):
             try:
                 follow_path(branch, path, results)
             except ArmNotClear as fault:
-                faults[branch.sight.branch] = fault
+                faults[branch.arm_branch.name] = fault
             else:
                 return results
-        others = task.model.other_sights(asked)
-        branches = (on(one, f"other {number}") for number, one in enumerate(others.sights))
+        others = task.model.other_branches(asked)
+        branches = (on(one, f"other {number}") for number, one in enumerate(others.branches))
         return _first_motion(branches, tool, [*faults.values()], others.note)
 
     def _branch(
         self,
         task: PlanningTask,
-        surroundings: Surroundings,
+        collision_world: CollisionWorld,
         tool: BranchResults,
-        sight: Sight,
+        arm_branch: ArmBranch,
         memory: str,
     ) -> WholeArmBranch:
         """An arm's branch; what it excludes is kept in a ``memory`` of that name."""
         assert tool.free is not None
         exclude = self._exclude.setdefault(memory, ArmExclusionCache())
-        return WholeArmBranch(task, surroundings, tool.free, tool.taut, sight, exclude)
+        return WholeArmBranch(task, collision_world, tool.free, tool.taut, arm_branch, exclude)
 
 
 def _with_path(
@@ -98,7 +98,7 @@ def _with_path(
         try:
             candidates.append(_Candidate(branch, find_path(branch, results), results))
         except ArmNotClear as fault:
-            faults[branch.sight.branch] = fault
+            faults[branch.arm_branch.name] = fault
     return candidates
 
 

@@ -1,4 +1,4 @@
-"""Certificate of an arm's clearance as plain data, for :mod:`abi.verify.verify_arm`."""
+"""Certificate of an arm's clearance as plain data, for :mod:`abi.verify.verify_paper_arm`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from abi.arm_planning.motion.arm_clearance import ArmClearance, named
-from abi.arm_planning.world.surroundings import OWN
+from abi.arm_planning.world.collision_world import OWN
 from abi.robot.any_arm import AnyArm
 
 

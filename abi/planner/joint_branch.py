@@ -26,7 +26,7 @@ from abi.arm_planning.joint_search.tool_poses import tool_poses
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.chain_distances import obstacle_distances
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
 from abi.errors import NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -79,7 +79,7 @@ def move_joints(
     scene: Scene,
     arm: UrdfArm,
     obstacles: ObstacleSet,
-    surroundings: Surroundings,
+    collision_world: CollisionWorld,
     effort: JointSearchEffort,
 ) -> JointMotion:
     """Find a motion in the space of an arm's joints, all of it proven clear.
@@ -88,14 +88,14 @@ def move_joints(
         scene: the scene.
         arm: its arm.
         obstacles: its obstacles.
-        surroundings: everything around the arm.
+        collision_world: everything around the arm.
         effort: how long to search.
 
     Raises:
         NoJointMotion: none was found; tells why.
     """
     progress.tell("searching in the space of the joints")
-    space = JointSpace(arm, surroundings, scene.arm.clearance)
+    space = JointSpace(arm, collision_world, scene.arm.clearance)
     starts, goals = (_clear_poses(space, obstacles, scene, end) for end in ENDS)
     search = search_joints(space, starts, goals, effort)
     if search.path is None:
@@ -108,7 +108,7 @@ def move_joints(
     passage = passage_of(spline, arm)
     profile = motion_law(passage, scene.motion)
     motion = passage.motion(profile, SAMPLES)
-    clearance = passage.clearance(motion, obstacles, surroundings, scene.arm.clearance)
+    clearance = passage.clearance(motion, obstacles, collision_world, scene.arm.clearance)
     moved = TimedMotion(profile, motion, clearance)
     if not moved.is_clear:
         raise NoJointMotion("curve")
@@ -121,7 +121,7 @@ def _clear_poses(space: JointSpace, obstacles: ObstacleSet, scene: Scene, end: E
     Raises:
         NoJointMotion: there are none.
     """
-    arm, around = space.arm, space.surroundings
+    arm, around = space.arm, space.collision_world
     poses = _poses(arm, scene, end)
     if not len(poses):
         raise NoJointMotion(end)

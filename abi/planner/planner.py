@@ -205,7 +205,7 @@ class Planner:
         task = tool.task
         assert isinstance(task.model.arm, UrdfArm)
         found = self._stages.joints(
-            task.scene, task.model.arm, task.obstacles, tool.surroundings, self._effort
+            task.scene, task.model.arm, task.obstacles, tool.collision_world, self._effort
         )
         results.tool_only, results.followed = results.followed_fit, None
         results.joint_search = found.search
@@ -221,7 +221,7 @@ class Planner:
         progress.tell("avoiding with the whole arm")
         begin, before = time.perf_counter(), interpreted_calls()
         try:
-            return self._arm_aware(tool.task, tool.surroundings, results)
+            return self._arm_aware(tool.task, tool.collision_world, results)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before

@@ -10,12 +10,12 @@ from functools import cached_property
 from typing import Any
 
 from abi import progress
-from abi.arm_planning.arm_model import Course
+from abi.arm_planning.arm_model import JointPath
 from abi.arm_planning.models import model_of
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.motion_law import motion_law
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.curves import fit_bspline, fit_quadratic
 from abi.curves.curve import arc_length
 from abi.curves.timed_profile import PathProfile
@@ -67,8 +67,8 @@ class ToolStages:
         self.profiles = Stage(_profiles)
         self.model = Stage(model_of)
         # methods of any arm, and their arguments
-        self.surroundings: Stage[..., Surroundings] = Stage(operator.call)
-        self.courses: Stage[..., Sequence[Course]] = Stage(operator.call)
+        self.collision_world: Stage[..., CollisionWorld] = Stage(operator.call)
+        self.joint_paths: Stage[..., Sequence[JointPath]] = Stage(operator.call)
         self.motions: list[Stage[..., ArmMotion]]
         self.motions = [Stage(operator.call) for _ in range(_COURSES)]
         self.arm_clearances: list[Stage[..., ArmClearance]]
@@ -89,12 +89,12 @@ class ToolStages:
             "quadratic": (self.quadratic, self.quadratic_arc),
             "timing": (self.profiles,),
             "joint_search": (self.joints,),
-            "arm": (self.model, self.surroundings, self.courses, *self.along_courses),
+            "arm": (self.model, self.collision_world, self.joint_paths, *self.along_joint_paths),
         }
 
     @property
-    def along_courses(self) -> tuple[Stage[..., Any], ...]:
-        """Stages that run once for each course."""
+    def along_joint_paths(self) -> tuple[Stage[..., Any], ...]:
+        """Stages that run once for each joint_path."""
         return (*self.motions, *self.arm_clearances)
 
 
@@ -199,53 +199,57 @@ class ToolBranch:
         raise ClearanceNotHeld(scene.spline.clearance, bspline.fit.clearance.distance)
 
     def is_refuted(self, followed: SplineOnPath | QuadraticOnSpline) -> bool:
-        """Check if it shows at once that the arm is not clear along the curve on any course.
+        """Check if it shows at once that the arm is not clear along the curve on any joint_path.
 
         Only then need the motion along it not be sampled and measured, which takes longer.
         """
-        required, surroundings = self.task.scene.arm.clearance, self.surroundings
+        required, collision_world = self.task.scene.arm.clearance, self.collision_world
         refuted = all(
-            course.is_refuted(profile, surroundings, required)
-            for course, profile in self._courses(followed)
+            joint_path.is_refuted(profile, collision_world, required)
+            for joint_path, profile in self._joint_paths(followed)
         )
         if refuted:  # stages that do not run take no time
-            for stage in self.stages.along_courses:
+            for stage in self.stages.along_joint_paths:
                 stage.ms = 0.0
         return refuted
 
     def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
-        """Stage 6: the motion on the last course that is clear, or else on the first."""
-        moved = [self._moved(k, *path) for k, path in enumerate(self._courses(followed))]
+        """Stage 6: the motion on the last joint_path that is clear, or else on the first."""
+        moved = [self._moved(k, *path) for k, path in enumerate(self._joint_paths(followed))]
         return next((one for one in reversed(moved) if one.is_clear), moved[0])
 
-    def _moved(self, number: int, course: Course, profile: PathProfile) -> TimedMotion:
-        """The motion on one course, with the memory of its number."""
+    def _moved(self, number: int, joint_path: JointPath, profile: PathProfile) -> TimedMotion:
+        """The motion on one joint_path, with the memory of its number."""
         stages, required = self.stages, self.task.scene.arm.clearance
-        motion = stages.motions[number](course.motion, profile, SAMPLES)
+        motion = stages.motions[number](joint_path.motion, profile, SAMPLES)
         clearance = stages.arm_clearances[number](
-            course.clearance, motion, self.task.obstacles, self.surroundings, required
+            joint_path.clearance, motion, self.task.obstacles, self.collision_world, required
         )
         return TimedMotion(profile, motion, clearance)
 
     @cached_property
-    def surroundings(self) -> Surroundings:
+    def collision_world(self) -> CollisionWorld:
         """Everything around the arm."""
         lowest = self.task.scene.workspace.min[2]
-        return self.stages.surroundings(self.task.model.surroundings, self.task.obstacles, lowest)
+        return self.stages.collision_world(
+            self.task.model.collision_world, self.task.obstacles, lowest
+        )
 
-    def _courses(
+    def _joint_paths(
         self, followed: SplineOnPath | QuadraticOnSpline
-    ) -> list[tuple[Course, PathProfile]]:
+    ) -> list[tuple[JointPath, PathProfile]]:
         """Joints along the curve on each of the ways to follow it, and the motion along each."""
         progress.tell("moving the arm")
         task, curve = self.task, followed.fit.curve
-        courses = self.stages.courses(
-            *(task.model.courses, curve, followed.arc, task.scene.arm, task.obstacles),
-            self.surroundings,
+        joint_paths = self.stages.joint_paths(
+            *(task.model.joint_paths, curve, followed.arc, task.scene.arm, task.obstacles),
+            self.collision_world,
         )
-        return [*zip(courses, self.stages.profiles(courses, task.scene.motion), strict=True)]
+        return [
+            *zip(joint_paths, self.stages.profiles(joint_paths, task.scene.motion), strict=True)
+        ]
 
 
-def _profiles(courses: Sequence[Course], asked: MotionSettings) -> tuple[PathProfile, ...]:
-    """Motion along each of the courses by the law that is asked for."""
-    return tuple(motion_law(course, asked) for course in courses)
+def _profiles(joint_paths: Sequence[JointPath], asked: MotionSettings) -> tuple[PathProfile, ...]:
+    """Motion along each of the joint_paths by the law that is asked for."""
+    return tuple(motion_law(joint_path, asked) for joint_path in joint_paths)

@@ -8,13 +8,13 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from abi.arm_planning.arm_model import Sight, Unreached
+from abi.arm_planning.arm_model import ArmBranch, Unreached
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.arm_path import fit_clear, pull_clear, search_clear
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.curves import fit_quadratic
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
@@ -44,18 +44,18 @@ class WholeArmBranch:
 
     Attributes:
         task: what to plan.
-        surroundings: everything around the arm.
+        collision_world: everything around the arm.
         of_tool: the mesh that the tool may use.
         taut_of_tool: the path of the tool alone pulled taut; None if the scene does not ask for it.
-        sight: what the arm allows on this branch.
+        arm_branch: what the arm allows on this branch.
         exclude: memory of what the arm excludes from the mesh.
     """
 
     task: PlanningTask
-    surroundings: Surroundings
+    collision_world: CollisionWorld
     of_tool: FreeMesh
     taut_of_tool: TautPath | None
-    sight: Sight
+    arm_branch: ArmBranch
     exclude: ArmExclusionCache
 
     def free_mesh(self) -> FreeMesh:
@@ -66,12 +66,12 @@ class WholeArmBranch:
         """
         scene = self.task.scene
         for which, point in (("start", scene.start), ("goal", scene.goal)):
-            fault = self.sight.leg_refutation(np.array([point]))
+            fault = self.arm_branch.polyline_refutation(np.array([point]))
             if fault is not None:
                 link, obstacle = _named(fault, self.task.model.arm)
-                unreached = self.sight.unreached(np.array(point)) if obstacle is None else None
+                unreached = self.arm_branch.unreached(np.array(point)) if obstacle is None else None
                 raise self._not_clear(which, link, obstacle, unreached)
-        return self.exclude(self.of_tool, self.sight, self.task.obstacles)
+        return self.exclude(self.of_tool, self.arm_branch, self.task.obstacles)
 
     def graph(self, free: FreeMesh) -> Graph:
         """Stage 2: start and goal joined to the mesh."""
@@ -87,7 +87,7 @@ class WholeArmBranch:
         chosen = self.task.scene.search
         find = partial(search, chosen.algorithm, weight=chosen.weight)
         try:
-            found = search_clear(graph, self.sight, find)
+            found = search_clear(graph, self.arm_branch, find)
         except NoPath:
             found = None
         if found is None:
@@ -116,12 +116,14 @@ class WholeArmBranch:
         for times in _ROOMS if self.taut_of_tool is not None else _ROOMS[:1]:
             points, away, taut = shortest.path.points, shortest.clearance, None
             if self.taut_of_tool is not None:
-                roomy = self.sight.scaled(slack=times)
+                roomy = self.arm_branch.scaled(slack=times)
                 taut = pull_clear(
                     self.taut_of_tool, obstacles, self.task.margin, shortest.path, roomy
                 )
                 points, away = taut.points, taut.clearance
-            fit = fit_clear(points, wanted.degree, obstacles, wanted.clearance, away, self.sight)
+            fit = fit_clear(
+                points, wanted.degree, obstacles, wanted.clearance, away, self.arm_branch
+            )
             if fit is not None:
                 return SplineOnPath(taut, fit, arc_length(fit.curve))
         raise self._not_clear("curve")
@@ -153,11 +155,11 @@ class WholeArmBranch:
             ArmNotClear: the arm is not proven clear along it.
         """
         scene = self.task.scene
-        course = self.sight.course(followed.fit.curve, followed.arc)
-        profile = motion_law(course, scene.motion)
-        motion = course.motion(profile, SAMPLES)
-        clearance = course.clearance(
-            motion, self.task.obstacles, self.surroundings, scene.arm.clearance
+        joint_path = self.arm_branch.joint_path(followed.fit.curve, followed.arc)
+        profile = motion_law(joint_path, scene.motion)
+        motion = joint_path.motion(profile, SAMPLES)
+        clearance = joint_path.clearance(
+            motion, self.task.obstacles, self.collision_world, scene.arm.clearance
         )
         moved = TimedMotion(profile, motion, clearance)
         if not moved.is_clear:
@@ -171,7 +173,7 @@ class WholeArmBranch:
     @cached_property
     def _refutation(self) -> Callable[[Quadratic], ArmRefutation | None]:
         """Where the arm is not clear along a curve; those asked about already are remembered."""
-        return lru_cache(self.sight.refutation)
+        return lru_cache(self.arm_branch.refutation)
 
     def _not_clear(
         self,
@@ -180,7 +182,7 @@ class WholeArmBranch:
         obstacle: int | str | None = None,
         unreached: Unreached | None = None,
     ) -> ArmNotClear:
-        has_elbow, branch = self.task.model.arm.has_elbow, self.sight.branch
+        has_elbow, branch = self.task.model.arm.has_elbow, self.arm_branch.name
         if unreached is None:
             return ArmNotClear(branch, where, link, obstacle, has_elbow=has_elbow)
         return ArmNotClear(branch, where, has_elbow=has_elbow, why=unreached.words)

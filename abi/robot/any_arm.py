@@ -73,7 +73,7 @@ class AnyArm(Protocol):
         """URDF of the arm, in metres, standing at the origin of its root link."""
 
     def files(self) -> dict[str, bytes]:
-        """The same as a file of its name, and the meshes that it names, by their paths."""
+        """Its URDF and the meshes that this names, by their paths."""
 
     def proof_data(self) -> dict[str, Any]:
         """Subject of a certificate as plain data: the capsules, and pairs of them."""

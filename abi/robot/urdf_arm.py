@@ -195,7 +195,7 @@ class UrdfArm(ShortRepr):
         return description_of(self.chain.robot)
 
     def files(self) -> dict[str, bytes]:
-        """The same as a file of its name, and the meshes that it names, by their paths."""
+        """Its URDF and the meshes that this names, by their paths."""
         return files_of(self.chain.robot)
 
     def proof_data(self) -> dict[str, Any]:

@@ -370,5 +370,5 @@ class ArmSettings(Settings):
         return ("up", "down") if self.elbow == "auto" else (self.elbow,)
 
     def on(self, elbow: Elbow) -> Self:
-        """The same settings on one branch."""
+        """A copy of the settings with one elbow branch."""
         return self if self.elbow == elbow else self.model_copy(update={"elbow": elbow})

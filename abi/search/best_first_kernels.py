@@ -301,7 +301,7 @@ def _cheaper_in_row(
     cost: FloatArray,
     cheaper: IntArray,
 ) -> tuple[int, int]:
-    """The same as :func:`_cheaper_in_lattice` for a node of rows; and how many edges are open."""
+    """Neighbours of a node of rows that would become cheaper, and how many edges are open."""
     count, examined = 0, 0
     for k in range(row[0], row[1]):
         cheaper[count], cheaper[count + 1] = indices[k], k

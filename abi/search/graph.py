@@ -154,7 +154,7 @@ class Graph(ShortRepr):
         )
 
     def to_networkx(self) -> networkx.Graph:
-        """The same graph for networkx: node attribute ``pos`` (tuple), edge attribute ``length``.
+        """Convert to networkx: node attribute ``pos`` (tuple), edge attribute ``length``.
 
         It contains start, goal and the nodes that have an edge.
 

@@ -50,7 +50,7 @@ def rows_of(
 def _distributed(
     tasks: Sequence[SweepTask], count: int, scheduler: str | None
 ) -> Iterator[list[Row]]:
-    """The same by Dask; only so many tasks are sent ahead as keep the workers busy."""
+    """Rows of tasks planned by Dask; only as many are sent ahead as keep the workers busy."""
     from distributed import KilledWorker, as_completed
 
     with _client(count, scheduler) as client:

@@ -66,7 +66,7 @@ def exclusion(
 
 @jitable
 def _exclusion_of_rows(adjacency: Adjacency, body: PrimitiveBody, reach: float) -> Found:
-    """The same for a mesh of rows, of which every node is looked at."""
+    """Nodes of a mesh of rows that a primitive excludes; every node is tested."""
     shape, _, _, places, indptr, indices = adjacency
     axes, core, centre, margin = body
     nodes = shape.nodes

@@ -189,7 +189,7 @@ def near_nodes_of_rows(
     surface: PlacedSurface,
     bounds: FloatArray,
 ) -> tuple[IntArray, IntArray, IntArray]:
-    """The same as ``near_nodes_of_lattice`` for a mesh of rows; a run is one node."""
+    """Nodes of a mesh of rows that a surface excludes or is near to; a run is one node."""
     places, nodes = adjacency.places, adjacency.shape.nodes
     tables, placement, limits, _ = surface
     low, high = _reached(surface)

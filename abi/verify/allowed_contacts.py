@@ -22,12 +22,12 @@ from abi.verify.exact import ExactSolid
 from abi.verify.exact_chain import ExactChain
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
-from abi.verify.link_corners import LinkBody
+from abi.verify.link_corners import LinkPiece
 from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plumb_line import is_beneath
 
 Other = str | int
-Bodies = Mapping[str, Sequence[LinkBody]]
+Bodies = Mapping[str, Sequence[LinkPiece]]
 """Pieces of each link."""
 
 _NEAR = 1e-6

@@ -108,7 +108,7 @@ class ExactFloor:
     height: Fraction
 
     def separated(self, normal: Vec3, least: Fraction, margin: Fraction) -> bool:
-        """The same test; the normal must point straight up."""
+        """Check whether a normal, which must point straight up, separates the floor."""
         x, y, z = normal
         return not (x or y) and z > 0 and least > z * (self.height + margin)
 

@@ -24,7 +24,7 @@ _TINY = 1e-300
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 
 
-class LinkBody(NamedTuple):
+class LinkPiece(NamedTuple):
     """A piece of a link, in the frame that moves it, [unit].
 
     Attributes:
@@ -41,7 +41,7 @@ class LinkBody(NamedTuple):
 
 
 def check_corners(
-    robot: Robot, chain: ExactChain, bodies: Mapping[str, Sequence[LinkBody]]
+    robot: Robot, chain: ExactChain, bodies: Mapping[str, Sequence[LinkPiece]]
 ) -> None:
     """Raise where a corner of a link's shapes is in none of its pieces, capsule and hull.
 
@@ -70,7 +70,7 @@ def check_corners(
             raise Fault(f"the capsules of {name} are not where its joints take it")
 
 
-def _in_hull(corners: FloatArray, body: LinkBody, allowed: float) -> BoolArray:
+def _in_hull(corners: FloatArray, body: LinkPiece, allowed: float) -> BoolArray:
     """Check which of points (n, 3) are in the hull of a body, up to a distance."""
     points, room = body.points, body.rounding + allowed
     if len(points) <= 2:

@@ -22,10 +22,10 @@ from abi.verify.fault import Fault
 from abi.verify.plan_curves import CURVES, curve_of
 from abi.verify.plan_fields import mapping
 from abi.verify.plan_obstacles import obstacles_of
-from abi.verify.verify_arm import check_arm
 from abi.verify.verify_chain import check_chain
 from abi.verify.verify_curve import check_curve
 from abi.verify.verify_motion import verify_motion
+from abi.verify.verify_paper_arm import check_arm
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from abi.verify.exact import ExactFloor, ExactSolid, Vec3, dot, sub, times_lengt
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
-from abi.verify.link_corners import LinkBody, check_corners
+from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_apart
 
@@ -174,12 +174,12 @@ def _left_out(certificate: dict[str, Any]) -> str:
     return f"; allowed to touch: {named}" if named else ""
 
 
-def _bodies(capsules: Sequence[_Capsule]) -> dict[str, list[LinkBody]]:
+def _bodies(capsules: Sequence[_Capsule]) -> dict[str, list[LinkPiece]]:
     """Pieces of each link, in floating point."""
-    found: dict[str, list[LinkBody]] = {}
+    found: dict[str, list[LinkPiece]] = {}
     for capsule in capsules:
         ends, points = (np.array(one, dtype=np.float64) for one in (capsule.ends, capsule.points))
-        body = LinkBody(ends, float(capsule.radius), points, float(capsule.rounding))
+        body = LinkPiece(ends, float(capsule.radius), points, float(capsule.rounding))
         found.setdefault(capsule.link, []).append(body)
     return found
 
@@ -291,7 +291,7 @@ def _least(motion: _JointMotion, capsule: _Capsule, plane: CertifiedPlane) -> Fr
 def _apart(
     motion: _JointMotion, first: _Capsule, second: _Capsule, plane: CertifiedPlane
 ) -> Fraction:
-    """The same of the second of two capsules, which a plane must keep apart all along."""
+    """Lower bound of a plane's product with a capsule that it must keep apart from another."""
     frames, ways = motion.near(plane)
     _, highest = _range(frames, first, plane)
     least, _ = _range(frames, second, plane)

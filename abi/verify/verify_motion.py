@@ -27,7 +27,7 @@ from abi.verify.exact_chain import Exact, ExactChain, ExactFrame, exact_joints
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_path import ExactPath, exact_path
 from abi.verify.fault import Fault
-from abi.verify.link_corners import LinkBody, check_corners
+from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.sides import check_apart
@@ -207,11 +207,11 @@ def _bodies(certificate: dict[str, Any], chain: ExactChain, robot: Robot) -> lis
         if data.get("joint") != chain.frames[link]:
             raise Fault(f"{link} is moved by another joint")
         bodies.append(_Body(number, link, chain.frames[link], tuple(points), radius))
-    by_link: dict[str, list[LinkBody]] = {name: [] for name in robot.links}
+    by_link: dict[str, list[LinkPiece]] = {name: [] for name in robot.links}
     for body in bodies:
         corners = np.array(body.points, dtype=np.float64)
         anywhere = np.zeros((2, 3)), np.inf
-        by_link[body.link].append(LinkBody(*anywhere, corners, float(body.radius)))
+        by_link[body.link].append(LinkPiece(*anywhere, corners, float(body.radius)))
     check_corners(robot, chain, by_link)
     return bodies
 
@@ -278,7 +278,7 @@ def _least(motion: _Motion, body: _Body, plane: CertifiedPlane) -> Fraction:
 
 
 def _apart(motion: _Motion, first: _Body, second: _Body, plane: CertifiedPlane) -> Fraction:
-    """The same of the second of two bodies, which a plane must keep apart all along."""
+    """Lower bound of a plane's product with a body that it must keep apart from another."""
     frames, ways = motion.near(plane)
     _, highest = motion.products(frames, first, plane.normal)
     least, _ = motion.products(frames, second, plane.normal)

@@ -7,7 +7,7 @@ import numpy as np
 from abi.arm_planning.motion.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from app.drawing.box import box_corners
 
 _CURVE_POINTS = 40

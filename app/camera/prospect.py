@@ -7,7 +7,7 @@ import numpy as np
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
-from app.camera.sight import hidden
+from app.camera.occlusion import hidden
 
 USUAL = np.array([0.82, -0.42, 0.38])
 """From the scene's middle to the camera, in sizes of the scene, where nothing hides anything."""

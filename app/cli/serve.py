@@ -21,7 +21,7 @@ from app.process.memory import load_at_once
 from app.process.scratch import remove_abandoned
 from app.server.address import Address
 from app.server.workers import Workers, are_possible, seat
-from app.state.look import OPENING, Look
+from app.state.appearance import OPENING, Look
 
 if TYPE_CHECKING:
     from app.teach.classroom import Classroom

@@ -147,7 +147,7 @@ def report(name: str, state: SearchState, unit: str) -> str:
 
 
 def _label(name: str, state: SearchState, unit: str) -> str:
-    """The same in short lines, since the three stand side by side."""
+    """State of a search in short lines, since the three stand side by side."""
     lines = [label_of(name), _steps(state), f"{format_count(state.examined)} edges"]
     if state.done:
         length = f"{format_length(state.trace.length)} {unit}"

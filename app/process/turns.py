@@ -110,7 +110,7 @@ class Turn:
         self.called = threading.Event()
 
     def after(self, patience: float) -> Turn:
-        """The same turn, which can wait for ``patience`` [s] unless it is told to hurry."""
+        """Let the turn wait for up to ``patience`` [s], unless it is hurried; returns itself."""
         self.patience = patience
         return self
 

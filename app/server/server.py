@@ -24,7 +24,7 @@ from app.guard.policy import Policy, policy_for
 from app.guard.porter import Porter
 from app.process.process_memory import memory_in_all
 from app.server.address import Address, ensure_port, listening_url
-from app.state.look import OPENING, Look
+from app.state.appearance import OPENING, Look
 from app.ui import notices, page
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ _T = TypeVar("_T")
 
 
 class ComputedOnce(Generic[_P, _T]):
-    """The same function of what can be hashed; keeps its last values, none of which may be changed.
+    """Wrapper that keeps a function's last values by its arguments; none may be changed.
 
     Who asks while a value is computed waits for it.
     """

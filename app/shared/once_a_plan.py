@@ -14,7 +14,7 @@ _T = TypeVar("_T")
 
 
 class once_a_plan(Generic[_P, _T]):
-    """The same function of a plan and of what can be hashed, which keeps its values.
+    """Wrapper that keeps a function's values by plan and further arguments.
 
     They last as long as the plan does, and none may be changed. Two threads that ask at once may
     both compute, to the same end.

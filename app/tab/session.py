@@ -26,8 +26,8 @@ from app.process import memory, metrics
 from app.process.memory_budget import MemoryBudget
 from app.process.turns import AT_ONCE, PATIENT
 from app.shared.shared_plans import SharedPlans
+from app.state.appearance import Look
 from app.state.frame import Frame
-from app.state.look import Look
 from app.state.tab_state import TabState
 from app.tab.budget import TabBudget
 from app.tab.memory import Report, TabMemory

@@ -49,7 +49,7 @@ def _length(robot: Robot, tip: str, unit: str) -> float:
 
 
 def scene_size_note(scene: Scene) -> tuple[str, str] | None:
-    """The same of a scene's arm."""
+    """Note on the size of a scene's arm beside its workspace, as :func:`size_note` words it."""
     workspace, unit = max(scene.workspace.size), scene.unit
     if scene.arm.model == "urdf":
         return size_note(scene.arm.robot, scene.arm.tool, workspace, unit)

@@ -35,7 +35,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.chain_capsules import segment_distances
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import joint_torques
-from abi.robot.paper_arm.arm import PaperArm, forward, place
+from abi.robot.paper_arm.paper_arm import PaperArm, forward, place
 from abi.scene.settings import ArmSettings
 from abi.search.arcs import Arcs
 from abi.search.graph import Graph

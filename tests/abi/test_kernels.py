@@ -14,7 +14,7 @@ from abi.curves import curve
 from abi.curves.bspline import BSpline, clamped
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.robot.paper_arm import inverse_kinematics as ik
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.settings import ArmSettings
 from tests.abi.shape_distances import gradient, segment_distance
 from tests.kernel_forms import compiled, plain

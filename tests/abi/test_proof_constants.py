@@ -24,8 +24,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arm_planning.certificates import arm_certificate
-from abi.arm_planning.certificates.separate_arm_kernels import allowance_of
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES
+from abi.arm_planning.certificates.separate_paper_arm_kernels import allowance_of
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES
 from abi.clearance import certificate, separation_kernels
 from abi.clearance.certificate import Certificate, certify
 from abi.curves.bspline import clamped
@@ -42,9 +42,9 @@ from abi.robot.urdf.urdf_reader import MAX_LINKS
 from abi.scene.scene import load_scene
 from abi.search.taut import geodesic_box_kernels
 from abi.search.taut.geodesic_box_kernels import around_box
-from abi.verify import exact_chain, verify_arm
+from abi.verify import exact_chain, verify_paper_arm
 from abi.verify.exact import vector
-from abi.verify.exact_arm import ExactArm
+from abi.verify.exact_paper_arm import ExactArm
 from abi.verify.interval import Interval
 from abi.verify.plan_curves import curve_of
 from tests.abi import meshes
@@ -379,7 +379,7 @@ def is_within_proven(plan: Plan) -> bool:
     assert plan.followed is not None
     data, slide = plan.to_dict(), plan.motion.slide
     curve = curve_of(plan.followed, data[plan.followed])
-    checked = verify_arm._slide(plan.scene, data["timing"], curve)
+    checked = verify_paper_arm._slide(plan.scene, data["timing"], curve)
     # the verifier takes 64 parts of each polynomial, the proof 16
     parts = itertools.pairwise(checked.parameters[::4])
     found = [checked.within(start, end) for start, end in parts]

@@ -9,7 +9,7 @@ import pytest
 from app.process import logs
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab import memory as tab_memory
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, opened, until

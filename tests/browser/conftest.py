@@ -12,7 +12,7 @@ import abi
 from abi.scene.scene import load_scene
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from app.tab.view import SWITCHES
 from tests.browser import drawn

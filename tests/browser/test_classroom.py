@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.teach.classroom import Classroom
 from tests.browser.page import Page
 

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser
 from app.guard.policy import policy_for
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from tests.browser.page import Page
 
 

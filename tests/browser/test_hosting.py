@@ -20,7 +20,7 @@ from playwright.sync_api import Browser, expect
 from app.guard.policy import policy_for
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from tests.app.fake_tab import until
 from tests.browser.page import Page
 from tests.ports import free_port

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 import abi
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from tests.abi import meshes
 from tests.browser import drawn

@@ -11,7 +11,7 @@ from app.panels.stages.stage_headers import TITLES
 from app.panels.teach.tour import STEPS
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import Look
+from app.state.appearance import Look
 from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.arm_model import Places
+from abi.arm_planning.arm_model import NodeExclusion
 from abi.arrays import BoolArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -51,16 +51,16 @@ class ArmExclusionCache:
         )  # how many obstacles each node touches
         self._complete = self._reached  # whether all are asked about it
 
-    def __call__(self, free: FreeMesh, sight: Places, obstacles: ObstacleSet) -> FreeMesh:
+    def __call__(self, free: FreeMesh, branch: NodeExclusion, obstacles: ObstacleSet) -> FreeMesh:
         """The mesh without the nodes that the arm excludes, too.
 
         Args:
             free: the mesh without those that the tool excludes.
-            sight: the arm, among these obstacles.
+            branch: the arm, among these obstacles.
             obstacles: the solids.
         """
         mesh = free.mesh
-        state = (mesh, *sight.key)
+        state = (mesh, *branch.key)
         if len(state) != len(self._state) or any(
             a is not b and (isinstance(a, TetMesh) or a != b)
             for a, b in zip(state, self._state, strict=True)
@@ -68,18 +68,18 @@ class ArmExclusionCache:
             self._state, self._known = state, {}
             self._touched = np.zeros(len(mesh.points), dtype=np.int32)
             self._complete = np.ones(len(mesh.points), dtype=np.bool_)
-            self._reached = sight.reached(mesh.points)
+            self._reached = branch.reached(mesh.points)
             self._line_starts = _line_starts(mesh)
         self._forget_others(obstacles)
         numbered = dict(enumerate(obstacles))
         moved = {number: one for number, one in numbered.items() if id(one) not in self._known}
         reached = self._reached & ~free.excluded
-        self._ask(mesh, sight, moved, reached & (self._touched == 0))
+        self._ask(mesh, branch, moved, reached & (self._touched == 0))
         for one in moved.values():
             self._complete &= self._known[id(one)].nodes
         left = reached & (self._touched == 0) & ~self._complete
         if left.any():
-            self._complete |= self._ask(mesh, sight, numbered, left)
+            self._complete |= self._ask(mesh, branch, numbered, left)
         open_ = reached & (self._touched == 0)
         return apply(free, [_nodes(~(open_ | free.excluded), self._line_starts)])
 
@@ -97,7 +97,7 @@ class ArmExclusionCache:
                 self._touched -= known.touching
 
     def _ask(
-        self, mesh: TetMesh, sight: Places, obstacles: dict[int, Obstacle], left: BoolArray
+        self, mesh: TetMesh, branch: NodeExclusion, obstacles: dict[int, Obstacle], left: BoolArray
     ) -> BoolArray:
         """Ask what is not known of nodes ``left`` (n,); those at which none is touched, (n,)."""
         for number, obstacle in obstacles.items():
@@ -106,7 +106,7 @@ class ArmExclusionCache:
             if new.any():
                 at_once = isinstance(obstacle, MeshShape) and len(mesh.points) > _MANY
                 tree = mesh.node_tree if at_once else None
-                touching = sight.touching(mesh.points, number, new, tree)
+                touching = branch.touching(mesh.points, number, new, tree)
                 known = known._replace(nodes=known.nodes | new)
                 if touching.any():
                     known = known._replace(touching=known.touching | touching)

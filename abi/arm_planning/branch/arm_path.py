@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arm_planning.arm_model import Sight
+from abi.arm_planning.arm_model import ArmBranch
 from abi.arm_planning.branch.arm_path_kernels import pull, pulled
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import BSpline, clamped
@@ -41,7 +41,7 @@ class ArmGraphPath:
 
 
 def search_clear(
-    graph: Graph, sight: Sight, search: Callable[[Graph], SearchResult]
+    graph: Graph, branch: ArmBranch, search: Callable[[Graph], SearchResult]
 ) -> ArmGraphPath | None:
     """Search until all edges of the path are clear for the arm; None if that takes too long.
 
@@ -53,7 +53,7 @@ def search_clear(
         vertices = path.vertices.tolist()
         shut = [
             (vertices[k], vertices[k + 1])
-            for k in np.flatnonzero(~sight.clear_legs(path.points)).tolist()
+            for k in np.flatnonzero(~branch.clear_segments(path.points)).tolist()
         ]
         if not shut:
             return ArmGraphPath(graph, path)
@@ -62,23 +62,23 @@ def search_clear(
 
 
 @dataclass(frozen=True, eq=False)
-class _Legs:
-    """Legs of the tool, with an arm that the kernels do not know."""
+class _Segments:
+    """Segments of the tool, with an arm that the kernels do not know."""
 
     obstacles: ObstacleSet
     margin: float
-    sight: Sight
+    branch: ArmBranch
 
     def clear(self, points: tuple[Vec3, ...]) -> bool:
         """Check whether those between points are clear for tool and arm."""
         polyline = np.array(points)
         if self.obstacles.polyline_clearance(polyline) < self.margin:
             return False
-        return self.sight.leg_refutation(polyline) is None
+        return self.branch.polyline_refutation(polyline) is None
 
 
 def pull_clear(
-    of_tool: TautPath, obstacles: ObstacleSet, margin: float, path: SearchResult, sight: Sight
+    of_tool: TautPath, obstacles: ObstacleSet, margin: float, path: SearchResult, branch: ArmBranch
 ) -> TautPath:
     """Pull a path taut as far as tool and arm stay clear.
 
@@ -91,17 +91,17 @@ def pull_clear(
         obstacles: the solids.
         margin: distance that the tool keeps from them, [unit].
         path: clear for the arm.
-        sight: the arm.
+        branch: the arm.
     """
-    if sight.clear_legs(of_tool.points).all():
+    if branch.clear_segments(of_tool.points).all():
         return of_tool
     ends = obstacles.signed_distance(path.points[[0, -1]], margin + 2 * _ROUNDING).min()
     margin = min(margin, float(ends) - _ROUNDING)
-    if sight.legs is None:
+    if branch.segments is None:
         vertices = [(x, y, z) for x, y, z in path.points.tolist()]
-        points = np.array(pull(vertices, _Legs(obstacles, margin, sight), _Legs.clear))
+        points = np.array(pull(vertices, _Segments(obstacles, margin, branch), _Segments.clear))
     else:
-        points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), sight.legs))
+        points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), branch.segments))
         points = points.reshape(-1, 3)
     return TautPath(
         read_only(points), polyline_length(points), obstacles.polyline_clearance(points)
@@ -114,7 +114,7 @@ def fit_clear(
     obstacles: ObstacleSet,
     clearance: float,
     path_clearance: float,
-    sight: Sight,
+    branch: ArmBranch,
 ) -> Fit[BSpline] | None:
     """Fit a B-spline that is clear for tool and arm to a path; None if none was found.
 
@@ -127,26 +127,26 @@ def fit_clear(
         obstacles: to keep clear of.
         clearance: distance to keep from them, [unit].
         path_clearance: the path's own, [unit].
-        sight: the arm.
+        branch: the arm.
     """
     fitted = fit_bspline(points, degree, obstacles, clearance, True, path_clearance)
     spline, fault = fitted.curve, None
     if fitted.holds:
-        fault = sight.refutation(spline)
+        fault = branch.refutation(spline)
         if fault is None:
             return fitted
     if fault is None or spline.moved:
         # its control points may have been pushed off the path, along which alone the arm is clear
         control, added = place_control_points(points, degree, obstacles, clearance)
         spline = clamped(control, degree, added)
-        fault = sight.refutation(spline)
+        fault = branch.refutation(spline)
     for _ in range(_REFINEMENTS):
         if fault is None:
             fitted = proven_fit(spline, spline.extent, obstacles, clearance)
             if fitted.holds:
                 return fitted
         spline = _refined(spline, fitted.clearance.at if fault is None else fault.parameter)
-        fault = sight.refutation(spline)
+        fault = branch.refutation(spline)
     return None
 
 

@@ -1,8 +1,8 @@
 """Tightening of a path on which both tool and arm stay clear.
 
-For legs, tool and arm only answer yes or no; that takes most of the time. A path is a list of
-points, [unit], world. ``clear(around, points)`` checks whether the legs between two or three points
-are clear; with one that is not compiled, :func:`pull` runs as plain Python.
+For segments, tool and arm only answer yes or no; that takes most of the time. A path is a list of
+points, [unit], world. ``clear(around, points)`` checks whether the segments between two or three
+points are clear; with one that is not compiled, :func:`pull` runs as plain Python.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from abi.arm_planning.exclusion.leg_kernels import (
-    NO_LEGS,
-    ArmLegs,
+from abi.arm_planning.exclusion.paper_arm_segment_kernels import (
+    NO_SEGMENTS,
+    ArmSegments,
     Touched,
     arm_is_clear,
     new_touched,
@@ -28,8 +28,8 @@ from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 from abi.search.taut.tighten_kernels import length_of
 from abi.search.taut.tighten_near_meshes_kernels import NO_SURROUNDINGS, PathObstacles, is_clear
 
-_Legs = TypeVar("_Legs")
-Clear = Callable[[_Legs, tuple[Vec3, ...]], bool]
+_Segments = TypeVar("_Segments")
+Clear = Callable[[_Segments, tuple[Vec3, ...]], bool]
 
 _ROUNDS = 3
 _STEPS = (0.8, 0.3, 0.08)
@@ -49,13 +49,13 @@ class _Around(NamedTuple):
 
     tool: PathObstacles
     room: DescentWorkspace
-    arm: ArmLegs
+    arm: ArmSegments
     touched: Touched
 
 
 @jitable
 def _clear(around: _Around, points: tuple[Vec3, ...]) -> bool:
-    """Check whether tool and arm are clear on the legs between points."""
+    """Check whether tool and arm are clear on the segments between points."""
     tool, room, arm, touched = around
     for k in range(len(points) - 1):
         a, b = points[k], points[k + 1]
@@ -65,7 +65,7 @@ def _clear(around: _Around, points: tuple[Vec3, ...]) -> bool:
 
 
 @jitable
-def _shortcuts(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
+def _shortcuts(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
     """From each vertex straight to the farthest in sight, found by doubling, then halving."""
     kept, i, last = [path[0]], 0, len(path) - 1
     while i < last:
@@ -88,7 +88,7 @@ def _shortcuts(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec
 
 
 @jitable
-def _moved(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
+def _moved(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
     """Vertices dropped, or moved towards the chord of their neighbours."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
@@ -110,7 +110,7 @@ def _moved(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
 
 
 @jitable
-def _cut_corners(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
+def _cut_corners(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
     """Bends cut where that is clear."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
@@ -131,13 +131,13 @@ def _cut_corners(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[V
 
 
 @jitable
-def pull(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
+def pull(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
     """Drop the vertices that a path can do without, move others, and cut corners.
 
     Args:
         path: the path, all of it clear.
         around: passed to ``clear``.
-        clear: whether the legs between points are.
+        clear: whether the segments between points are.
 
     Returns:
         The path, never longer.
@@ -151,19 +151,19 @@ def pull(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     return path
 
 
-@compiled(example=(FLOATS, NO_SURROUNDINGS, NO_LEGS))
-def pulled(points: FloatArray, surroundings: PathObstacles, legs: ArmLegs) -> FloatArray:
+@compiled(example=(FLOATS, NO_SURROUNDINGS, NO_SEGMENTS))
+def pulled(points: FloatArray, surroundings: PathObstacles, segments: ArmSegments) -> FloatArray:
     """Pull a path taut for the tool and an arm that the kernels know.
 
     Args:
         points: flat (3 k,), clear for tool and arm, [unit], world.
         surroundings: what the tool keeps clear of.
-        legs: what the arm keeps clear of.
+        segments: what the arm keeps clear of.
 
     Returns:
         The path, flat, never longer.
     """
-    own = _Around(surroundings, new_room(), legs, new_touched())
+    own = _Around(surroundings, new_room(), segments, new_touched())
     both = borrowed(own)
     path = pull([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both, _clear)
     taut = np.empty(3 * len(path))

@@ -27,14 +27,14 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.certificates.separate_arm_kernels import UNREACHED, Slide, separate_arm
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength
 from abi.curves.timed_profile import PathProfile, TimedProfile
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.settings import ArmSettings
 
@@ -53,8 +53,8 @@ class ArmCertificate(ShortRepr):
         pieces: first and last parameter for each direction, shape (k, 2).
         poses: parameter, within the piece, of the place x of the tool, shape (k,).
         capsule: number of its capsule, shape (k,).
-        obstacle: number of its obstacle, or of what :class:`Surroundings` has besides, shape (k,).
-            From a triangle mesh it separates some of the triangles.
+        obstacle: number of its obstacle, or of what :class:`CollisionWorld` has besides, shape
+            (k,). From a triangle mesh it separates some of the triangles.
         directions: unit vectors towards the capsule, shape (k, 3), world.
         positions: joint positions that the parameters count, shape (m, n), [rad] or [unit], with
             straight motion between them; None if the parameters are the curve's.
@@ -79,7 +79,7 @@ class ArmRefutation:
     Attributes:
         parameter: where on the curve.
         capsule: number of the capsule, -1 if the arm does not reach the point.
-        obstacle: number of the obstacle, or of what :class:`Surroundings` has besides.
+        obstacle: number of the obstacle, or of what :class:`CollisionWorld` has besides.
         decided: whether it is certain to be nearer than the margin there, or out of reach.
     """
 
@@ -94,7 +94,7 @@ def certify_arm(
     slide: Slide,
     arm: PaperArm,
     elbow: Literal["up", "down"],
-    surroundings: Surroundings,
+    collision_world: CollisionWorld,
     margin: float,
     most_tries: int | None = None,
 ) -> ArmCertificate | ArmRefutation:
@@ -105,15 +105,15 @@ def certify_arm(
         slide: bounds of q5 along it.
         arm: the arm.
         elbow: its branch.
-        surroundings: obstacles, floor and column.
+        collision_world: obstacles, floor and column.
         margin: distance to prove from obstacles, at least 0, [unit].
         most_tries: pairs of a capsule and an obstacle to try at most; None for the default limit.
     """
     if most_tries is None:
-        most_tries = _MOST_TRIES + 20 * len(surroundings.asked) * surroundings.solids.in_use
+        most_tries = _MOST_TRIES + 20 * len(collision_world.asked) * collision_world.solids.in_use
     bounds = tuple(flat(values).tobytes() for values in slide)
     return _certified(
-        *(curve, bounds, arm, elbow, surroundings, margin, most_tries)  # type: ignore[arg-type]
+        *(curve, bounds, arm, elbow, collision_world, margin, most_tries)  # type: ignore[arg-type]
     )
 
 
@@ -123,11 +123,11 @@ def _certified(
     bounds: tuple[bytes, ...],
     arm: PaperArm,
     elbow: Literal["up", "down"],
-    surroundings: Surroundings,
+    collision_world: CollisionWorld,
     margin: float,
     tries: int,
 ) -> ArmCertificate | ArmRefutation:
-    """The same: a curve that is tried for the arm is proven again once it is executed."""
+    """Certify an arm along a curve; kept, as a curve that was tried is certified again later."""
     pieces, slide = curve.bezier(), Slide(*map(np.frombuffer, bounds))
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
     status, at, pair, _, planes = separate_arm(
@@ -135,23 +135,23 @@ def _certified(
         flat(pieces.breaks),
         room,
         arm.table(elbow),
-        surroundings.beyond(margin),
+        collision_world.beyond(margin),
         slide,
         tries,
     )
-    count = len(surroundings.numbers)
+    count = len(collision_world.numbers)
     if status != CERTIFIED:
         capsule, row = (-1, -1) if status == UNREACHED else divmod(pair, count)
         decided = status in (REFUTED, UNREACHED)
-        return ArmRefutation(at, capsule, int(surroundings.numbers[row]), decided)
+        return ArmRefutation(at, capsule, int(collision_world.numbers[row]), decided)
     pairs = planes[:, 2].astype(np.int32)
     rows = pairs % count
     return ArmCertificate(
-        margin=margin if (surroundings.numbers >= 0).any() else math.inf,
+        margin=margin if (collision_world.numbers >= 0).any() else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),
         capsule=read_only((pairs // count).astype(np.int32)),
-        obstacle=read_only(surroundings.numbers[rows]),
+        obstacle=read_only(collision_world.numbers[rows]),
         directions=read_only(planes[:, 3:6].copy()),
     )
 

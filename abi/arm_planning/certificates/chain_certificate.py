@@ -32,8 +32,8 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
-from abi.arm_planning.world.surroundings import OWN, Surroundings
-from abi.arm_planning.world.surroundings_kernels import Obstacles
+from abi.arm_planning.world.collision_world import OWN, CollisionWorld
+from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
 from abi.errors import ArgumentError
@@ -45,7 +45,7 @@ MOST_TRIES = 200_000
 
 
 def certify_chain(
-    arm: UrdfArm, positions: FloatArray, surroundings: Surroundings, margin: float
+    arm: UrdfArm, positions: FloatArray, collision_world: CollisionWorld, margin: float
 ) -> ArmCertificate | ArmRefutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
@@ -56,17 +56,19 @@ def certify_chain(
     Args:
         arm: the arm.
         positions: joint positions (k, n), k >= 2, [rad] or [unit].
-        surroundings: what to keep clear of.
+        collision_world: what to keep clear of.
         margin: distance to prove from obstacles, at least 0, [unit].
     """
-    outcome = separate_chain(*_task(arm, positions, surroundings, margin), MOST_TRIES, True)
-    refutation, planes = _refutation(arm, surroundings, outcome), outcome[-1]
+    outcome = separate_chain(*_task(arm, positions, collision_world, margin), MOST_TRIES, True)
+    refutation, planes = _refutation(arm, collision_world, outcome), outcome[-1]
     if refutation is not None:
         return refutation
     closer = planes[:, 2] < 0
-    capsules, others = _pairs(arm, surroundings, np.where(closer, -1 - planes[:, 2], planes[:, 2]))
+    capsules, others = _pairs(
+        arm, collision_world, np.where(closer, -1 - planes[:, 2], planes[:, 2])
+    )
     return ArmCertificate(
-        margin=margin if (surroundings.numbers >= 0).any() else math.inf,
+        margin=margin if (collision_world.numbers >= 0).any() else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),
         capsule=capsules,
@@ -80,43 +82,45 @@ def certify_chain(
 def chain_refutation(
     arm: UrdfArm,
     positions: FloatArray,
-    surroundings: Surroundings,
+    collision_world: CollisionWorld,
     margin: float,
     most_tries: int = MOST_TRIES,
 ) -> ArmRefutation | None:
     """Find where :func:`certify_chain` finds that an arm does not keep clear; None if it does."""
-    outcome = separate_chain(*_task(arm, positions, surroundings, margin), most_tries, False)
-    return _refutation(arm, surroundings, outcome)
+    outcome = separate_chain(*_task(arm, positions, collision_world, margin), most_tries, False)
+    return _refutation(arm, collision_world, outcome)
 
 
 def _task(
-    arm: UrdfArm, positions: FloatArray, surroundings: Surroundings, margin: float
+    arm: UrdfArm, positions: FloatArray, collision_world: CollisionWorld, margin: float
 ) -> tuple[ChainTable, Bodies, FloatArray, Obstacles]:
     positions = arguments.numbers("positions", positions, (-1, len(arm.scales)))
     if len(positions) < 2:
         raise ArgumentError("number of positions", len(positions), "2 or more")
     margin = arguments.number("margin", margin, 0.0, math.inf)
     coordinates = flat(positions / arm.scales)
-    return arm.chain.table, arm.bodies, coordinates, surroundings.beyond(margin)
+    return arm.chain.table, arm.bodies, coordinates, collision_world.beyond(margin)
 
 
-def _refutation(arm: UrdfArm, surroundings: Surroundings, outcome: Outcome) -> ArmRefutation | None:
+def _refutation(
+    arm: UrdfArm, collision_world: CollisionWorld, outcome: Outcome
+) -> ArmRefutation | None:
     status, at, pair, _, _ = outcome
     if status == CERTIFIED:
         return None
-    capsules, others = _pairs(arm, surroundings, np.array([pair]))
+    capsules, others = _pairs(arm, collision_world, np.array([pair]))
     return ArmRefutation(at, int(capsules[0]), int(others[0]), status == REFUTED)
 
 
 def _pairs(
-    arm: UrdfArm, surroundings: Surroundings, pairs: FloatArray | IntArray
+    arm: UrdfArm, collision_world: CollisionWorld, pairs: FloatArray | IntArray
 ) -> tuple[IntArray, IntArray]:
     """Numbers of the capsules of pairs (k,), and of what each is separated from."""
-    count = len(surroundings.numbers)
+    count = len(collision_world.numbers)
     numbers = pairs.astype(np.int64)
     behind = numbers - len(arm.capsules) * count
     own = behind >= 0
     links = arm.pairs[np.where(own, behind, 0)] if own.any() else np.zeros((len(numbers), 2))
     capsules = np.where(own, links[:, 1], numbers // count)
-    others = np.where(own, OWN - links[:, 0], surroundings.numbers[numbers % count])
+    others = np.where(own, OWN - links[:, 0], collision_world.numbers[numbers % count])
     return read_only(capsules.astype(np.int32)), read_only(others.astype(np.int32))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from abi.arm_planning.world.surroundings_kernels import Obstacles
+from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, support
 from abi.obstacles.vector_kernels import Vec3, dot

@@ -2,7 +2,7 @@
 
 They are directions that separate its capsules from the surroundings and from each other. See
 ``abi.arm_planning.certificates.chain_certificate`` for what a direction proves,
-``abi.arm_planning.world.surroundings_kernels`` for the surroundings.
+``abi.arm_planning.world.collision_world_kernels`` for the surroundings.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     Span,
     separate_pairs,
 )
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arm_planning.world.hull_row_kernels import hull_and_row
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
@@ -74,7 +74,7 @@ class _Pose(NamedTuple):
     end: FloatArray
 
 
-class _Near(NamedTuple):
+class _NearPose(NamedTuple):
     """Bodies near a pose.
 
     Attributes:
@@ -163,7 +163,7 @@ def _go_to_middle(
 
 
 @jitable
-def _apart(near: _Near, pair: int, allowance: float) -> tuple[bool, int, float, Vec3, float]:
+def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, float, Vec3, float]:
     """Check whether a direction keeps two capsules, or else the hulls in them, apart near a pose.
 
     Args:
@@ -205,7 +205,7 @@ def _apart(near: _Near, pair: int, allowance: float) -> tuple[bool, int, float, 
 
 
 @jitable(forceinline=True)
-def _capsule_of(near: _Near, c: int) -> Moving:
+def _capsule_of(near: _NearPose, c: int) -> Moving:
     """Capsule c near a pose."""
     bodies, ends, ways, _ = near
     moves = 0.0
@@ -216,14 +216,14 @@ def _capsule_of(near: _Near, c: int) -> Moving:
 
 
 @jitable(forceinline=True)
-def _level_at_ends(near: _Near, capsule: Moving, way: Vec3) -> float:
+def _level_at_ends(near: _NearPose, capsule: Moving, way: Vec3) -> float:
     """Least product of a direction and a capsule's segment at the ends of a stretch: unknown."""
     return -math.inf
 
 
 @jitable
 def _refined(
-    near: _Near, around: Obstacles, c: int, s: int, allowance: float, found: Found
+    near: _NearPose, around: Obstacles, c: int, s: int, allowance: float, found: Found
 ) -> tuple[bool, Found]:
     """What is found of the hull in capsule c and row s."""
     bodies, _, ways, poses = near
@@ -244,7 +244,7 @@ def _add_pairs(
     """Add all pairs; unless it is to ``certify`` not those that boxes keep clear near a pose."""
     count, allowance = len(around.margins), ALLOWANCE * around.size
     for c in range(len(bodies.frames)):
-        capsule = _capsule_of(_Near(bodies, pose.ends, pose.ways, pose.poses), c)
+        capsule = _capsule_of(_NearPose(bodies, pose.ends, pose.ways, pose.poses), c)
         far = math.inf if certify else capsule.radius + capsule.way + allowance
         add_pairs_within(around, c, (capsule.first, capsule.last), far, pairs)
     for own in range(len(bodies.pairs) // 2):
@@ -298,7 +298,7 @@ def separate_knots(
         for i in range(highest - 1, lowest - 1, -1):
             if candidates[i] < solid_pairs:
                 work.append(candidates[i])
-        near = _Near(bodies, ends, ways, poses)
+        near = _NearPose(bodies, ends, ways, poses)
         span = Span(stretch.start, stretch.end, at, allowance, True, certify)
         outcome, pair, away, tried, farthest = separate_pairs(
             around, span, lists, _capsule_of, _level_at_ends, _refined, near

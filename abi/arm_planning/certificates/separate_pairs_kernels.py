@@ -1,7 +1,7 @@
 """Directions that separate an arm's capsules from its surroundings near a pose, for every arm.
 
 See ``abi.arm_planning.certificates.arm_certificate`` for what a direction proves,
-``abi.arm_planning.world.surroundings_kernels`` for the surroundings,
+``abi.arm_planning.world.collision_world_kernels`` for the surroundings,
 ``abi.clearance.separation_kernels`` for planes.
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 
 from abi.arm_planning.certificates.direction_kernels import Direction, is_separated, keep_direction
-from abi.arm_planning.world.surroundings_kernels import (
+from abi.arm_planning.world.collision_world_kernels import (
     Obstacles,
     between_boxes,
     is_solid,

@@ -1,4 +1,4 @@
-"""Mask of the stances in which a URDF arm would touch something.
+"""Mask of the configurations in which a URDF arm would touch something.
 
 See ``abi.arm_planning.certificates.separate_chain_kernels`` for its capsules.
 """
@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from abi.arm_planning.certificates.separate_chain_kernels import place_bodies
-from abi.arm_planning.exclusion.mask_kernels import touched_row
+from abi.arm_planning.exclusion.paper_arm_mask_kernels import touched_row
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, asked_rows
 from abi.arm_planning.world.hull_row_kernels import hull_and_row
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import CERTIFIED
 from abi.compilation.borrowed import borrowed, held
@@ -76,21 +76,21 @@ def touches_row(
 
 
 @compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 0.0, FLAGS, NEW_FLAGS))
-def touching_stances(
+def touching_configurations(
     chain: ChainTable,
     bodies: Bodies,
-    stances: FloatArray,
+    configurations: FloatArray,
     around: Obstacles,
     slack: float,
     reached: BoolArray,
     touching: BoolArray,
 ) -> None:
-    """Mark the nodes at whose stance a capsule is too near to something, or to another.
+    """Mark the nodes at whose configuration a capsule is too near to something, or to another.
 
     Args:
         chain: the chain.
         bodies: its capsules.
-        stances: coordinates at the nodes, flat (k n,).
+        configurations: coordinates at the nodes, flat (k n,).
         around: what to keep clear of.
         slack: distance that capsules keep from each other, [unit]; below 0 they are not looked at.
         reached: nodes to look at, (k,).
@@ -103,7 +103,7 @@ def touching_stances(
     for node in range(len(reached)):
         if not reached[node]:
             continue
-        place_bodies(chain, bodies, stances, node * count, poses, ends)
+        place_bodies(chain, bodies, configurations, node * count, poses, ends)
         touching[node] = slack >= 0 and _touches_itself(bodies, ends, poses, slack)
         for s in rows:
             if touching[node]:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_stances
-from abi.arm_planning.exclusion.regions import box_above, grid, surface
-from abi.arm_planning.exclusion.stances import Stances, spread_over
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
+from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
+from abi.arm_planning.exclusion.paper_arm_regions import box_above, grid, surface
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.pose import Vec3
 from abi.robot.urdf_arm import UrdfArm
@@ -29,10 +29,10 @@ _ANYHOW = -1.0
 """Distance that links keep from each other: they may touch."""
 
 
-def stances_in(
+def configurations_in(
     arm: UrdfArm, first: FloatArray, start: FloatArray, box: tuple[Vec3, Vec3]
-) -> Stances:
-    """Stances at the places of a coarse mesh.
+) -> NodeConfigurations:
+    """Configurations at the places of a coarse mesh.
 
     Args:
         arm: the arm.
@@ -53,48 +53,50 @@ def reach_box(arm: UrdfArm, floor: float) -> tuple[Vec3, Vec3]:
     return box_above(floor, arm.chain.table.origins[9:12] / arm.metres, arm.reach)
 
 
-def chain_shadow(arm: UrdfArm, stances: Stances, surroundings: Surroundings) -> FloatArray:
+def chain_shadow(
+    arm: UrdfArm, configurations: NodeConfigurations, collision_world: CollisionWorld
+) -> FloatArray:
     """The tool positions at which a link would be in an obstacle, to a cell of the mesh.
 
     Args:
         arm: the arm.
-        stances: its joints, as :func:`stances_in` finds them.
-        surroundings: the obstacles.
+        configurations: its joints, as :func:`configurations_in` finds them.
+        collision_world: the obstacles.
 
     Returns:
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
-    touching = np.zeros(len(stances.reached), dtype=np.bool_)
-    touching_stances(
+    touching = np.zeros(len(configurations.reached), dtype=np.bool_)
+    touching_configurations(
         arm.chain.table,
         arm.bodies,
-        stances.coordinates,
-        surroundings.only(surroundings.numbers >= 0).beyond(0.0),
+        configurations.coordinates,
+        collision_world.only(collision_world.numbers >= 0).beyond(0.0),
         _ANYHOW,
-        stances.reached,
+        configurations.reached,
         touching,
     )
-    return _surface_of(stances, touching)
+    return _surface_of(configurations, touching)
 
 
-def chain_reach(stances: Stances) -> FloatArray:
+def chain_reach(configurations: NodeConfigurations) -> FloatArray:
     """The tool positions that an arm reaches within its joints' limits, to a cell of the mesh.
 
     Args:
-        stances: its joints, as :func:`stances_in` finds them.
+        configurations: its joints, as :func:`configurations_in` finds them.
 
     Returns:
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
-    return _surface_of(stances, stances.reached)
+    return _surface_of(configurations, configurations.reached)
 
 
-def _surface_of(stances: Stances, chosen: BoolArray) -> FloatArray:
+def _surface_of(configurations: NodeConfigurations, chosen: BoolArray) -> FloatArray:
     """Surface between chosen places (k,) of a mesh and the others, closed where the mesh ends.
 
     Smooth, but each place is on its own side.
     """
-    low, high = (tuple(corner.tolist()) for corner in stances.mesh.box)
+    low, high = (tuple(corner.tolist()) for corner in configurations.mesh.box)
     points, shape = grid(low, high, _PLACES)
     inner = chosen.reshape([count - 2 for count in shape])
     values = 0.5 - scipy.ndimage.gaussian_filter(inner.astype(float), _BLUR, mode="nearest")

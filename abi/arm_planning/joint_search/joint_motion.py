@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import scipy
 
-from abi.arm_planning.certificates.separate_arm_kernels import Slide
+from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.joint_search.joint_spline import JointSpline
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
-from abi.arm_planning.motion.urdf_motion import JointCourse
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.motion.urdf_motion import ChainJointPath
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
@@ -40,27 +40,27 @@ class JointPassage(ShortRepr):
     too, and none moves faster than the distance does.
 
     Attributes:
-        course: the joints at equal distances, and the polyline of the tool.
+        joint_path: the joints at equal distances, and the polyline of the tool.
         length: the whole distance, [unit].
     """
 
-    course: JointCourse
+    joint_path: ChainJointPath
     length: float
 
     @cached_property
     def _spline(self) -> Any:
-        positions = self.course.positions
+        positions = self.joint_path.positions
         return scipy.interpolate.CubicSpline(np.linspace(0, self.length, len(positions)), positions)
 
     @property
     def speeds(self) -> FloatArray:
         """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
-        return self.course.speeds
+        return self.joint_path.speeds
 
     @property
     def scales(self) -> FloatArray:
         """Factors from [rad/s²] or [m/s²] to [rad/s²] or [unit/s²], (n,)."""
-        return self.course.scales
+        return self.joint_path.scales
 
     @property
     def is_timed(self) -> bool:
@@ -69,17 +69,17 @@ class JointPassage(ShortRepr):
 
     def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
         """Joint positions at distances (k,), (k, n), within the limits."""
-        low, high = self.course.arm.limits.T
+        low, high = self.joint_path.arm.limits.T
         return np.asarray(np.clip(self._spline(distances), low, high))
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
         """Motion by a profile, at uniform times."""
-        arm, time = self.course.arm, np.linspace(0.0, profile.duration, samples)
+        arm, time = self.joint_path.arm, np.linspace(0.0, profile.duration, samples)
         positions = self.at(profile(time))
         tool, step = arm.tool(positions), profile.duration / (samples - 1)
         nothing = read_only(np.zeros(2))
         return ArmMotion(
-            curve=self.course.curve,
+            curve=self.joint_path.curve,
             elbow="up",
             slide=Slide(nothing, nothing, nothing),
             time=read_only(time),
@@ -94,15 +94,21 @@ class JointPassage(ShortRepr):
             slides=arm.chain.slides,
         )
 
-    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
+    def is_refuted(
+        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+    ) -> bool:
         """Check whether some of the poses on the way show that the arm is not clear."""
-        return self.course.is_refuted(profile, surroundings, required)
+        return self.joint_path.is_refuted(profile, collision_world, required)
 
     def clearance(
-        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+        self,
+        motion: ArmMotion,
+        obstacles: ObstacleSet,
+        collision_world: CollisionWorld,
+        required: float,
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
-        return self.course.clearance(motion, obstacles, surroundings, required)
+        return self.joint_path.clearance(motion, obstacles, collision_world, required)
 
 
 def passage_of(spline: JointSpline, arm: UrdfArm) -> JointPassage:
@@ -118,7 +124,7 @@ def passage_of(spline: JointSpline, arm: UrdfArm) -> JointPassage:
     equal = np.clip(back(np.linspace(0.0, passed[-1], _GRID)), 0.0, 1.0)
     equal[-1] = 1.0
     curve = clamped(tool[:: (_FINE - 1) // _DRAWN], 1)
-    course = JointCourse(
+    joint_path = ChainJointPath(
         curve, arc_length(curve), arm, read_only(spline(equal)), read_only(np.zeros(_GRID))
     )
-    return JointPassage(course, float(passed[-1]))
+    return JointPassage(joint_path, float(passed[-1]))

@@ -9,7 +9,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arm_planning.joint_search.tree_kernels import ArmInWorld, edges_are_clear
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.robot.urdf_arm import UrdfArm
 
@@ -23,12 +23,12 @@ class JointSpace(ShortRepr):
 
     Attributes:
         arm: the arm.
-        surroundings: what it keeps clear of.
+        collision_world: what it keeps clear of.
         margin: distance that it keeps from obstacles, at least 0, [unit].
     """
 
     arm: UrdfArm
-    surroundings: Surroundings
+    collision_world: CollisionWorld
     margin: float
 
     def __post_init__(self) -> None:
@@ -43,7 +43,7 @@ class JointSpace(ShortRepr):
     @cached_property
     def kernel_arm(self) -> ArmInWorld:
         """Arm and surroundings in the format of the kernels."""
-        around = self.surroundings.beyond(self.margin)
+        around = self.collision_world.beyond(self.margin)
         return ArmInWorld(self.arm.chain.table, self.arm.bodies, around, MOST_TRIES)
 
     def distance(self, path: FloatArray) -> float:

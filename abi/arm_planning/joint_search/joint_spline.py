@@ -80,7 +80,7 @@ def spline_near(space: JointSpace, path: FloatArray, degree: int = DEGREE) -> Jo
     spline = JointSpline(path, degree)
     places = np.linspace(0.0, 1.0, _SAMPLES)
     for _ in range(_ROUNDS):
-        fault = chain_refutation(space.arm, spline(places), space.surroundings, space.margin)
+        fault = chain_refutation(space.arm, spline(places), space.collision_world, space.margin)
         if fault is None:
             return spline
         spline = spline.nearer_at(fault.parameter / (_SAMPLES - 1))

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm_planning.certificates.separate_chain_kernels import separate_knots
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import FloatArray, IntArray
 from abi.clearance.separation_kernels import CERTIFIED
 from abi.compilation.jitable import jitable

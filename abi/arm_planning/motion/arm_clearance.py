@@ -14,15 +14,15 @@ import numpy as np
 
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm_planning.motion.trajectory import ArmMotion
-from abi.arm_planning.world import capsule_kernels
-from abi.arm_planning.world.capsule_mesh_kernels import capsules_near_meshes
+from abi.arm_planning.world import paper_arm_distance_kernels
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.paper_arm_mesh_distance_kernels import capsules_near_meshes
 from abi.arm_planning.world.solid_rows import FLOOR
-from abi.arm_planning.world.surroundings import Surroundings
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact
-from abi.robot.paper_arm.arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm, place
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 """Parts of the measured distance that are tried to prove, and at last the one asked for."""
@@ -106,7 +106,7 @@ def arm_clearance(
     motion: ArmMotion,
     arm: PaperArm,
     obstacles: ObstacleSet,
-    surroundings: Surroundings,
+    collision_world: CollisionWorld,
     required: float,
 ) -> ArmClearance:
     """Measure the clearance of an arm along its motion, and prove as much of it as possible.
@@ -115,13 +115,15 @@ def arm_clearance(
         motion: its motion.
         arm: the arm.
         obstacles: the solids.
-        surroundings: the same, with the floor and the arm's column.
+        collision_world: the same, with the floor and the arm's column.
         required: distance to keep from obstacles, at least 0, [unit].
     """
     ends = place(arm, motion.positions)
-    own = _measured(ends, arm, surroundings.only(surroundings.numbers < 0), _TOUCH)
+    own = _measured(ends, arm, collision_world.only(collision_world.numbers < 0), _TOUCH)
     solid = _measured(
-        ends, arm, surroundings.only((surroundings.numbers >= 0) & (surroundings.solids.meshes < 0))
+        ends,
+        arm,
+        collision_world.only((collision_world.numbers >= 0) & (collision_world.solids.meshes < 0)),
     )
     if obstacles.meshes:
         solid = _with_meshes(solid, ends, arm, obstacles)
@@ -130,9 +132,9 @@ def arm_clearance(
         *contacts_of(motion.time, own, capsules, arm),
         *contacts_of(motion.time, solid, capsules, arm),
     )
-    certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, surroundings)
+    certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, collision_world)
     return proven_clearance(
-        motion, arm, solid, contacts, required, surroundings.solids.in_use, certify
+        motion, arm, solid, contacts, required, collision_world.solids.in_use, certify
     )
 
 
@@ -227,16 +229,16 @@ class Measured(NamedTuple):
 
 
 def _measured(
-    ends: FloatArray, arm: PaperArm, surroundings: Surroundings, enough: float = math.inf
+    ends: FloatArray, arm: PaperArm, collision_world: CollisionWorld, enough: float = math.inf
 ) -> Measured:
     """Distances of capsules to convex solids and the floor, up to ``enough``, [unit]."""
     shape = ends.shape[:2]
     distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
-    capsule_kernels.capsule_clearances(
-        *(flat(ends), arm.capsule_rows, surroundings.beyond(0.0), enough),
+    paper_arm_distance_kernels.capsule_clearances(
+        *(flat(ends), arm.capsule_rows, collision_world.beyond(0.0), enough),
         *(distance.reshape(-1), row.reshape(-1)),
     )
-    return Measured(distance, surroundings.numbers[row])
+    return Measured(distance, collision_world.numbers[row])
 
 
 def _with_meshes(

@@ -11,7 +11,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm, place
 
 
 def links_clearance(

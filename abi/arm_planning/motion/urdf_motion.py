@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
-from abi.arm_planning.certificates.separate_arm_kernels import Slide
+from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.motion.arm_clearance import (
     ArmClearance,
     Measured,
@@ -29,8 +29,8 @@ from abi.arm_planning.world.chain_distances import (
     obstacle_distances,
     own_distances,
 )
+from abi.arm_planning.world.collision_world import OWN, CollisionWorld
 from abi.arm_planning.world.solid_rows import FLOOR
-from abi.arm_planning.world.surroundings import OWN, Surroundings
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
@@ -48,7 +48,7 @@ _ENOUGH = 0.03
 
 
 @dataclass(frozen=True, eq=False)
-class JointCourse:
+class ChainJointPath:
     """Joint positions of a URDF arm as functions of the distance along a curve.
 
     Attributes:
@@ -123,32 +123,38 @@ class JointCourse:
             slides=arm.chain.slides,
         )
 
-    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
-        """Check whether some of the poses on the course show that the arm is not clear."""
+    def is_refuted(
+        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+    ) -> bool:
+        """Check whether some of the poses on the joint_path show that the arm is not clear."""
         poses = self.positions[::_EVERY]
-        fault = chain_refutation(self.arm, poses, surroundings, required, _TRIES_TO_REFUTE)
+        fault = chain_refutation(self.arm, poses, collision_world, required, _TRIES_TO_REFUTE)
         return fault is not None and fault.decided
 
     def clearance(
-        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+        self,
+        motion: ArmMotion,
+        obstacles: ObstacleSet,
+        collision_world: CollisionWorld,
+        required: float,
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
         arm, positions = self.arm, motion.positions
-        poses, allowed = Poses.of(arm, positions), surroundings.allowed
+        poses, allowed = Poses.of(arm, positions), collision_world.allowed
         of_capsules = obstacle_distances(arm, obstacles, poses.ends, allowed=allowed)
         least = float(of_capsules[0].min(initial=math.inf))
         below = max(required, least) + _CLOSER * arm.reach
-        measured = Measured(*hull_distances_to(arm, poses, surroundings, of_capsules, below))
+        measured = Measured(*hull_distances_to(arm, poses, collision_world, of_capsules, below))
         own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses))
-        floor = _against(FLOOR, floor_distances(arm, surroundings.floor, poses))
+        floor = _against(FLOOR, floor_distances(arm, collision_world.floor, poses))
         capsules = range(len(arm.capsules))
         contacts = (
             *contacts_of(motion.time, measured, capsules, arm),
             *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
             *contacts_of(motion.time, floor, capsules, arm),
         )
-        certify = partial(certify_chain, arm, positions, surroundings)
-        rows = surroundings.solids.in_use
+        certify = partial(certify_chain, arm, positions, collision_world)
+        rows = collision_world.solids.in_use
         found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
         return replace(found, allowed=(*arm.allowed, *allowed))
 
@@ -158,9 +164,13 @@ def _against(number: IntArray | int, distance: FloatArray) -> Measured:
     return Measured(distance, np.broadcast_to(np.int32(number), distance.shape))
 
 
-def joint_course(
-    curve: Curve, arc: ArcLength, arm: UrdfArm, obstacles: ObstacleSet, surroundings: Surroundings
-) -> JointCourse:
+def chain_joint_path(
+    curve: Curve,
+    arc: ArcLength,
+    arm: UrdfArm,
+    obstacles: ObstacleSet,
+    collision_world: CollisionWorld,
+) -> ChainJointPath:
     """Move an arm's tool along a curve, from the start pose that keeps the arm clearest.
 
     Among the poses with the tool at the start it takes one from which the whole curve can be
@@ -171,7 +181,7 @@ def joint_course(
         arc: its arc length, above 0.
         arm: the arm.
         obstacles: obstacles that the links must keep clear of.
-        surroundings: the same, with the floor.
+        collision_world: the same, with the floor.
     """
     few = curve(arc.parameter(np.linspace(0.0, arc.length, _FEW)))
     best, least = arm.first_poses(few[0]), (np.inf, np.inf, np.inf)
@@ -180,11 +190,13 @@ def joint_course(
     for pose in best:
         positions, missed = arm.follow(pose, few)
         poses, enough = Poses.of(arm, positions), _ENOUGH * reach
-        of_capsules = obstacle_distances(arm, obstacles, poses.ends, enough, surroundings.allowed)
+        of_capsules = obstacle_distances(
+            arm, obstacles, poses.ends, enough, collision_world.allowed
+        )
         gaps = (
-            hull_distances_to(arm, poses, surroundings, of_capsules, enough)[0],
+            hull_distances_to(arm, poses, collision_world, of_capsules, enough)[0],
             own_distances(arm, poses),
-            floor_distances(arm, surroundings.floor, poses),
+            floor_distances(arm, collision_world.floor, poses),
         )
         gap = min(float(gap.min(initial=np.inf)) for gap in gaps)
         travel = float(np.abs(np.diff(positions / arm.scales, axis=0)).sum())
@@ -192,17 +204,17 @@ def joint_course(
         rank = (far if far > REACHED * reach else 0.0, -min(gap, _ENOUGH * reach), travel)
         if rank < least:
             chosen, least = pose, rank
-    return course_from(chosen, curve, arc, arm)
+    return joint_path_from(chosen, curve, arc, arm)
 
 
-def course_from(
+def joint_path_from(
     pose: FloatArray,
     curve: Curve,
     arc: ArcLength,
     arm: UrdfArm,
     home: FloatArray | None = None,
-) -> JointCourse:
+) -> ChainJointPath:
     """Move an arm's tool along a curve from a given pose; redundant joints drift ``home``."""
     points = curve(arc.parameter(np.linspace(0.0, arc.length, _GRID)))
     positions, missed = arm.follow(pose, points, home)
-    return JointCourse(curve, arc, arm, read_only(positions), read_only(missed))
+    return ChainJointPath(curve, arc, arm, read_only(positions), read_only(missed))

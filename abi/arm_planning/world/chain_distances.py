@@ -13,9 +13,9 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from abi import arguments
+from abi.arm_planning.world.chain_distance_kernels import link_distances, pair_distances
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.hull_distance_kernels import hull_clearances
-from abi.arm_planning.world.link_distance_kernels import link_distances, pair_distances
-from abi.arm_planning.world.surroundings import Surroundings
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.bodies.allowed_contacts import AllowedContact
@@ -121,7 +121,7 @@ class Poses(NamedTuple):
 def hull_distances_to(
     arm: UrdfArm,
     poses: Poses,
-    surroundings: Surroundings,
+    collision_world: CollisionWorld,
     of_capsules: tuple[FloatArray, IntArray],
     below: float,
 ) -> tuple[FloatArray, IntArray]:
@@ -132,7 +132,7 @@ def hull_distances_to(
     Args:
         arm: the arm.
         poses: of it.
-        surroundings: the obstacles, and what may touch them.
+        collision_world: the obstacles, and what may touch them.
         of_capsules: distances (k, c) of capsules, [unit], and numbers of the obstacles (k, c).
         below: [unit].
     """
@@ -141,7 +141,7 @@ def hull_distances_to(
     if not len(asked):
         return distance, number
     found, rows = np.empty(len(asked)), np.empty(len(asked), dtype=np.int32)
-    around = surroundings.only(surroundings.numbers >= 0).beyond(0.0)
+    around = collision_world.only(collision_world.numbers >= 0).beyond(0.0)
     hull_clearances(
         *(arm.bodies, poses.packed, flat(poses.ends), around),
         *(asked.reshape(-1), math.inf, found, rows),
@@ -149,7 +149,7 @@ def hull_distances_to(
     apart = found > 0
     row, column = asked[apart].T
     distance[row, column] = found[apart]
-    number[row, column] = np.append(surroundings.numbers, np.int32(-1))[rows[apart]]
+    number[row, column] = np.append(collision_world.numbers, np.int32(-1))[rows[apart]]
     return distance, number
 
 

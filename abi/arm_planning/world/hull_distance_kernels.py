@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arm_planning.world.hull_row_kernels import hull_and_row
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from abi.arm_planning.world.surroundings_kernels import Obstacles
+from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compilation.jitable import jitable

@@ -209,7 +209,7 @@ def _between_hulls(pair: tuple[Bodies, FloatArray, int, int], way: Vec3) -> Vec3
 def between_hulls(
     bodies: Bodies, poses: FloatArray, pair: int, way: Vec3, near: float, far: float
 ) -> tuple[int, float, Vec3]:
-    """The same of the hulls of a pair that is to keep apart, without their roundings."""
+    """Separate the hulls, without their roundings, of a pair that is to keep apart."""
     i, j = int(bodies.pairs[2 * pair]), int(bodies.pairs[2 * pair + 1])
     return separation(_between_hulls, (bodies, poses, i, j), way, near, far)
 

@@ -140,7 +140,7 @@ def _parts(triangles: FloatArray) -> list[FloatArray]:
     All cuts are across the two longest axes. Where two planes meet inside the solid, their line
     leaves it through a triangle, so that the parts' hulls hold what is inside, too.
     """
-    parts = [_Part(triangles, _volume(triangles.reshape(-1, 3)))]
+    parts = [_HulledPart(triangles, _volume(triangles.reshape(-1, 3)))]
     if _filled(triangles) > _WORTH * parts[0].volume:
         return [triangles.reshape(-1, 3)]
     axes, whole = principal_axes(triangles.reshape(-1, 3))[:2], parts[0].volume
@@ -159,14 +159,14 @@ def _parts(triangles: FloatArray) -> list[FloatArray]:
     return [part.triangles.reshape(-1, 3) for part in parts]
 
 
-class _Part(NamedTuple):
+class _HulledPart(NamedTuple):
     """Triangles (n, 3, 3), and the volume of their hull, [m³]."""
 
     triangles: FloatArray
     volume: float
 
 
-def _halves(part: _Part, axes: FloatArray) -> list[_Part]:
+def _halves(part: _HulledPart, axes: FloatArray) -> list[_HulledPart]:
     """Both halves of a part at the plane that makes their hulls smallest; itself without one."""
     best = [part]
     for axis in axes:
@@ -174,7 +174,7 @@ def _halves(part: _Part, axes: FloatArray) -> list[_Part]:
         low, high = float(heights.min()), float(heights.max())
         for share in _SHARES:
             both = [
-                _Part(half, _volume(half.reshape(-1, 3)))
+                _HulledPart(half, _volume(half.reshape(-1, 3)))
                 for half in _cut(part.triangles, heights - (low + share * (high - low)))
                 if len(half)
             ]

@@ -211,7 +211,7 @@ class Chain(ShortRepr):
         return np.concatenate([turns, packed[..., 9:, None]], axis=-1)
 
     def packed_poses(self, positions: FloatArray) -> FloatArray:
-        """The same in the format of the kernels, flat (12 (m + 1) k,), [m]."""
+        """Poses of all frames in the format of the kernels, flat (12 (m + 1) k,), [m]."""
         positions = arguments.numbers("positions", positions, (-1, len(self.names)))
         found = np.empty(len(positions) * POSE * (len(self.joints) + 1))
         chain_poses(self.table, flat(positions), len(self.names), found)

@@ -21,8 +21,8 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray, flat, read_only
-from abi.robot.paper_arm import arm_kernels as kernels
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm import inverse_kinematics_kernels as kernels
+from abi.robot.paper_arm.paper_arm import PaperArm
 
 THROUGH = 1e-6
 """A path that passes the base axis nearer than this part of the arm's reach passes through it."""
@@ -99,6 +99,6 @@ def solve(
 
 
 def _centred(angle: FloatArray) -> FloatArray:
-    """The same angles, shifted by whole turns so that their range is as near to 0 as can be."""
+    """Shift angles by whole turns, so that their range is as near to 0 as can be."""
     middle = (angle.max() + angle.min()) / 2
     return np.asarray(angle - 2 * np.pi * np.ceil((middle - np.pi) / (2 * np.pi)))

@@ -61,7 +61,7 @@ class XmlElement:
             named.append(self.title)
 
     def called(self) -> XmlElement:
-        """The same element under the name that its ``name`` attribute gives."""
+        """A copy for error messages that goes by its ``name`` attribute."""
         name = self.xml.get("name", "")
         tag = str(self.xml.tag)
         if not _is_name(name):

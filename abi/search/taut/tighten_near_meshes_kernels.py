@@ -112,7 +112,7 @@ def _shortcut(path: list[Vec3], surroundings: PathObstacles, room: DescentWorksp
 
 
 @jitable
-def _leg_is_clear(
+def _segment_is_clear(
     path: list[Vec3],
     i: int,
     trial: Vec3,
@@ -151,10 +151,10 @@ def _move(path: list[Vec3], i: int, surroundings: PathObstacles, room: DescentWo
             step /= 2
             if length >= best:
                 continue
-            if not _leg_is_clear(path, i, trial, first, surroundings, room):
+            if not _segment_is_clear(path, i, trial, first, surroundings, room):
                 continue
             first = not first
-            if _leg_is_clear(path, i, trial, first, surroundings, room):
+            if _segment_is_clear(path, i, trial, first, surroundings, room):
                 best, path[i] = length, trial
                 break
 

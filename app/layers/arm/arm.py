@@ -12,7 +12,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, rows_at, segments
 from app.layers.arm import paper_arm, urdf_arm

@@ -8,14 +8,14 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.scene.settings import Elbow
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters, rows_at
 from app.layers.arm.arm_playback import samples_of
 from app.layers.arm.ghost_bodies import GhostBodies, places_of
-from app.layers.arm.urdf_poses import OtherPoses, end_pose, other_courses, other_poses
+from app.layers.arm.urdf_poses import OtherPoses, end_pose, other_joint_paths, other_poses
 from app.shared.once_a_plan import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
@@ -77,7 +77,7 @@ class ArmGhostsLayer(Layer):
         positions = np.empty((0, 0))
         if arm is not None and ("other_elbow" if name == "now" else "end_poses") in frame.shown:
             positions = (
-                np.array([one.positions[0] for one in _courses(plan)])
+                np.array([one.positions[0] for one in _joint_paths(plan)])
                 if playing
                 else _poses_of(name, frame)
             )
@@ -142,7 +142,7 @@ def _places(plan: Plan) -> FloatArray:
     assert arm is not None
     assert motion is not None
     found = []
-    for other in _courses(plan):
+    for other in _joint_paths(plan):
         ends = np.stack([capsule.ends for capsule in arm.placed(other.positions)], axis=1)
         places = places_of(ends)
         places[other.missed > REACHED * arm.reach] = np.nan
@@ -150,11 +150,11 @@ def _places(plan: Plan) -> FloatArray:
     return read_only(np.concatenate(found, axis=1)) if found else np.empty((0, 0, 7))
 
 
-def _courses(plan: Plan) -> tuple[OtherPoses, ...]:
-    """Courses of the other poses, at the page's samples of the motion."""
+def _joint_paths(plan: Plan) -> tuple[OtherPoses, ...]:
+    """Joint paths of the other poses, at the page's samples of the motion."""
     arm, motion = plan.arm, plan.motion
     if not isinstance(arm, PaperArm):
-        return other_courses(plan)
+        return other_joint_paths(plan)
     assert motion is not None
     rows = samples_of(motion)
     positions = _paper_poses(arm, motion.tool[rows], plan, other=True)

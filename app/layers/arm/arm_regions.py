@@ -11,17 +11,17 @@ import viser
 from abi.arm_planning.exclusion.chain_regions import (
     chain_reach,
     chain_shadow,
+    configurations_in,
     reach_box,
-    stances_in,
 )
-from abi.arm_planning.exclusion.regions import reachable, shadow
-from abi.arm_planning.exclusion.stances import Stances
-from abi.arm_planning.world.surroundings import arm_surroundings, chain_surroundings
+from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
+from abi.arm_planning.exclusion.paper_arm_regions import reachable, shadow
+from abi.arm_planning.world.collision_world import chain_world, paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
 from app.layers.arm.arm_ghosts import elbow_of
 from app.layers.arm.urdf_poses import end_pose
@@ -112,14 +112,14 @@ def _paper_region(name: str, plan: Plan, arm: PaperArm) -> FloatArray:
     scene, elbow = plan.scene, elbow_of(plan)
     lowest, box = scene.workspace.min[2], (scene.workspace.min, scene.workspace.max)
     if name == "shadow":
-        obstacles = arm_surroundings(arm, ObstacleSet(scene.obstacles), lowest)
+        obstacles = paper_arm_world(arm, ObstacleSet(scene.obstacles), lowest)
         return shadow(arm, elbow, scene.arm.q5, obstacles, box)
     floor = min(lowest, scene.arm.base[2])
     return reachable(arm, elbow, scene.arm.q5, floor)
 
 
 def _chain_region(name: str, plan: Plan, arm: UrdfArm) -> FloatArray:
-    """The same of another arm."""
+    """Triangles of a region of a URDF arm."""
     scene, first = plan.scene, end_pose(plan, arm, "start")
     assert first is not None
     lowest = scene.workspace.min[2]
@@ -127,15 +127,15 @@ def _chain_region(name: str, plan: Plan, arm: UrdfArm) -> FloatArray:
         box = reach_box(arm, min(lowest, scene.arm.base[2]))
     else:
         box = scene.workspace.min, scene.workspace.max
-    stances = _stances(arm, tuple(np.round(first, 6).tolist()), scene.start, box)
+    configurations = _configurations(arm, tuple(np.round(first, 6).tolist()), scene.start, box)
     if name == "reach":
-        return chain_reach(stances)
-    return chain_shadow(arm, stances, chain_surroundings(arm, ObstacleSet(scene.obstacles), lowest))
+        return chain_reach(configurations)
+    return chain_shadow(arm, configurations, chain_world(arm, ObstacleSet(scene.obstacles), lowest))
 
 
 @functools.lru_cache(8)
-def _stances(
+def _configurations(
     arm: UrdfArm, first: tuple[float, ...], start: Vec3, box: tuple[Vec3, Vec3]
-) -> Stances:
-    """Stances in a box, which stay while obstacles are dragged."""
-    return stances_in(arm, np.array(first), np.array(start, dtype=float), box)
+) -> NodeConfigurations:
+    """Configurations in a box, which stay while obstacles are dragged."""
+    return configurations_in(arm, np.array(first), np.array(start, dtype=float), box)

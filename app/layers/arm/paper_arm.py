@@ -12,7 +12,7 @@ from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
 from abi.robot.paper_arm import arm_links
-from abi.robot.paper_arm.arm import JOINT_AXES, SLIDES, PaperArm
+from abi.robot.paper_arm.paper_arm import JOINT_AXES, SLIDES, PaperArm
 from abi.robot.urdf.robot import LinkShape
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs
@@ -34,7 +34,7 @@ class PaperArmNodes(ArmNodes):
         return rest_pose(plan.arm, plan.scene.arm, plan.scene.start)
 
     def values(self, positions: FloatArray) -> FloatArray:
-        """The same."""
+        """Values of the scene nodes' joints, which are the joint positions."""
         return positions
 
     def _look_of(self, arm: AnyArm) -> tuple[float, ...]:

@@ -56,7 +56,7 @@ def end_pose(plan: Plan, arm: UrdfArm, end: str) -> FloatArray | None:
 def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
     """Other poses (k, n) that put the tool where it is at a time [s]."""
     found = []
-    for other in other_courses(plan):
+    for other in other_joint_paths(plan):
         at = int(np.searchsorted(other.time, time).clip(0, len(other.time) - 1))
         if other.missed[max(at - 1, 0) : at + 1].max() <= REACHED * arm.reach:
             found.append(rows_at(time, other.time, other.positions))
@@ -64,8 +64,8 @@ def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
 
 
 @once_a_plan
-def other_courses(plan: Plan) -> tuple[OtherPoses, ...]:
-    """Courses of the other first poses; without a motion these poses alone."""
+def other_joint_paths(plan: Plan) -> tuple[OtherPoses, ...]:
+    """Joint paths of the other first poses; without a motion these poses alone."""
     arm, motion = plan.arm, plan.motion
     assert isinstance(arm, UrdfArm)
     first = end_pose(plan, arm, "start")
@@ -76,8 +76,8 @@ def other_courses(plan: Plan) -> tuple[OtherPoses, ...]:
         nothing = read_only(np.zeros(1))
         return tuple(OtherPoses(nothing, read_only(pose[None]), nothing) for pose in others)
     rows = samples_of(motion)
-    courses = [arm.follow(pose, motion.tool[rows]) for pose in others]
-    return tuple(OtherPoses(motion.time[rows], *course) for course in courses)
+    joint_paths = [arm.follow(pose, motion.tool[rows]) for pose in others]
+    return tuple(OtherPoses(motion.time[rows], *joint_path) for joint_path in joint_paths)
 
 
 def _different(arm: UrdfArm, first: FloatArray, poses: Sequence[FloatArray]) -> list[FloatArray]:

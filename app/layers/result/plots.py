@@ -9,7 +9,7 @@ import viser
 
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import JOINTS
+from abi.robot.paper_arm.paper_arm import JOINTS
 from app.layers.result.motion_curves import (
     acceleration,
     has_meshes,

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion, follow
-from abi.arm_planning.world.capsule_kernels import capsule_clearances
-from abi.arm_planning.world.capsule_mesh_kernels import capsules_near_meshes
-from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.paper_arm_distance_kernels import capsule_clearances
+from abi.arm_planning.world.paper_arm_mesh_distance_kernels import capsules_near_meshes
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
@@ -23,7 +23,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm, place
 from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
@@ -61,15 +61,15 @@ def case(settings: ArmSettings, points: FloatArray, obstacles: Obstacles, sample
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
     motion = follow(curve, arc, profile, arm, settings, samples)
     solids = ObstacleSet(obstacles)
-    surroundings = arm_surroundings(arm, solids, 0.0)
-    return Case(arm, motion, solids, arm_clearance(motion, arm, solids, surroundings, 0.0))
+    collision_world = paper_arm_world(arm, solids, 0.0)
+    return Case(arm, motion, solids, arm_clearance(motion, arm, solids, collision_world, 0.0))
 
 
 def case_of(other: Case, obstacles: Obstacles) -> Case:
     """The motion of another case among other obstacles."""
     solids = ObstacleSet(obstacles)
-    surroundings = arm_surroundings(other.arm, solids, 0.0)
-    clearance = arm_clearance(other.motion, other.arm, solids, surroundings, 0.0)
+    collision_world = paper_arm_world(other.arm, solids, 0.0)
+    clearance = arm_clearance(other.motion, other.arm, solids, collision_world, 0.0)
     return Case(other.arm, other.motion, solids, clearance)
 
 
@@ -211,11 +211,11 @@ def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int
     random = np.random.default_rng(seed)
     obstacles = ObstacleSet(tuple(random_obstacle(random) for _ in range(3)))
     arm, far = PaperArm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0))), np.inf
-    surroundings = arm_surroundings(arm, obstacles, 0.0)
+    collision_world = paper_arm_world(arm, obstacles, 0.0)
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 60)
-    ends, rows = place(arm, positions), surroundings.beyond(0.0)
+    ends, rows = place(arm, positions), collision_world.beyond(0.0)
     count = len(arm.capsules)
     together, one_by_one = np.empty((60, count)), np.empty((60, count))
     rows_of = np.empty(count, dtype=np.int32)
@@ -226,7 +226,7 @@ def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int
     for pose, distances in zip(ends, one_by_one, strict=True):
         for capsule in range(count):  # each alone, so that none is left out for another
             alone = np.zeros((count, len(rows.margins)), dtype=np.bool_)
-            alone[capsule] = surroundings.asked[capsule]
+            alone[capsule] = collision_world.asked[capsule]
             of_one = np.empty(count)
             capsule_clearances(
                 *(flat(pose), arm.capsule_rows, rows._replace(asked=read_only(alone.ravel()))),

@@ -19,8 +19,8 @@ from abi.arm_planning.world.chain_distances import (
     obstacle_distances,
     own_distances,
 )
+from abi.arm_planning.world.collision_world import chain_world
 from abi.arm_planning.world.solid_rows import FLOOR
-from abi.arm_planning.world.surroundings import chain_surroundings
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -127,15 +127,15 @@ def test_no_pair_moves_farther_beside_each_other_than_its_levers_say(name: str, 
 def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     one, random = some_arm(name), np.random.default_rng(seed)
     obstacles = some_obstacles(one, random)
-    surroundings = chain_surroundings(one, obstacles, -1e3)
+    collision_world = chain_world(one, obstacles, -1e3)
     positions = joint_path(one, random, 0.05)
     dense = Poses.of(one, between(positions))
     of_capsules = obstacle_distances(one, obstacles, dense.ends)
-    gaps, numbers = hull_distances_to(one, dense, surroundings, of_capsules, np.inf)
+    gaps, numbers = hull_distances_to(one, dense, collision_world, of_capsules, np.inf)
     measured = float(gaps.min())
     margin = max(float(random.uniform(0, 1.2)) * measured, 0.0)
-    found = certify_chain(one, positions, surroundings, margin)
-    refutation = chain_refutation(one, positions, surroundings, margin)
+    found = certify_chain(one, positions, collision_world, margin)
+    refutation = chain_refutation(one, positions, collision_world, margin)
     if isinstance(found, ArmCertificate):
         assert refutation is None
     else:
@@ -144,7 +144,7 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
 
     clear = (
         float(own_distances(one, dense).min(initial=np.inf)) > 0
-        and float(floor_distances(one, surroundings.floor, dense).min(initial=np.inf)) > 0
+        and float(floor_distances(one, collision_world.floor, dense).min(initial=np.inf)) > 0
     )
     if isinstance(found, ArmCertificate):
         assert clear
@@ -164,8 +164,9 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
         of_capsules = obstacle_distances(one, obstacles, place.ends)
         distances = {
             "own": own_distances(one, place),
-            "floor": floor_distances(one, surroundings.floor, place),
-            "solid": hull_distances_to(one, place, surroundings, of_capsules, np.inf)[0] - margin,
+            "floor": floor_distances(one, collision_world.floor, place),
+            "solid": hull_distances_to(one, place, collision_world, of_capsules, np.inf)[0]
+            - margin,
         }
         kind = "solid" if found.obstacle >= 0 else "floor" if found.obstacle == FLOOR else "own"
         assert float(distances[kind].min()) < nearly
@@ -182,7 +183,7 @@ def test_what_is_far_away_leaves_as_many_tries_for_what_is_near(name: str, seed:
     x, y, z = one.base + 9 * one.reach
     far = tuple(Sphere(radius=0.1, position=(x + k, y, z)) for k in range(100))
     alone, among = (
-        chain_refutation(one, positions, chain_surroundings(one, solids, -1e3), 0.0, tries)
+        chain_refutation(one, positions, chain_world(one, solids, -1e3), 0.0, tries)
         for solids in (near, ObstacleSet((*near, *far)))
     )
     assert tries <= len(far) * len(one.capsules)

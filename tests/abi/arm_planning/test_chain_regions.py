@@ -8,17 +8,17 @@ import pytest
 from abi.arm_planning.exclusion.chain_regions import (
     chain_reach,
     chain_shadow,
+    configurations_in,
     reach_box,
-    stances_in,
 )
-from abi.arm_planning.exclusion.stances import Stances
+from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
 from abi.arm_planning.world.chain_distances import obstacle_distances
-from abi.arm_planning.world.surroundings import chain_surroundings
+from abi.arm_planning.world.collision_world import chain_world
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
-from tests.abi.arm_planning.test_regions import _winding, solid
+from tests.abi.arm_planning.test_paper_arm_regions import _winding, solid
 
 
 def arm_of(scene: Scene) -> UrdfArm:
@@ -36,10 +36,10 @@ def arm(scene: Scene) -> UrdfArm:
     return arm_of(scene)
 
 
-def stances_of(scene: Scene, arm: UrdfArm, whole: bool) -> Stances:
+def stances_of(scene: Scene, arm: UrdfArm, whole: bool) -> NodeConfigurations:
     start = np.array(scene.start, dtype=float)
     box = reach_box(arm, 0.0) if whole else (scene.workspace.min, scene.workspace.max)
-    return stances_in(arm, arm.first_poses(start)[0], start, box)
+    return configurations_in(arm, arm.first_poses(start)[0], start, box)
 
 
 def is_inside(triangles: FloatArray, points: FloatArray) -> BoolArray:
@@ -48,36 +48,38 @@ def is_inside(triangles: FloatArray, points: FloatArray) -> BoolArray:
 
 @pytest.mark.slow
 def test_the_shadow_is_where_a_link_is_in_an_obstacle(scene: Scene, arm: UrdfArm) -> None:
-    stances, obstacles = stances_of(scene, arm, whole=False), ObstacleSet(scene.obstacles)
-    surroundings = chain_surroundings(arm, obstacles, scene.workspace.min[2])
-    triangles = chain_shadow(arm, stances, surroundings)
+    configurations, obstacles = stances_of(scene, arm, whole=False), ObstacleSet(scene.obstacles)
+    collision_world = chain_world(arm, obstacles, scene.workspace.min[2])
+    triangles = chain_shadow(arm, configurations, collision_world)
     assert solid(triangles).is_watertight
-    places = np.flatnonzero(stances.reached)[::4]
-    ends = arm.place(stances.positions[places])
+    places = np.flatnonzero(configurations.reached)[::4]
+    ends = arm.place(configurations.positions[places])
     gaps = obstacle_distances(arm, obstacles, ends)[0].min(axis=1)
     clear_cut = np.abs(gaps) > 1e-6
-    found = is_inside(triangles, stances.mesh.points[places])
+    found = is_inside(triangles, configurations.mesh.points[places])
     assert 0.1 < found.mean() < 0.9
     assert (found == (gaps < 0))[clear_cut].all()
 
-    nothing = chain_surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
-    assert len(chain_shadow(arm, stances, nothing)) == 0
+    nothing = chain_world(arm, ObstacleSet(()), scene.workspace.min[2])
+    assert len(chain_shadow(arm, configurations, nothing)) == 0
 
 
 @pytest.mark.slow
 def test_the_tool_gets_to_places_inside_the_reach(scene: Scene, arm: UrdfArm) -> None:
-    stances = stances_of(scene, arm, whole=True)
-    triangles = chain_reach(stances)
+    configurations = stances_of(scene, arm, whole=True)
+    triangles = chain_reach(configurations)
     mesh = solid(triangles)
     assert mesh.is_watertight
     low, high = mesh.bounds
     points = np.random.default_rng(0).uniform(low, high, (120, 3))
     inside = is_inside(triangles, points)
-    deep = inside & (np.abs(mesh.nearest.on_surface(points)[1]) > stances.mesh.pitch)
+    deep = inside & (np.abs(mesh.nearest.on_surface(points)[1]) > configurations.mesh.pitch)
     assert deep.sum() > 5
     for point in points[deep][:8]:
         poses = np.stack(arm.first_poses(point))
         missed = np.linalg.norm(arm.tool(poses) - point, axis=1)
         assert missed.min() < 1e-4 * arm.reach
     middle = arm.chain.table.origins[9:12] / arm.metres
-    assert np.linalg.norm(triangles - middle, axis=2).max() < arm.reach + 2 * stances.mesh.pitch
+    assert (
+        np.linalg.norm(triangles - middle, axis=2).max() < arm.reach + 2 * configurations.mesh.pitch
+    )

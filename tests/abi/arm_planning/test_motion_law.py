@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abi.arm_planning.abi_model import JOINT_SPEED, AbiCourse
 from abi.arm_planning.motion.liquid import tilts
 from abi.arm_planning.motion.trajectory import Trajectory
 from abi.arm_planning.motion_law import second_derivatives
+from abi.arm_planning.paper_arm_model import JOINT_SPEED, PaperArmJointPath
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import SpeedProfile
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.kinematics.inverse_dynamics import GRAVITY
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import load_scene
 from abi.verify.verify import verify
 
@@ -42,7 +42,7 @@ def peaks(plan: Plan, samples: int = 3001) -> tuple[float, float]:
     assert plan.profile is not None
     assert isinstance(plan.arm, PaperArm)
     times = np.linspace(0, plan.profile.duration, samples)
-    path = AbiCourse(*followed(plan), plan.arm, plan.scene.arm)
+    path = PaperArmJointPath(*followed(plan), plan.arm, plan.scene.arm)
     positions = path.at(plan.profile(times), times)
     speed = np.abs(np.diff(positions, axis=0)).max() / times[1]
     return float(speed), float(np.abs(second_derivatives(positions, times[1])).max())

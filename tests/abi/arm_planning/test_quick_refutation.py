@@ -35,15 +35,19 @@ def test_what_a_few_poses_refute_is_never_proven_clear(name: str, law: str) -> N
         if made.motion is None:
             continue
         model, obstacles = model_of(moved.arm, moved.unit), ObstacleSet(moved.obstacles)
-        surroundings = model.surroundings(obstacles, moved.workspace.min[2])
+        collision_world = model.collision_world(obstacles, moved.workspace.min[2])
         arc = made.bspline_arc if made.followed == "bspline" else made.quadratic_arc
         assert arc is not None
         required = moved.arm.clearance
-        for course in model.courses(made.motion.curve, arc, moved.arm, obstacles, surroundings):
-            profile = motion_law(course, moved.motion)
-            motion = course.motion(profile, SAMPLES)
-            clear = is_clear(motion, course.clearance(motion, obstacles, surroundings, required))
-            refuted = course.is_refuted(profile, surroundings, required)
+        for joint_path in model.joint_paths(
+            made.motion.curve, arc, moved.arm, obstacles, collision_world
+        ):
+            profile = motion_law(joint_path, moved.motion)
+            motion = joint_path.motion(profile, SAMPLES)
+            clear = is_clear(
+                motion, joint_path.clearance(motion, obstacles, collision_world, required)
+            )
+            refuted = joint_path.is_refuted(profile, collision_world, required)
             assert not (refuted and clear)
             seen.add((refuted, clear))
     assert {(True, False), (False, True)} <= seen

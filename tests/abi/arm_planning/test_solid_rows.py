@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
 from abi.arm_planning.world.solid_rows import RowTable
-from abi.arm_planning.world.surroundings import Surroundings, arm_surroundings
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 
@@ -28,13 +28,13 @@ def test_rows_that_stay_are_those_made_anew(seed: int) -> None:
         RowTable(),
     )
     obstacles = [_obstacle(random) for _ in range(6)]
-    handed_out: list[tuple[Surroundings, list[tuple[object, ...]]]] = []
+    handed_out: list[tuple[CollisionWorld, list[tuple[object, ...]]]] = []
     for _ in range(40):
         _change(obstacles, random)
         solids = ObstacleSet(tuple(obstacles))
         found, fresh = (
-            arm_surroundings(arm, solids, -1.0, table),
-            arm_surroundings(arm, solids, -1.0),
+            paper_arm_world(arm, solids, -1.0, table),
+            paper_arm_world(arm, solids, -1.0),
         )
         assert _content(found) == _content(fresh)
         assert found.solids.in_use == fresh.solids.in_use
@@ -73,20 +73,20 @@ def _obstacle(random: np.random.Generator) -> Obstacle:
             return MeshShape.of(_SURFACES[number - 2], position=(x, y, z))
 
 
-def _content(surroundings: Surroundings) -> list[tuple[object, ...]]:
+def _content(collision_world: CollisionWorld) -> list[tuple[object, ...]]:
     """Each outer row and all that is inside, with what is known of it, in their order."""
-    last = len(surroundings.numbers) - 1
-    return [_row(surroundings, int(s)) for s in surroundings.solids.outer if s < last]
+    last = len(collision_world.numbers) - 1
+    return [_row(collision_world, int(s)) for s in collision_world.solids.outer if s < last]
 
 
-def _row(surroundings: Surroundings, s: int) -> tuple[object, ...]:
-    first, end = surroundings.solids.inside[2 * s : 2 * s + 2].tolist()
+def _row(collision_world: CollisionWorld, s: int) -> tuple[object, ...]:
+    first, end = collision_world.solids.inside[2 * s : 2 * s + 2].tolist()
     return (
         *(
-            int(surroundings.numbers[s]),
-            int(surroundings.solids.meshes[s]),
-            tuple(surroundings.asked[:, s].tolist()),
+            int(collision_world.numbers[s]),
+            int(collision_world.solids.meshes[s]),
+            tuple(collision_world.asked[:, s].tolist()),
         ),
-        surroundings.solids.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
-        tuple(_row(surroundings, row) for row in range(first, end)),
+        collision_world.solids.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
+        tuple(_row(collision_world, row) for row in range(first, end)),
     )

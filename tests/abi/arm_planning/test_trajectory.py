@@ -18,7 +18,7 @@ from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
 from abi.errors import ArgumentError, OutOfReach
 from abi.paper import printed
-from abi.robot.paper_arm.arm import JOINTS, PaperArm
+from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.settings import ArmSettings
 from tests.abi.bezier import interpolated

@@ -23,7 +23,7 @@ from abi.obstacles.pose import METRES, rotation
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
-from abi.robot.paper_arm.arm import JOINTS, PaperArm, forward
+from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm, forward
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.robot.urdf.urdf_files import files_of
 from abi.scene.scene import Scene, load_scene

@@ -9,7 +9,7 @@ from abi.curves.curve import arc_length
 from abi.paper import printed
 from abi.paper.comparison import PaperComparison
 from abi.paper.reproduction import compare
-from abi.robot.paper_arm.arm import PaperArm, forward
+from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.scene.scene import Scene
 
 

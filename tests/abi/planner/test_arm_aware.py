@@ -10,15 +10,15 @@ import pytest
 
 from abi import Planner, load_scene, plan
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
-from abi.arm_planning.branch.arm_sight import ArmSight
-from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arm_planning.branch.elbow_branch import ElbowBranch
+from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_diagnosis import _bases
 from abi.planner.arm_words import contact_sentence
 from abi.planner.diagnosis import explain
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
 from abi.search.build_graph import build_graph
@@ -31,10 +31,10 @@ from tests.random_arms import arm_scene, dense_clearance
 _ON_WALL = (0.5**0.5, 0.0, 0.5**0.5, 0.0)
 
 
-def sight_of(scene: Scene, elbow: Elbow = "up", slack: float = 0.0) -> ArmSight:
+def elbow_branch_of(scene: Scene, elbow: Elbow = "up", slack: float = 0.0) -> ElbowBranch:
     arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
-    surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
-    return ArmSight(arm, elbow, surroundings, (0.0, 0.0), scene.arm.clearance, slack)
+    surroundings = paper_arm_world(arm, obstacles, scene.workspace.min[2])
+    return ElbowBranch(arm, elbow, surroundings, (0.0, 0.0), scene.arm.clearance, slack)
 
 
 @pytest.mark.slow
@@ -73,7 +73,9 @@ def test_a_quadratic_that_is_asked_to_be_clear_keeps_to_the_arm(mode: str) -> No
         if found.followed == "quadratic":
             followed += 1
             assert found.quadratic.holds
-            assert sight_of(scene, found.motion.elbow).refutation(found.quadratic.curve) is None
+            assert (
+                elbow_branch_of(scene, found.motion.elbow).refutation(found.quadratic.curve) is None
+            )
         else:
             assert found.quadratic.note
     assert followed >= 3
@@ -90,14 +92,14 @@ def test_a_taut_path_gives_room_where_no_curve_near_it_is_proven_clear() -> None
 
 def test_more_tries_prove_a_leg_close_to_the_base_axis() -> None:
     scene = arm_scene(174, meshes=True)
-    leg = np.array([[2.919, 2.919, 0.0], [2.919, 3.081, 0.0]])  # the axis is at 3, 3
-    sight = replace(sight_of(scene, slack=0.006), most_tries=300)
-    patient = sight.scaled(tries=20)
-    assert not sight.clear_legs(leg).any()
-    assert patient.clear_legs(leg).all()
-    assert patient.leg_refutation(leg) is None
-    points = leg[0] + np.linspace(0, 1, 400)[:, None] * (leg[1] - leg[0])
-    assert all(sight.leg_refutation(point[None]) is None for point in points)
+    segment = np.array([[2.919, 2.919, 0.0], [2.919, 3.081, 0.0]])  # the axis is at 3, 3
+    branch = replace(elbow_branch_of(scene, slack=0.006), most_tries=300)
+    patient = branch.scaled(tries=20)
+    assert not branch.clear_segments(segment).any()
+    assert patient.clear_segments(segment).all()
+    assert patient.polyline_refutation(segment) is None
+    points = segment[0] + np.linspace(0, 1, 400)[:, None] * (segment[1] - segment[0])
+    assert all(branch.polyline_refutation(point[None]) is None for point in points)
 
 
 @pytest.mark.slow
@@ -232,10 +234,10 @@ def test_the_same_planner_plans_the_same_while_an_obstacle_moves() -> None:
 def test_excluded_nodes_are_those_where_the_arm_is_not_clear(elbow: Elbow) -> None:
     scene = arm_scene(3, pitch=1.4)
     mesh = tetrahedralise(scene.workspace, scene.mesh)
-    sight, obstacles = sight_of(scene, elbow), ObstacleSet(scene.obstacles)
-    free = ArmExclusionCache()(FreeMesh.of(mesh), sight, obstacles)
+    branch, obstacles = elbow_branch_of(scene, elbow), ObstacleSet(scene.obstacles)
+    free = ArmExclusionCache()(FreeMesh.of(mesh), branch, obstacles)
     for node, point in enumerate(mesh.points):
-        fault = sight.leg_refutation(point[None])
+        fault = branch.polyline_refutation(point[None])
         assert free.excluded[node] == (fault is not None and fault.decided)
 
 
@@ -253,14 +255,14 @@ def test_what_is_remembered_of_nodes_that_become_free_is_what_is_found_anew() ->
     fewer = (*all_there[1:], moved[0]), all_there[:1], (*moved,), all_there[::-1], copies
     for obstacles in (all_there, *fewer, all_there + copies, all_there * 2, all_there[1:]):
         there = scene.model_copy(update={"obstacles": obstacles})
-        sight, solids = sight_of(there), ObstacleSet(obstacles)
+        branch, solids = elbow_branch_of(there), ObstacleSet(obstacles)
         free = exclude(made.mesh, solids, margin)
-        remembered, anew = cache(free, sight, solids), ArmExclusionCache()(free, sight, solids)
+        remembered, anew = cache(free, branch, solids), ArmExclusionCache()(free, branch, solids)
         assert (remembered.excluded == anew.excluded).all()
-        every = sight.reached(made.mesh.points)
+        every = branch.reached(made.mesh.points)
         expected = ~every | free.excluded
         for number in range(len(obstacles)):
-            expected |= sight.touching(made.mesh.points, number, every)
+            expected |= branch.touching(made.mesh.points, number, every)
         assert (anew.excluded == expected).all()
 
 

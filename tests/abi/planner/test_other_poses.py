@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from abi import compiling
-from abi.arm_planning.arm_model import OtherSights, SightTask
-from abi.arm_planning.urdf_model import UrdfModel
+from abi.arm_planning.arm_model import BranchTask, OtherBranches
+from abi.arm_planning.urdf_arm_model import UrdfArmModel
 from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
@@ -56,8 +56,8 @@ def scene_of(name: str, axis: Any, ends: Ends, obstacles: list[Any]) -> Scene:
     )
 
 
-def no_others(*_: Any) -> OtherSights:
-    return OtherSights(iter(()))
+def no_others(*_: Any) -> OtherBranches:
+    return OtherBranches(iter(()))
 
 
 @pytest.mark.slow
@@ -88,7 +88,7 @@ def test_a_motion_that_the_first_poses_do_not_lead_to_is_found_and_proven(
     verdicts = {one.curve: one for one in verify(json.loads(json.dumps(made.to_dict())))}
     assert verdicts["arm"].proven, verdicts["arm"].reason
 
-    monkeypatch.setattr(UrdfModel, "other_sights", no_others)
+    monkeypatch.setattr(UrdfArmModel, "other_branches", no_others)
     before = Planner()(scene).error
     assert isinstance(before, ArmNotClear)
 
@@ -112,12 +112,12 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     (tmp_path / "own.urdf").write_text(arm())
     data = {"version": 1, "unit": "m", "arm": {"model": "urdf", "urdf": "own.urdf"}}
     scene = Scene.from_dict(data, tmp_path)
-    model = UrdfModel(scene.arm, scene.unit)
+    model = UrdfArmModel(scene.arm, scene.unit)
     mesh = tetrahedralise(scene.workspace, scene.mesh)
     obstacles = ObstacleSet(scene.obstacles)
-    surroundings = model.surroundings(obstacles, 0.0)
+    collision_world = model.collision_world(obstacles, 0.0)
 
     assert len(model.arm.joints) <= 3
-    others = model.other_sights(SightTask(scene, obstacles, surroundings, mesh, 0.01))
-    assert list(others.sights) == []
+    others = model.other_branches(BranchTask(scene, obstacles, collision_world, mesh, 0.01))
+    assert list(others.branches) == []
     assert others.note == ""

@@ -18,8 +18,8 @@ from abi import Plan, Planner, Scene, load_scene, plan, scene_names
 from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import JOINTS, PaperArm, forward
-from abi.robot.paper_arm.arm import place as place_capsules
+from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm, forward
+from abi.robot.paper_arm.paper_arm import place as place_capsules
 from abi.scene.lattices import LATTICES
 from abi.tet_mesh.lattice import REGULAR
 from tests.abi.scene.test_scene import obstacles, points

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from abi import compiling
-from abi.arm_planning.arm_model import Course
+from abi.arm_planning.arm_model import JointPath
 from abi.arm_planning.motion_law import motion_law
 from abi.curves import fit_bspline
 from abi.curves.timed_profile import PathProfile
@@ -95,9 +95,9 @@ def test_the_time_of_the_timing_is_that_of_the_law_that_made_it(
 ) -> None:
     took = 0.05  # [s]
 
-    def slow_law(course: Course, asked: MotionSettings) -> PathProfile:
+    def slow_law(joint_path: JointPath, asked: MotionSettings) -> PathProfile:
         threading.Event().wait(took if asked.law == "slowed" else 0.0)
-        return motion_law(course, asked)
+        return motion_law(joint_path, asked)
 
     monkeypatch.setattr(tool_branch, "motion_law", slow_law)
     made, scene = Planner(), load_scene("paper")

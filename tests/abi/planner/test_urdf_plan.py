@@ -13,9 +13,12 @@ import pytest
 
 from abi import compiling
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_stances
-from abi.arm_planning.exclusion.spread_kernels import spread
-from abi.arm_planning.exclusion.stance_tree_kernels import bound_stances, stances_touching
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
+from abi.arm_planning.exclusion.configuration_tree_kernels import (
+    bound_configurations,
+    configurations_touching,
+)
+from abi.arm_planning.exclusion.spread_configurations_kernels import spread
 from abi.arm_planning.joint_rates import joint_rates
 from abi.arrays import FloatArray
 from abi.errors import ArmNotClear, ExportError, SceneError
@@ -44,9 +47,9 @@ def _compiled() -> None:
         chain_poses,
         separate_chain,
         spread,
-        touching_stances,
-        bound_stances,
-        stances_touching,
+        touching_configurations,
+        bound_configurations,
+        configurations_touching,
     ):
         kernel.compile()
 

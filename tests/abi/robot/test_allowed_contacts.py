@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arm_planning.world.chain_distances import obstacle_distances
+from abi.arm_planning.world.collision_world import chain_world
 from abi.arm_planning.world.mount import mounts
-from abi.arm_planning.world.surroundings import chain_surroundings
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -67,7 +67,7 @@ def test_a_pair_that_the_scene_names_may_touch() -> None:
     ]
     assert len(one.pairs) == len(plain.pairs) - 1
     boxes = ObstacleSet((Box(size=(0.1, 0.1, 0.1), position=(0.5, 0.5, 0.5)),))
-    around = chain_surroundings(one, boxes, 0.0).allowed
+    around = chain_world(one, boxes, 0.0).allowed
     assert ("shoulder_link", 0, "asked") in around
 
 
@@ -109,7 +109,7 @@ def test_distances_leave_out_what_a_link_may_touch() -> None:
     near = [shape.model_copy(update={"position": (0.3, 0.2 * k, 0.4)}) for k, shape in
             enumerate(others)]  # fmt: skip
     obstacles = ObstacleSet((table, *near))
-    allowed = chain_surroundings(one, obstacles, 0.0).allowed
+    allowed = chain_world(one, obstacles, 0.0).allowed
     ends = one.place(random.uniform(one.limits[:, 0], one.limits[:, 1], (40, 7)))
     distance, number = obstacle_distances(one, obstacles, ends, allowed=allowed)
     for k, capsule in enumerate(one.capsules):

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.robot.paper_arm.arm import PaperArm, forward
 from abi.robot.paper_arm.inverse_kinematics import Solution, solve
+from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.scene.settings import ArmSettings
 
 Elbow = Literal["up", "down"]

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 import abi
 from abi.scene.scene import load_scene, scene_names
 from app.camera.camera import _view
+from app.camera.occlusion import hidden
 from app.camera.prospect import USUAL, best_direction, in_view
-from app.camera.sight import hidden
 
 _CROWDED = {"kitchen-ur5e": 0.5}
 """Shipped scenes in which a wrist as wide as its shelf stands before an end for longer."""

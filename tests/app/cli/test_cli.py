@@ -25,7 +25,7 @@ from app.cli.exit_code import INCOMPLETE
 from app.guard.policy import policy_for
 from app.server.address import Address
 from app.server.server import Server
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 
 
 def run(

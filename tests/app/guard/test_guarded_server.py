@@ -21,7 +21,7 @@ from app.guard.connection import BURST, MAX_REFUSED, MESSAGES_PER_SECOND
 from app.guard.policy import policy_for
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from app.ui import page
 from tests.app.fake_tab import FakeTab, until

@@ -16,7 +16,7 @@ from abi import compiling, plan
 from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.kinematics.chain_kernels import POSE
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene

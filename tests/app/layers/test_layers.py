@@ -34,8 +34,8 @@ from app.panels.stages.stage_headers import STAGES
 from app.panels.teach.lecture import VIEWS
 from app.server.address import Address
 from app.server.server import Server, start
+from app.state.appearance import PLAIN
 from app.state.frame import Frame
-from app.state.look import PLAIN
 from app.tab.session import Session
 from app.tab.view import SWITCHES
 from app.ui.colour_scale import scale_colours

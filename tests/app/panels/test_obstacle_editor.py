@@ -19,7 +19,7 @@ from app.layers.arm.arm import ArmLayer
 from app.layers.result.plots import PlotsLayer
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.state.named_obstacles import numbers_of
 from app.tab.session import Session
 from tests.abi import meshes

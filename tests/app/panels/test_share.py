@@ -10,7 +10,7 @@ from PIL import Image
 from abi import load_scene, plan
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.paper_arm.arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm, place
 from abi.scene.scene import Scene
 from app.layers.result.motion_curves import acceleration, links_clearance, tool_clearance
 from app.panels.files.share import png

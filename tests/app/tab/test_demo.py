@@ -14,7 +14,7 @@ from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.widgets import VectorBox
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.demo import Demo
 from app.tab.session import Session
 from tests.app.fake_tab import opened

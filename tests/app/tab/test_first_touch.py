@@ -13,7 +13,7 @@ from abi.arrays import FloatArray
 from abi.planner.live_planner import LivePlanner
 from abi.scene.scene import load_scene
 from app.cli.serve import serve
-from app.state.look import OPENING
+from app.state.appearance import OPENING
 from app.tab import demo
 from benchmarks.first_touch import measure, verdict
 

@@ -375,7 +375,7 @@ def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) ->
 
 
 @pytest.mark.slow
-def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_collision_world_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[tuple[Any, bool]] = []
     sessions: dict[int, Session] = {}
 

@@ -15,7 +15,7 @@ import pytest
 from app.guard import connection
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.ui import page
 from benchmarks.interrupt import Interrupt
 from benchmarks.soak import catches_up, shut, soak, summary

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from app.panels.teach.poll_text import question_text
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from app.teach.class_file import ClassFile
 from app.teach.class_table import table

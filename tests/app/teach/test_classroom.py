@@ -11,7 +11,7 @@ from app.panels.teach.classroom import ClassroomPanel
 from app.panels.teach.poll_text import bars
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from app.teach.classroom import Classroom
 from app.teach.poll import MAX_CHOICES

@@ -9,7 +9,7 @@ import pytest
 from app.panels.teach.exercise import ExercisePanel
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, until
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from abi.teach.quiz.templates import question, templates
 from app.server.address import Address
 from app.server.server import start
-from app.state.look import PLAIN
+from app.state.appearance import PLAIN
 from app.teach.practice import MASTERY, Practice, decoded, quiz
 from tests.app.fake_tab import opened, until
 

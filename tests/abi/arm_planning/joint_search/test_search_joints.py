@@ -29,7 +29,7 @@ from abi.arm_planning.world.chain_distances import (
     obstacle_distances,
     own_distances,
 )
-from abi.arm_planning.world.surroundings import chain_surroundings
+from abi.arm_planning.world.collision_world import chain_world
 from abi.arrays import BoolArray, FloatArray
 from abi.errors import ArgumentError
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -59,7 +59,7 @@ def some_task(name: str, seed: int) -> Task:
     one, random = some_arm(name), np.random.default_rng(seed)
     obstacles = some_obstacles(one, random)
     margin = float(random.uniform(0, 0.02)) * one.reach
-    space = JointSpace(one, chain_surroundings(one, obstacles, -1e3), margin)
+    space = JointSpace(one, chain_world(one, obstacles, -1e3), margin)
     low, high = one.chain.usual_range().T * one.scales
     poses = random.uniform(low, high, (60, len(low)))
     clear = [pose for pose in poses if space.clear(np.stack([pose, pose]))]
@@ -78,7 +78,7 @@ def test_every_path_found_is_proven_keeps_limits_and_leads_from_start_to_goal(
     assume(found[-1].path is not None)
     for one in found:
         assert one.path is not None
-        proof = certify_chain(space.arm, one.path, space.surroundings, space.margin)
+        proof = certify_chain(space.arm, one.path, space.collision_world, space.margin)
         assert isinstance(proof, ArmCertificate)
         assert space.is_within(one.path)
         assert one.path[[0, -1]] == pytest.approx(np.stack([task.start, task.goal]), abs=1e-12)
@@ -100,14 +100,14 @@ def test_every_edge_of_both_trees_is_clear_at_dense_samples(name: str, seed: int
             poses = Poses.of(arm, between(way))
             assert solid_distances(space, task.obstacles, poses).min() > space.margin
             assert own_distances(arm, poses).min(initial=math.inf) > 0
-            floor = space.surroundings.floor
+            floor = space.collision_world.floor
             assert floor_distances(arm, floor, poses).min(initial=math.inf) > 0
 
 
 def solid_distances(space: JointSpace, obstacles: ObstacleSet, poses: Poses) -> FloatArray:
     """Distances (k, c) of an arm's bodies to obstacles."""
     of_capsules = obstacle_distances(space.arm, obstacles, poses.ends)
-    return hull_distances_to(space.arm, poses, space.surroundings, of_capsules, math.inf)[0]
+    return hull_distances_to(space.arm, poses, space.collision_world, of_capsules, math.inf)[0]
 
 
 @pytest.mark.slow
@@ -162,7 +162,7 @@ def grid_of(task_space: JointSpace, obstacles: ObstacleSet, size: int = 121) -> 
     gaps = [
         solid_distances(task_space, obstacles, placed).min(axis=1) - task_space.margin,
         own_distances(arm, placed).min(axis=1, initial=math.inf),
-        floor_distances(arm, task_space.surroundings.floor, placed).min(axis=1),
+        floor_distances(arm, task_space.collision_world.floor, placed).min(axis=1),
     ]
     half = np.array([side[1] - side[0] for side in sides]) / 2
     levers = np.concatenate([arm.levers, arm.pair_levers])
@@ -180,7 +180,7 @@ def test_it_finds_a_path_where_a_grid_has_one_and_none_where_a_grid_shows_that_t
         middle = arm.tool(random.uniform(-2, 2, (5, 2)))
         spheres = [Sphere(radius=0.15, position=tuple(place)) for place in middle.tolist()]
         obstacles = ObstacleSet(tuple(spheres))
-        space = JointSpace(arm, chain_surroundings(arm, obstacles, -1e3), 0.0)
+        space = JointSpace(arm, chain_world(arm, obstacles, -1e3), 0.0)
         grid = grid_of(space, obstacles)
         surely = grid.regions(grid.gaps > 3 * grid.moves)
         perhaps = grid.regions(grid.gaps > -grid.moves)
@@ -199,7 +199,7 @@ def test_it_finds_a_path_where_a_grid_has_one_and_none_where_a_grid_shows_that_t
 
 def test_the_nearest_of_several_goals_can_be_taken_and_a_free_way_is_straight() -> None:
     arm = some_arm("ur5e")
-    space = JointSpace(arm, chain_surroundings(arm, ObstacleSet(()), -1e3), 0.0)
+    space = JointSpace(arm, chain_world(arm, ObstacleSet(()), -1e3), 0.0)
     start = np.array([0.0, -1.2, 1.0, 0.3, 0.2, 0.0])
     goals = start + np.array([[0.4, 0, 0, 0, 0, 0], [0.1, 0, 0, 0, 0, 0.1]])
     found = search_joints(space, start[None], goals)
@@ -211,7 +211,7 @@ def test_the_nearest_of_several_goals_can_be_taken_and_a_free_way_is_straight() 
 
 def test_shortening_stops_after_its_tries() -> None:
     arm = some_arm("ur5e")
-    space = JointSpace(arm, chain_surroundings(arm, ObstacleSet(()), -1e3), 0.0)
+    space = JointSpace(arm, chain_world(arm, ObstacleSet(()), -1e3), 0.0)
     start = np.array([0.0, -1.2, 1.0, 0.3, 0.2, 0.0])
     detour = start + np.array([0.0, 0.3, 0.1, 0.4])[:, None] * np.eye(6)[0]
     ways = list(shortened(space, detour, np.random.default_rng(0), 0))
@@ -221,7 +221,7 @@ def test_shortening_stops_after_its_tries() -> None:
 
 def test_a_search_that_is_not_wanted_any_more_ends() -> None:
     task_arm = some_arm("ur5e")
-    space = JointSpace(task_arm, chain_surroundings(task_arm, ObstacleSet(()), -1e3), 0.0)
+    space = JointSpace(task_arm, chain_world(task_arm, ObstacleSet(()), -1e3), 0.0)
     pose = np.array([[0.0, -1.2, 1.0, 0.3, 0.2, 0.0]])
     with pytest.raises(CancelledError), watched_by(QuietWatch(lambda: True)):
         search_joints(space, pose, pose + 0.5)
@@ -229,7 +229,7 @@ def test_a_search_that_is_not_wanted_any_more_ends() -> None:
 
 def test_wrong_ends_are_named() -> None:
     arm = some_arm("ur5e")
-    space = JointSpace(arm, chain_surroundings(arm, ObstacleSet(()), -1e3), 0.0)
+    space = JointSpace(arm, chain_world(arm, ObstacleSet(()), -1e3), 0.0)
     pose = np.zeros((1, 6))
     with pytest.raises(ArgumentError, match="number of goals"):
         search_joints(space, pose, pose[:0])

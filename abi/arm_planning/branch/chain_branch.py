@@ -13,20 +13,20 @@ from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_stances
-from abi.arm_planning.exclusion.leg_kernels import MOST_TRIES
-from abi.arm_planning.exclusion.stance_tree_kernels import stances_touching
-from abi.arm_planning.exclusion.stances import Stances
-from abi.arm_planning.motion.urdf_motion import JointCourse, course_from
-from abi.arm_planning.world.surroundings import Surroundings
-from abi.arm_planning.world.surroundings_kernels import Obstacles
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
+from abi.arm_planning.exclusion.configuration_tree_kernels import configurations_touching
+from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
+from abi.arm_planning.exclusion.paper_arm_segment_kernels import MOST_TRIES
+from abi.arm_planning.motion.urdf_motion import ChainJointPath, joint_path_from
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.tet_mesh.node_tree import NodeTree
 
 _STEP = 1 / 60
-"""Way of the tool between poses of a leg, at most, over the arm's reach."""
+"""Way of the tool between poses of a segment, at most, over the arm's reach."""
 _AT_LIMIT = 1e-3
 """Distance to its limit at which a joint counts as held by it, [rad] or [m]."""
 _SAMPLES = 241
@@ -34,38 +34,38 @@ _SAMPLES = 241
 
 
 @dataclass(frozen=True, eq=False)
-class ChainSight:
+class ChainBranch:
     """Edges and curves that a URDF arm allows its tool from one start pose.
 
-    A redundant arm takes the stance at a point that it reaches from the start pose, drawn towards a
-    pose called home; legs begin with the stance of the nearest node.
+    A redundant arm takes the configuration at a point that it reaches from the start pose, drawn
+    towards a pose called home; segments begin with the configuration of the nearest node.
 
     Attributes:
         arm: the arm.
-        branch: the pose, as the beginning of a sentence.
-        surroundings: obstacles and floor.
-        stances: its joints all over the mesh.
+        name: the pose, as the beginning of a sentence.
+        collision_world: obstacles and floor.
+        configurations: its joints all over the mesh.
         clearance: distance that its links keep from obstacles, [unit].
-        slack: distance that legs and nodes keep beyond that, [unit].
-        most_tries: pairs of a capsule and an obstacle to try, to prove a leg or a node clear.
+        slack: distance that segments and nodes keep beyond that, [unit].
+        most_tries: pairs of a capsule and an obstacle to try, to prove a segment or a node clear.
     """
 
     arm: UrdfArm
-    branch: str
-    surroundings: Surroundings
-    stances: Stances
+    name: str
+    collision_world: CollisionWorld
+    configurations: NodeConfigurations
     clearance: float
     slack: float
     most_tries: int = field(default=MOST_TRIES, kw_only=True)
 
     @property
-    def legs(self) -> None:
+    def segments(self) -> None:
         """None: the compiled loops do not know this arm."""
 
     @property
     def key(self) -> tuple[object, ...]:
         """Everything that the excluded nodes depend on, except the obstacles."""
-        return self.arm, self.stances, self.clearance, self.slack
+        return self.arm, self.configurations, self.clearance, self.slack
 
     def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
         """A copy with so many times the slack and the tries."""
@@ -74,13 +74,15 @@ class ChainSight:
     def refutation(self, curve: Curve) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
-        joints, missed = self.arm.follow(self.stances.first, curve(parameters), self.stances.home)
+        joints, missed = self.arm.follow(
+            self.configurations.first, curve(parameters), self.configurations.home
+        )
         return self._refutation(joints, missed, parameters, self.clearance, CURVE_TRIES)
 
-    def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
+    def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
+        """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         vertices = arguments.polyline("points", points)
-        begin = self.stances.near(vertices[0])
+        begin = self.configurations.near(vertices[0])
         if begin is None:
             return ArmRefutation(0.0, -1, -1, True)
         parameters, joints, missed = self._follow_polyline(vertices, begin)
@@ -89,7 +91,7 @@ class ChainSight:
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""
         point = arguments.numbers("point", point, (3,))
-        begin = self.stances.near(point)
+        begin = self.configurations.near(point)
         if begin is None:
             return None
         _, joints, missed = self._follow_polyline(np.stack([point, point]), begin)
@@ -103,38 +105,47 @@ class ChainSight:
         name = self.arm.joints[joint]
         return Unreached(float(missed[-1]), name, float(joints[-1, joint]), limit, bool(slides))
 
-    def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Check whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2.
+    def clear_segments(self, points: FloatArray) -> BoolArray:
+        """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3), k >= 2.
 
         Each begins with the pose in which the one before ended; after one that is not clear, with
-        the stance of the nearest node.
+        the configuration of the nearest node.
         """
         points = arguments.polyline("points", points)
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
         pose: tuple[FloatArray, FloatArray] | None = None
         for k in range(len(clear)):
-            begin = pose or self.stances.near(points[k])
+            begin = pose or self.configurations.near(points[k])
             if begin is None:
                 return clear
             _, joints, missed = self._follow_polyline(points[k : k + 2], begin)
             clear[k] = (missed <= REACHED * self.arm.reach).all() and chain_refutation(
-                self.arm, joints, self.surroundings, self._beyond, self.most_tries
+                self.arm, joints, self.collision_world, self._beyond, self.most_tries
             ) is None
             pose = (points[k + 1], joints[-1]) if clear[k] else None
         return clear
 
-    def course(self, curve: Curve, arc: ArcLength) -> JointCourse:
+    def joint_path(self, curve: Curve, arc: ArcLength) -> ChainJointPath:
         """The joints along a curve, from that pose."""
-        return course_from(self.stances.first, curve, arc, self.arm, self.stances.home)
+        return joint_path_from(
+            self.configurations.first, curve, arc, self.arm, self.configurations.home
+        )
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Check whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
-        reached = self.stances.reached
+        reached = self.configurations.reached
         assert len(points) == len(reached)
-        surroundings = self.surroundings.only(self.surroundings.numbers < 0).beyond(self._beyond)
+        collision_world = self.collision_world.only(self.collision_world.numbers < 0).beyond(
+            self._beyond
+        )
         touching = np.zeros(len(reached), dtype=np.bool_)
-        touching_stances(
-            *(self.arm.chain.table, self.arm.bodies, self.stances.coordinates, surroundings),
+        touching_configurations(
+            *(
+                self.arm.chain.table,
+                self.arm.bodies,
+                self.configurations.coordinates,
+                collision_world,
+            ),
             *(self.slack, reached, touching),
         )
         return reached & ~touching
@@ -145,21 +156,21 @@ class ChainSight:
         """Check if it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         assert len(points) == len(reached)
         touching = np.zeros(len(reached), dtype=np.bool_)
-        obstacle = self._around, self.surroundings.first_row(number)
-        stances_touching(
-            *(self.arm.chain.table, self.arm.bodies, self.stances.tree),
+        obstacle = self._around, self.collision_world.first_row(number)
+        configurations_touching(
+            *(self.arm.chain.table, self.arm.bodies, self.configurations.tree),
             *(obstacle, reached, touching),
         )
         return touching
 
     @property
     def _beyond(self) -> float:
-        """Distance that legs and places keep, [unit]."""
+        """Distance that segments and places keep, [unit]."""
         return self.clearance + self.slack
 
     @cached_property
     def _around(self) -> Obstacles:
-        return self.surroundings.beyond(self._beyond)
+        return self.collision_world.beyond(self._beyond)
 
     def _follow_polyline(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
@@ -178,7 +189,7 @@ class ChainSight:
         rows = np.arange(len(vertices))
         targets = np.stack([np.interp(parameters, rows, part) for part in vertices.T], axis=1)
         points = np.concatenate([[begin[0]], targets])
-        joints, missed = self.arm.follow(begin[1], points, self.stances.home)
+        joints, missed = self.arm.follow(begin[1], points, self.configurations.home)
         return parameters, joints[1:], missed[1:]
 
     def _refutation(
@@ -193,7 +204,7 @@ class ChainSight:
         beyond = np.flatnonzero(missed > REACHED * self.arm.reach)
         if len(beyond):
             return ArmRefutation(float(parameters[beyond[0]]), -1, -1, True)
-        found = chain_refutation(self.arm, joints, self.surroundings, margin, tries)
+        found = chain_refutation(self.arm, joints, self.collision_world, margin, tries)
         if found is None:
             return None
         at = float(np.interp(found.parameter, np.arange(len(parameters)), parameters))

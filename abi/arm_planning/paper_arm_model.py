@@ -7,22 +7,22 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_model import OtherSights, SightTask
-from abi.arm_planning.branch.arm_sight import ArmSight
+from abi.arm_planning.arm_model import BranchTask, OtherBranches
+from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation, certify_arm, slide_bounds
-from abi.arm_planning.exclusion import mask_kernels
+from abi.arm_planning.exclusion import paper_arm_mask_kernels
 from abi.arm_planning.motion import trajectory
 from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
 from abi.arm_planning.world.solid_rows import RowTable
-from abi.arm_planning.world.surroundings import Surroundings, arm_surroundings
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves import speed_profile
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
@@ -39,7 +39,7 @@ _LONGER = 1.5
 
 
 @dataclass(frozen=True)
-class AbiCourse:
+class PaperArmJointPath:
     """Joint positions as a function of the distance along a curve, on one elbow branch."""
 
     curve: Curve
@@ -82,7 +82,9 @@ class AbiCourse:
         """Motion by a profile, at uniform times."""
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
-    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
+    def is_refuted(
+        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+    ) -> bool:
         """Check whether a few poses show that the arm is not clear.
 
         If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first;
@@ -96,72 +98,86 @@ class AbiCourse:
             if isinstance(profile, TimedProfile):
                 return False
             tries = _TRIES_TO_REFUTE
-            found = certify_arm(self.curve, slide, self.arm, elbow, surroundings, required, tries)
+            found = certify_arm(
+                self.curve, slide, self.arm, elbow, collision_world, required, tries
+            )
             return isinstance(found, ArmRefutation) and found.decided
         points = flat(self.curve(np.linspace(*self.curve.interval, _POSES_TO_REFUTE)))
         reached, touching = np.zeros((2, _POSES_TO_REFUTE), dtype=np.bool_)
         forearm = float(self.arm.forearm(low))
-        mask_kernels.reached_places(points, table.numbers, forearm, 0.0, reached)
+        paper_arm_mask_kernels.reached_places(points, table.numbers, forearm, 0.0, reached)
         if not reached.all():
             return True
-        mask_kernels.touching_places(
-            points, table, surroundings.beyond(required), forearm, 0.0, read_only(reached), touching
+        paper_arm_mask_kernels.touching_places(
+            points,
+            table,
+            collision_world.beyond(required),
+            forearm,
+            0.0,
+            read_only(reached),
+            touching,
         )
         return bool(touching.any())
 
     def clearance(
-        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
+        self,
+        motion: ArmMotion,
+        obstacles: ObstacleSet,
+        collision_world: CollisionWorld,
+        required: float,
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
-        return arm_clearance(motion, self.arm, obstacles, surroundings, required)
+        return arm_clearance(motion, self.arm, obstacles, collision_world, required)
 
 
-class AbiModel:
+class PaperArmModel:
     """The paper's arm; it remembers the rows of the last obstacles."""
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         self.arm = PaperArm.from_settings(settings, unit)
         self._rows = RowTable()
 
-    def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+    def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
         """Surroundings of the arm: obstacles, floor and column."""
-        return arm_surroundings(self.arm, obstacles, lowest, self._rows)
+        return paper_arm_world(self.arm, obstacles, lowest, self._rows)
 
-    def courses(
+    def joint_paths(
         self,
         curve: Curve,
         arc: ArcLength,
         settings: ArmSettings,
         obstacles: ObstacleSet,
-        surroundings: Surroundings,
-    ) -> tuple[AbiCourse, ...]:
+        collision_world: CollisionWorld,
+    ) -> tuple[PaperArmJointPath, ...]:
         """Joints along a curve, on each elbow branch that may be taken."""
         branches = settings.branches
-        return tuple(AbiCourse(curve, arc, self.arm, settings.on(elbow)) for elbow in branches)
+        return tuple(
+            PaperArmJointPath(curve, arc, self.arm, settings.on(elbow)) for elbow in branches
+        )
 
-    def sights(self, task: SightTask) -> tuple[AbiSight, ...]:
-        """One sight for each elbow branch that may be taken."""
-        settings, around = task.scene.arm, task.surroundings
+    def branches(self, task: BranchTask) -> tuple[PaperArmBranch, ...]:
+        """One branch for each elbow branch that may be taken."""
+        settings, around = task.scene.arm, task.collision_world
         extensions, clearance = _extensions(task.scene), settings.clearance
         return tuple(
-            AbiSight(self.arm, elbow, around, extensions, clearance, task.slack, settings)
+            PaperArmBranch(self.arm, elbow, around, extensions, clearance, task.slack, settings)
             for elbow in settings.branches
         )
 
-    def other_sights(self, task: SightTask) -> OtherSights:
-        """No further sights: an elbow has only two sides."""
-        return OtherSights(iter(()))
+    def other_branches(self, task: BranchTask) -> OtherBranches:
+        """No further branches: an elbow has only two sides."""
+        return OtherBranches(iter(()))
 
 
 @dataclass(frozen=True, eq=False)
-class AbiSight(ArmSight):
-    """Sight of the paper's arm, with the settings of its drives."""
+class PaperArmBranch(ElbowBranch):
+    """ArmBranch of the paper's arm, with the settings of its drives."""
 
     settings: ArmSettings
 
-    def course(self, curve: Curve, arc: ArcLength) -> AbiCourse:
+    def joint_path(self, curve: Curve, arc: ArcLength) -> PaperArmJointPath:
         """The joints along a curve."""
-        return AbiCourse(curve, arc, self.arm, self.settings.on(self.elbow))
+        return PaperArmJointPath(curve, arc, self.arm, self.settings.on(self.elbow))
 
 
 def _extensions(scene: Scene) -> tuple[float, float]:

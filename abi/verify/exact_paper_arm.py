@@ -1,4 +1,4 @@
-"""The arm in exact rational numbers, for :mod:`abi.verify.verify_arm`.
+"""The arm in exact rational numbers, for :mod:`abi.verify.verify_paper_arm`.
 
 The elbow's position contains square roots, so it is an interval. How far a link moves when the tool
 moves by d and the slide by e is bounded as in ``abi.robot.paper_arm.pose_kernels``, but shares no

@@ -31,8 +31,8 @@ from abi.verify.exact import (
     times_length,
     vector,
 )
-from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact_paper_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded

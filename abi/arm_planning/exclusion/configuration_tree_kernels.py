@@ -1,7 +1,7 @@
-"""Stances at which a URDF arm touches an obstacle, many stances at once.
+"""Configurations at which a URDF arm touches an obstacle, many configurations at once.
 
-Around each capsule, at all stances of a branch of a tree, is a box: what is clear of the boxes is
-clear of the arm at each of the stances.
+Around each capsule, at all configurations of a branch of a tree, is a box: what is clear of the
+boxes is clear of the arm at each of the configurations.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from abi.arm_planning.certificates.separate_chain_kernels import place_bodies
 from abi.arm_planning.exclusion.chain_mask_kernels import touches_row
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, box_gap
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
@@ -26,37 +26,41 @@ _BOX = 6
 """Numbers of a box: its low and its high corner."""
 
 
-class StanceTree(NamedTuple):
-    """Stances of a chain with n coordinates, in a tree over their places.
+class ConfigurationTree(NamedTuple):
+    """Configurations of a chain with n coordinates, in a tree over their places.
 
     Attributes:
-        stances: coordinates at the k places, flat (k n,).
+        configurations: coordinates at the k places, flat (k n,).
         order: places in the tree's order (k,).
         leaves: first place of each leaf in that order, as in :class:`abi.tet_mesh.node_tree`.
-        boxes: around the segment of each of c capsules at the stances of each of m branches, low
-            corners above high ones where there is none, flat (6 c m,), [unit], world.
+        boxes: around the segment of each of c capsules at the configurations of each of m branches,
+            low corners above high ones where there is none, flat (6 c m,), [unit], world.
     """
 
-    stances: FloatArray
+    configurations: FloatArray
     order: IntArray
     leaves: IntArray
     boxes: FloatArray
 
 
-NO_STANCES = StanceTree(FLOATS, IDS, IDS, FLOATS)
+NO_CONFIGURATIONS = ConfigurationTree(FLOATS, IDS, IDS, FLOATS)
 """Example for the compiler."""
 
 
-@compiled(example=(TABLE, BODIES, NO_STANCES, FLAGS, NEW_FLOATS))
-def bound_stances(
-    chain: ChainTable, bodies: Bodies, tree: StanceTree, reached: BoolArray, boxes: FloatArray
+@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, FLAGS, NEW_FLOATS))
+def bound_configurations(
+    chain: ChainTable,
+    bodies: Bodies,
+    tree: ConfigurationTree,
+    reached: BoolArray,
+    boxes: FloatArray,
 ) -> None:
     """Write the boxes of a tree.
 
     Args:
         chain: the chain.
         bodies: its capsules.
-        tree: the stances, without boxes.
+        tree: the configurations, without boxes.
         reached: places that count, (k,).
         boxes: those around nothing at first; written.
     """
@@ -69,7 +73,7 @@ def bound_stances(
             node, at = tree.order[i], size * (inner + leaf)
             if not reached[node]:
                 continue
-            place_bodies(chain, bodies, tree.stances, node * count, poses, ends)
+            place_bodies(chain, bodies, tree.configurations, node * count, poses, ends)
             for k in range(size):
                 low = at + k - (3 if k % _BOX >= 3 else 0)
                 boxes[low] = min(boxes[low], ends[k])
@@ -92,21 +96,21 @@ def _comes_near(bodies: Bodies, boxes: FloatArray, at: int, around: Obstacles, s
     return False
 
 
-@compiled(example=(TABLE, BODIES, NO_STANCES, (NO_OBSTACLES, 0), FLAGS, NEW_FLAGS))
-def stances_touching(
+@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, (NO_OBSTACLES, 0), FLAGS, NEW_FLAGS))
+def configurations_touching(
     chain: ChainTable,
     bodies: Bodies,
-    tree: StanceTree,
+    tree: ConfigurationTree,
     obstacle: tuple[Obstacles, int],
     asked: BoolArray,
     touching: BoolArray,
 ) -> None:
-    """Mark the places at whose stance a capsule is too near to an obstacle.
+    """Mark the places at whose configuration a capsule is too near to an obstacle.
 
     Args:
         chain: the chain.
         bodies: its capsules.
-        tree: the stances.
+        tree: the configurations.
         obstacle: what to keep clear of, and the row with all of it.
         asked: places to look at, of those that count in the tree, (k,).
         touching: (k,), False at first; written.
@@ -129,6 +133,6 @@ def stances_touching(
             node = tree.order[i]
             if not asked[node]:
                 continue
-            place_bodies(chain, bodies, tree.stances, node * count, poses, ends)
+            place_bodies(chain, bodies, tree.configurations, node * count, poses, ends)
             touching[node] = touches_row(bodies, ends, poses, around, root, waiting)
     held(own)

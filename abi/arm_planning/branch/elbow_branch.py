@@ -12,46 +12,50 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
-from abi.arm_planning.certificates.separate_arm_kernels import UNREACHED, Slide, separate_arm
-from abi.arm_planning.exclusion import leg_kernels, mask_kernels, place_tree_kernels
-from abi.arm_planning.exclusion.leg_kernels import MOST_TRIES, ArmLegs
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
+from abi.arm_planning.exclusion import (
+    paper_arm_mask_kernels,
+    paper_arm_node_tree_kernels,
+    paper_arm_segment_kernels,
+)
+from abi.arm_planning.exclusion.paper_arm_segment_kernels import MOST_TRIES, ArmSegments
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
-from abi.robot.paper_arm.arm import JOINTS, PaperArm
 from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
 from abi.tet_mesh.node_tree import NodeTree
 
 _SPARE = 0.01
-"""Distance that legs and places keep from the limits of q2 and q3, for curves to round, [rad]."""
+"""Distance that segments keep from the limits of q2 and q3, for curves to round, [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
-class ArmSight:
+class ElbowBranch:
     """Edges and curves that the paper's arm allows on one elbow branch, its slide in a range.
 
     Attributes:
         arm: the arm.
         elbow: its branch.
-        surroundings: obstacles, floor and column.
+        collision_world: obstacles, floor and column.
         extensions: least and greatest q5 while it moves, [unit].
         clearance: distance that its links keep from obstacles, [unit].
-        slack: distance that legs and nodes keep beyond that, so that a curve may round them,
+        slack: distance that segments and nodes keep beyond that, so that a curve may round them,
             [unit].
-        most_tries: pairs of a capsule and an obstacle to try, to prove a leg or a node clear.
+        most_tries: pairs of a capsule and an obstacle to try, to prove a segment or a node clear.
     """
 
     arm: PaperArm
     elbow: Literal["up", "down"]
-    surroundings: Surroundings
+    collision_world: CollisionWorld
     extensions: tuple[float, float]
     clearance: float
     slack: float
     most_tries: int = field(default=MOST_TRIES, kw_only=True)
 
     @property
-    def branch(self) -> str:
+    def name(self) -> str:
         """The branch, as the beginning of a sentence."""
         return f"With the elbow {self.elbow}"
 
@@ -67,31 +71,33 @@ class ArmSight:
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         slide = Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
-        result = certify_arm(curve, slide, self.arm, self.elbow, self.surroundings, self.clearance)
+        result = certify_arm(
+            curve, slide, self.arm, self.elbow, self.collision_world, self.clearance
+        )
         return None if isinstance(result, ArmCertificate) else result
 
-    def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
+    def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
+        """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         vertices = arguments.polyline("points", points)
         count = len(vertices) - 1
-        legs = np.stack([vertices[:-1], vertices[1:]], axis=1)
+        segments = np.stack([vertices[:-1], vertices[1:]], axis=1)
         breaks = read_only(np.arange(count + 1, dtype=float))
         room = np.zeros(6 * (count + 2 * MOST_HALVINGS + 2))
         slide = Slide(read_only(np.array([0.0, count])), *self._extensions)
         status, at, pair, _, _ = separate_arm(
-            flat(legs),
+            flat(segments),
             breaks,
             room,
-            self.legs.table,
-            self.legs.around,
+            self.segments.table,
+            self.segments.around,
             slide,
             self.most_tries,
         )
         if status == CERTIFIED:
             return None
-        capsule, row = divmod(pair, len(self.surroundings.numbers)) if pair >= 0 else (-1, -1)
+        capsule, row = divmod(pair, len(self.collision_world.numbers)) if pair >= 0 else (-1, -1)
         decided = status in (REFUTED, UNREACHED)
-        return ArmRefutation(at, capsule, int(self.surroundings.numbers[row]), decided)
+        return ArmRefutation(at, capsule, int(self.collision_world.numbers[row]), decided)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""
@@ -109,48 +115,50 @@ class ArmSight:
                 return Unreached(0.0, JOINTS[number], float(angle), limit)
         return None
 
-    def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Check if the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
+    def clear_segments(self, points: FloatArray) -> BoolArray:
+        """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3)."""
         points = arguments.polyline("points", points)
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
-        leg_kernels.clear_legs(flat(points), self.legs, clear)
+        paper_arm_segment_kernels.clear_segments(flat(points), self.segments, clear)
         return clear
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Check whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
         points = arguments.points("points", points)
         reached = np.zeros(len(points), dtype=np.bool_)
-        mask_kernels.reached_places(flat(points), self.legs.table.numbers, *self._forearm, reached)
+        paper_arm_mask_kernels.reached_places(
+            flat(points), self.segments.table.numbers, *self._forearm, reached
+        )
         return reached & ~self._touching(
-            points, self.surroundings.only(self.surroundings.numbers < 0), reached
+            points, self.collision_world.only(self.collision_world.numbers < 0), reached
         )
 
     def touching(
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
         """Check if it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
-        surroundings = self.surroundings.only(self.surroundings.numbers == number)
+        collision_world = self.collision_world.only(self.collision_world.numbers == number)
         forearm, slide = self._forearm
         if tree is None or slide > 0:
-            return self._touching(points, surroundings, reached)
+            return self._touching(points, collision_world, reached)
         touching = np.zeros(len(points), dtype=np.bool_)
         obstacle = (
-            surroundings.beyond(self.clearance + self.slack),
-            self.surroundings.first_row(number),
+            collision_world.beyond(self.clearance + self.slack),
+            self.collision_world.first_row(number),
         )
-        place_tree_kernels.places_touching(
+        paper_arm_node_tree_kernels.places_touching(
             tree, self.arm.table(self.elbow), obstacle, forearm, reached, touching
         )
         return touching
 
     def _touching(
-        self, points: FloatArray, surroundings: Surroundings, reached: BoolArray
+        self, points: FloatArray, collision_world: CollisionWorld, reached: BoolArray
     ) -> BoolArray:
         touching = np.zeros(len(points), dtype=np.bool_)
-        mask_kernels.touching_places(
+        paper_arm_mask_kernels.touching_places(
             flat(points),
             self.arm.table(self.elbow),
-            surroundings.beyond(self.clearance + self.slack),
+            collision_world.beyond(self.clearance + self.slack),
             *self._forearm,
             reached,
             touching,
@@ -158,11 +166,11 @@ class ArmSight:
         return touching
 
     @cached_property
-    def legs(self) -> ArmLegs:
-        """Surroundings of the tool's legs in the format of the kernels."""
+    def segments(self) -> ArmSegments:
+        """Surroundings of the tool's segments in the format of the kernels."""
         table, beyond = self.arm.table(self.elbow, _SPARE), self.clearance + self.slack
-        around = self.surroundings.beyond(beyond)
-        return ArmLegs(table, around, *self._forearm, self.most_tries)
+        around = self.collision_world.beyond(beyond)
+        return ArmSegments(table, around, *self._forearm, self.most_tries)
 
     @cached_property
     def _extensions(self) -> tuple[FloatArray, FloatArray]:

@@ -1,9 +1,9 @@
 """Places of the tool at which an arm touches an obstacle of many parts, many places at once.
 
-As ``abi.arm_planning.exclusion.mask_kernels`` decides it place by place. But near a pose an arm
-moves at most so much faster than its tool (:mod:`abi.robot.paper_arm.pose_kernels`): what keeps
-clear with the tool in the middle of a ball, by as much as the arm may move meanwhile, does so with
-the tool anywhere in it, and what is deeper than that in the way is so anywhere.
+As ``abi.arm_planning.exclusion.paper_arm_mask_kernels`` decides it place by place. But near a pose
+an arm moves at most so much faster than its tool (:mod:`abi.robot.paper_arm.pose_kernels`): what
+keeps clear with the tool in the middle of a ball, by as much as the arm may move meanwhile, does so
+with the tool anywhere in it, and what is deeper than that in the way is so anywhere.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.exclusion.mask_kernels import is_far, is_near, outline, touched_row
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles
+from abi.arm_planning.exclusion.paper_arm_mask_kernels import is_far, is_near, outline, touched_row
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import BoolArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable

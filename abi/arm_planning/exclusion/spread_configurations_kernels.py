@@ -1,4 +1,4 @@
-"""Stances of a URDF arm all over a mesh: joints with the tip at each node, spread node by node."""
+"""Joint positions of a URDF arm with the tip at each node of a mesh, spread node by node."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ class Nodes(NamedTuple):
 
 
 class SpreadLimits(NamedTuple):
-    """Conditions on a stance.
+    """Conditions on a configuration.
 
     Attributes:
-        error: what a stance may lack, over the reach or in [rad].
+        error: what a configuration may lack, over the reach or in [rad].
         step: the largest of a coordinate between neighbours, [rad] or [m].
     """
 
@@ -52,13 +52,13 @@ def spread(
     first: int,
     drift: Drift,
     limits: SpreadLimits,
-    stances: FloatArray,
+    configurations: FloatArray,
     reached: BoolArray,
 ) -> None:
-    """Spread inverse kinematics over a mesh, breadth first, each node from a neighbour's stance.
+    """Spread inverse kinematics over a mesh, breadth first, each node from a neighbour.
 
-    A node whose stance is far from its neighbour's belongs to another sheet and is not reached
-    from there: no motion runs between them.
+    A node whose configuration is far from its neighbour's belongs to another sheet and is not
+    reached from there: no motion runs between them.
 
     Args:
         chain: the chain and its task.
@@ -66,21 +66,21 @@ def spread(
         first: node to begin with.
         drift: of joints to spare.
         limits: what counts as reached.
-        stances: coordinates at each node reached, flat (n m,); written. Those of the first node
-            are what it is reached from.
+        configurations: coordinates at each node reached, flat (n m,); written. Those of the first
+            node are what it is reached from.
         reached: (n,), False at first; written.
     """
     points, indptr, indices = nodes
     allowed, longest = limits
     count, total = len(drift.home), len(reached)
     room = room_of(chain, count)
-    q = stances[first * count : (first + 1) * count].copy()
+    q = configurations[first * count : (first + 1) * count].copy()
     queue, tries = np.empty(total, np.int32), np.zeros(total, np.int32)
     still = Drift(drift.home, -1.0)
     if reach_point(chain, q, still, points, first, 4 * _MOST_ITERATIONS, room) > allowed:
         return
     for j in range(count):
-        stances[first * count + j] = q[j]
+        configurations[first * count + j] = q[j]
     queue[0], reached[first] = first, True
     done, found = 0, 1
     while done < found:
@@ -92,15 +92,15 @@ def spread(
                 continue
             tries[to] += 1
             for j in range(count):
-                q[j] = stances[node * count + j]
+                q[j] = configurations[node * count + j]
             if reach_point(chain, q, drift, points, to, _MOST_ITERATIONS, room) > allowed:
                 continue
             jump = 0.0
             for j in range(count):
-                jump = max(jump, abs(q[j] - stances[node * count + j]))
+                jump = max(jump, abs(q[j] - configurations[node * count + j]))
             if jump > longest:
                 continue
             for j in range(count):
-                stances[to * count + j] = q[j]
+                configurations[to * count + j] = q[j]
             queue[found], reached[to] = to, True
             found += 1

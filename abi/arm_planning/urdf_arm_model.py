@@ -12,15 +12,15 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_model import OtherSights, SightTask
-from abi.arm_planning.branch.chain_sight import ChainSight
+from abi.arm_planning.arm_model import BranchTask, OtherBranches
+from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.exclusion.stances import Stances, spread_over
-from abi.arm_planning.motion.urdf_motion import JointCourse, joint_course
+from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
+from abi.arm_planning.motion.urdf_motion import ChainJointPath, chain_joint_path
 from abi.arm_planning.world.chain_distances import inside_meshes
+from abi.arm_planning.world.collision_world import CollisionWorld, chain_world
 from abi.arm_planning.world.solid_rows import RowTable
-from abi.arm_planning.world.surroundings import Surroundings, chain_surroundings
 from abi.arrays import FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -34,13 +34,13 @@ _BRANCHES = 6
 _ALL = 64
 """Poses at start or goal, at most, that are paired where those lead to none."""
 _REMEMBERED = 16
-"""Pairs, at most, whose stances are kept."""
+"""Pairs, at most, whose configurations are kept."""
 
 
-class UrdfModel:
+class UrdfArmModel:
     """An arm that a URDF describes.
 
-    It remembers its stances on the last mesh, and the rows of the last obstacles.
+    It remembers its configurations on the last mesh, and the rows of the last obstacles.
     """
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
@@ -49,37 +49,37 @@ class UrdfModel:
             settings.robot, settings.tool, *stands, settings.gripper, settings.allowed
         )
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
-        self._stances: dict[PosePair, Stances] = {}
+        self._configurations: dict[PosePair, NodeConfigurations] = {}
         self._rows = RowTable()
 
-    def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+    def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
         """Surroundings of the arm: obstacles and floor."""
-        return chain_surroundings(self.arm, obstacles, lowest, self._rows)
+        return chain_world(self.arm, obstacles, lowest, self._rows)
 
-    def courses(
+    def joint_paths(
         self,
         curve: Curve,
         arc: ArcLength,
         settings: ArmSettings,
         obstacles: ObstacleSet,
-        surroundings: Surroundings,
-    ) -> tuple[JointCourse, ...]:
-        """The course from the start pose that keeps the arm clearest."""
-        return (joint_course(curve, arc, self.arm, obstacles, surroundings),)
+        collision_world: CollisionWorld,
+    ) -> tuple[ChainJointPath, ...]:
+        """The joint_path from the start pose that keeps the arm clearest."""
+        return (chain_joint_path(curve, arc, self.arm, obstacles, collision_world),)
 
-    def sights(self, task: SightTask) -> tuple[ChainSight, ...]:
-        """One sight for each of a few start poses, clear ones if there are any."""
+    def branches(self, task: BranchTask) -> tuple[ChainBranch, ...]:
+        """One branch for each of a few start poses, clear ones if there are any."""
         self._remember(task)
         clear = self._clear(self._poses_at(task.scene.start)[:TRIED], task)
-        return tuple(self._sight(PosePair(number, None), task) for number in _first_ones(clear))
+        return tuple(self._branch(PosePair(number, None), task) for number in _first_ones(clear))
 
-    def other_sights(self, task: SightTask) -> OtherSights:
-        """One sight for each of a few clear pairs of a start pose and a pose at the goal.
+    def other_branches(self, task: BranchTask) -> OtherBranches:
+        """One branch for each of a few clear pairs of a start pose and a pose at the goal.
 
         A start pose that was not tried may also stand alone.
         """
         if not self.arm.is_redundant:
-            return OtherSights(iter(()))
+            return OtherBranches(iter(()))
         self._remember(task)
         start, goal = task.scene.start, task.scene.goal
         firsts, lasts = (self._clear(self._poses_at(point), task) for point in (start, goal))
@@ -87,57 +87,64 @@ class UrdfModel:
             if not clear:
                 found = len(self._poses_at(point))
                 note = f"Of {found} poses found at the {where} none keeps the arm clear."
-                return OtherSights(iter(()), note)
+                return OtherBranches(iter(()), note)
         tried = [PosePair(number, None) for number in _first_ones(firsts)]
         line = np.array(start), np.array(goal)
         pairs = pose_pairs(self.arm, line, firsts, lasts, partial(self._is_clear, task))
-        return OtherSights(self._sight(pair, task) for pair in pairs if pair not in tried)
+        return OtherBranches(self._branch(pair, task) for pair in pairs if pair not in tried)
 
-    def _remember(self, task: SightTask) -> None:
+    def _remember(self, task: BranchTask) -> None:
         """Forget what belongs to another mesh, start or goal."""
         scene = task.scene
         at = (task.mesh, scene.start, scene.goal)
         if self._at is None or at[0] is not self._at[0] or at[1] != self._at[1]:
-            self._stances = {}
+            self._configurations = {}
         elif at[2] != self._at[2]:
-            self._stances = {pair: one for pair, one in self._stances.items() if pair.home is None}
+            self._configurations = {
+                pair: one for pair, one in self._configurations.items() if pair.home is None
+            }
         self._at = at
 
     def _poses_at(self, point: Vec3) -> tuple[FloatArray, ...]:
         """All poses found with the tool at a point."""
         return self.arm.first_poses(np.array(point), _ALL)
 
-    def _clear(self, poses: Sequence[FloatArray], task: SightTask) -> dict[int, FloatArray]:
+    def _clear(self, poses: Sequence[FloatArray], task: BranchTask) -> dict[int, FloatArray]:
         """Those that are clear, by their numbers."""
         return {k: pose for k, pose in enumerate(poses) if self._is_clear(task, pose)}
 
-    def _is_clear(self, task: SightTask, pose: FloatArray) -> bool:
+    def _is_clear(self, task: BranchTask, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
         still, margin = np.stack([pose, pose]), task.scene.arm.clearance + task.slack
-        if chain_refutation(self.arm, still, task.surroundings, margin) is not None:
+        if chain_refutation(self.arm, still, task.collision_world, margin) is not None:
             return False
-        return not inside_meshes(self.arm, task.obstacles, pose, task.surroundings.allowed)
+        return not inside_meshes(self.arm, task.obstacles, pose, task.collision_world.allowed)
 
-    def _sight(self, pair: PosePair, task: SightTask) -> ChainSight:
+    def _branch(self, pair: PosePair, task: BranchTask) -> ChainBranch:
         branch = f"From pose {pair.first + 1} at the start"
         if pair.home is not None:
             branch += f" drawn to pose {pair.home + 1} at the goal"
         clearance = task.scene.arm.clearance
-        return ChainSight(
-            self.arm, branch, task.surroundings, self._stance(pair, task), clearance, task.slack
+        return ChainBranch(
+            self.arm,
+            branch,
+            task.collision_world,
+            self._node_configurations(pair, task),
+            clearance,
+            task.slack,
         )
 
-    def _stance(self, pair: PosePair, task: SightTask) -> Stances:
-        """Stances on the mesh from a first pose, drawn to a home."""
-        if pair not in self._stances:
+    def _node_configurations(self, pair: PosePair, task: BranchTask) -> NodeConfigurations:
+        """Configurations on the mesh from a first pose, drawn to a home."""
+        if pair not in self._configurations:
             start, goal = task.scene.start, task.scene.goal
             first = self._poses_at(start)[pair.first]
             home = first if pair.home is None else self._poses_at(goal)[pair.home]
             found = spread_over(self.arm, task.mesh, np.array(start, dtype=float), first, home)
-            if len(self._stances) >= _REMEMBERED:
-                self._stances.pop(next(iter(self._stances)))
-            self._stances[pair] = found
-        return self._stances[pair]
+            if len(self._configurations) >= _REMEMBERED:
+                self._configurations.pop(next(iter(self._configurations)))
+            self._configurations[pair] = found
+        return self._configurations[pair]
 
 
 def _first_ones(clear: Mapping[int, FloatArray]) -> list[int]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from abi.arm_planning.abi_model import AbiModel
-from abi.arm_planning.arm_model import SightTask
-from abi.arm_planning.exclusion.place_tree_kernels import places_touching
+from abi.arm_planning.arm_model import BranchTask
+from abi.arm_planning.exclusion.paper_arm_node_tree_kernels import places_touching
+from abi.arm_planning.paper_arm_model import PaperArmModel
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box
@@ -45,12 +45,12 @@ def test_places_are_decided_as_one_by_one(number: int, elbow: str) -> None:
     data = {"version": 1, "start": [0.5, 0.5, 0.5], "goal": [5.5, 5.5, 5.5]}
     scene = Scene.from_dict(data | {"arm": {"elbow": elbow}})
     scene = scene.replace(obstacles=(Box(size=(0.5, 0.5, 0.5), position=(5.0, 1.0, 1.0)), shape))
-    model = AbiModel(scene.arm, scene.unit)
+    model = PaperArmModel(scene.arm, scene.unit)
     obstacles = ObstacleSet(scene.obstacles)
-    surroundings = model.surroundings(obstacles, scene.workspace.min[2])
+    collision_world = model.collision_world(obstacles, scene.workspace.min[2])
     made = tetrahedralise(scene.workspace, scene.mesh)
-    for sight in model.sights(SightTask(scene, obstacles, surroundings, made, 0.01)):
-        asked = sight.reached(made.points) & (random.random(len(made.points)) < 0.9)
-        expected = sight.touching(made.points, 1, asked)
+    for branch in model.branches(BranchTask(scene, obstacles, collision_world, made, 0.01)):
+        asked = branch.reached(made.points) & (random.random(len(made.points)) < 0.9)
+        expected = branch.touching(made.points, 1, asked)
         assert 0 < expected.sum() < asked.sum()
-        assert np.array_equal(sight.touching(made.points, 1, asked, made.node_tree), expected)
+        assert np.array_equal(branch.touching(made.points, 1, asked, made.node_tree), expected)

@@ -1,10 +1,10 @@
-"""Test whether the paper's arm is clear while its tool moves along a straight segment, a leg.
+"""Test whether the paper's arm is clear while its tool moves along a straight segment.
 
-It works as ``abi.arm_planning.certificates.separate_arm_kernels`` does for a curve, but keeps no
-directions to check later. The longest pieces of the leg come first, so that a collision shows at
-one of the first poses.
+It works as ``abi.arm_planning.certificates.separate_paper_arm_kernels`` does for a curve, but keeps
+no directions to check later. The longest pieces of the segment come first, so that a collision
+shows at one of the first poses.
 
-Where a capsule passes close to an obstacle, a bound of its motion would split the leg into
+Where a capsule passes close to an obstacle, a bound of its motion would split the segment into
 thousands of pieces. There a direction n is tried at both ends of the piece, too: between them
 n·P(t) is above the lower one less B l²/8, l being the length of the piece and B a bound of the
 second derivative of P (:mod:`abi.robot.paper_arm.pose_kernels`).
@@ -18,13 +18,6 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm_planning.certificates.direction_kernels import NO_DIRECTION
-from abi.arm_planning.certificates.separate_arm_kernels import (
-    Stance,
-    allowance_of,
-    capsule_of,
-    level_at_ends,
-    stance_near,
-)
 from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
@@ -34,8 +27,15 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     as_found,
     separate_pairs,
 )
-from abi.arm_planning.exclusion.mask_kernels import touched_row
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
+from abi.arm_planning.certificates.separate_paper_arm_kernels import (
+    PoseNeighbourhood,
+    allowance_of,
+    capsule_of,
+    level_at_ends,
+    neighbourhood_of,
+)
+from abi.arm_planning.exclusion.paper_arm_mask_kernels import touched_row
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import NO_PLANE, REFUTED
 from abi.compilation.borrowed import borrowed, held
@@ -55,22 +55,22 @@ from abi.robot.paper_arm.pose_kernels import (
 )
 
 MOST_TRIES = 20_000
-"""Largest number of tries to prove a leg clear, before it counts as shut."""
+"""Largest number of tries to prove a segment clear, before it counts as shut."""
 
 
 _LOOKS = (2, 4, 8)
-"""Parts of a leg at whose ends it is seen whether what was touched last is touched again."""
+"""Parts of a segment at whose ends it is seen whether what was touched last is touched again."""
 
 
-class ArmLegs(NamedTuple):
-    """Arm and surroundings on the legs of its tool.
+class ArmSegments(NamedTuple):
+    """Arm and surroundings on the segments of its tool.
 
     Attributes:
         table: the arm.
         around: what to keep clear of.
         forearm: middle of a6, [unit].
         slide: how much longer or shorter it may be, [unit].
-        most_tries: of a capsule and an obstacle, to prove a leg; those far away do not count.
+        most_tries: of a capsule and an obstacle, to prove a segment; those far away do not count.
     """
 
     table: ArmTable
@@ -81,7 +81,7 @@ class ArmLegs(NamedTuple):
 
 
 class Touched(NamedTuple):
-    """Last contact of the arm, on a leg that was not clear: on the next leg it often recurs.
+    """Last contact of the arm, on a segment that was not clear: it often recurs on the next.
 
     Attributes:
         pair: (1,) capsule times number of obstacles, plus obstacle; -1 at first.
@@ -92,7 +92,7 @@ class Touched(NamedTuple):
     waiting: IntArray
 
 
-NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, 1.0, 0.0, MOST_TRIES)
+NO_SEGMENTS = ArmSegments(NO_ARM, NO_OBSTACLES, 1.0, 0.0, MOST_TRIES)
 """Example for the compiler."""
 
 
@@ -103,9 +103,9 @@ def new_touched() -> Touched:
 
 
 @jitable
-def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
-    """Check if the capsule that touched an obstacle last touches it at places of a leg."""
-    (arm, capsules), around, forearm, _, _ = legs
+def _touches_again(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec3) -> bool:
+    """Check if the capsule that touched an obstacle last touches it at places of a segment."""
+    (arm, capsules), around, forearm, _, _ = segments
     count = len(around.margins)
     c, s = touched.pair[0] // count, touched.pair[0] % count
     if touched.pair[0] < 0 or s == count - 1:
@@ -131,17 +131,17 @@ def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> 
 
 
 @jitable
-def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
+def arm_is_clear(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec3) -> bool:
     """Check whether it is proven that the arm keeps clear from one place of the tool to another.
 
     Args:
-        legs: what to keep clear of.
+        segments: what to keep clear of.
         touched: what it touched last; written.
         first, last: places of the tool, [unit], world.
     """
-    if _touches_again(legs, touched, first, last):
+    if _touches_again(segments, touched, first, last):
         return False
-    (arm, capsules), around, forearm, slid, most_tries = legs
+    (arm, capsules), around, forearm, slid, most_tries = segments
     length, way = distance(first, last), sub(last, first)
     pending, at, candidates, tries, work = [(0.0, 1.0, 0, 0)], 0, [0], 0, [0]
     candidates.clear()
@@ -156,16 +156,18 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
         pose = pose_of(arm, middle, forearm)
         if not shoulder_holds(arm, pose):
             return False
-        stance, bounded = stance_near(arm, pose, (farthest, slid))
+        neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
         if bounded and slid == 0:
             a = pose_of(arm, axpy(start, way, first), forearm)
             b = pose_of(arm, axpy(end, way, first), forearm)
-            bend = bend_near(arm, pose, stance.rates, farthest) * farthest * farthest / 2
-            stance = Stance(pose, stance.rates, stance.ways, a, b, bend)
-        allowance = allowance_of(around, stance.rates)
-        if at == 1:  # the whole leg: what boxes do not keep clear of it
+            bend = bend_near(arm, pose, neighbourhood.rates, farthest) * farthest * farthest / 2
+            neighbourhood = PoseNeighbourhood(
+                pose, neighbourhood.rates, neighbourhood.ways, a, b, bend
+            )
+        allowance = allowance_of(around, neighbourhood.rates)
+        if at == 1:  # the whole segment: what boxes do not keep clear of it
             for c in range(len(capsules) // CAPSULE):
-                capsule, far = capsule_of((legs.table, stance), c), math.inf
+                capsule, far = capsule_of((segments.table, neighbourhood), c), math.inf
                 if bounded:
                     far = capsule.radius + capsule.way + allowance
                 add_pairs_within(around, c, (capsule.first, capsule.last), far, candidates)
@@ -177,7 +179,13 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
         outcome, pair, _, tried, _ = separate_pairs(
-            around, span, lists, capsule_of, level_at_ends, as_found, (legs.table, stance)
+            around,
+            span,
+            lists,
+            capsule_of,
+            level_at_ends,
+            as_found,
+            (segments.table, neighbourhood),
         )
         if outcome == REFUTED:
             touched.pair[0] = pair
@@ -192,17 +200,19 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
     return True
 
 
-@compiled(example=(FLOATS, NO_LEGS, NEW_FLAGS))
-def clear_legs(points: FloatArray, legs: ArmLegs, clear: BoolArray) -> None:
-    """Flag the legs of a polyline on which it is proven that the arm keeps clear.
+@compiled(example=(FLOATS, NO_SEGMENTS, NEW_FLAGS))
+def clear_segments(points: FloatArray, segments: ArmSegments, clear: BoolArray) -> None:
+    """Flag the segments of a polyline on which it is proven that the arm keeps clear.
 
     Args:
         points: its vertices, flat (3 k,), k >= 2, [unit], world.
-        legs: what the arm is to keep clear of.
+        segments: what the arm is to keep clear of.
         clear: (k - 1,); written.
     """
     own = new_touched()
     touched = borrowed(own)
     for k in range(len(clear)):
-        clear[k] = arm_is_clear(legs, touched, vec3_at(points, 3 * k), vec3_at(points, 3 * k + 3))
+        clear[k] = arm_is_clear(
+            segments, touched, vec3_at(points, 3 * k), vec3_at(points, 3 * k + 3)
+        )
     held(own)

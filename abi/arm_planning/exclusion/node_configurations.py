@@ -1,4 +1,4 @@
-"""Stances of a URDF arm: joint positions with the tool at each node of a mesh."""
+"""Configurations of a URDF arm: joint positions with the tool at each node of a mesh."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ import numpy as np
 import scipy
 
 from abi import arguments
-from abi.arm_planning.exclusion import spread_kernels
-from abi.arm_planning.exclusion.stance_tree_kernels import StanceTree, bound_stances
+from abi.arm_planning.exclusion import spread_configurations_kernels
+from abi.arm_planning.exclusion.configuration_tree_kernels import (
+    ConfigurationTree,
+    bound_configurations,
+)
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.robot.kinematics.chain import PULL
 from abi.robot.kinematics.follow_path_kernels import Drift
@@ -22,7 +25,7 @@ _LONGEST = 0.7
 
 
 @dataclass(frozen=True, eq=False)
-class Stances:
+class NodeConfigurations:
     """Joint positions at the nodes that an arm reaches, spread from the start.
 
     Attributes:
@@ -45,7 +48,7 @@ class Stances:
     reached: BoolArray
 
     def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-        """The stance nearest to a point (3,): its place and its joints; None if there is none."""
+        """Place and joints of the configuration nearest to a point (3,), or None."""
         point = arguments.numbers("point", point, (3,))
         if np.array_equal(point, self.start):
             return self.start, self.first
@@ -60,12 +63,14 @@ class Stances:
         return flat(self.positions / self.arm.scales)
 
     @cached_property
-    def tree(self) -> StanceTree:
-        """The stances in a tree: of each capsule about 16 bytes a node."""
+    def tree(self) -> ConfigurationTree:
+        """The configurations in a tree: of each capsule about 16 bytes a node."""
         nodes, bodies = self.mesh.node_tree, self.arm.bodies
         boxes = np.tile(np.repeat([np.inf, -np.inf], 3), len(nodes.balls) // 4 * len(bodies.radii))
-        tree = StanceTree(self.coordinates, nodes.order, nodes.leaves, read_only(np.zeros(0)))
-        bound_stances(self.arm.chain.table, bodies, tree, self.reached, boxes)
+        tree = ConfigurationTree(
+            self.coordinates, nodes.order, nodes.leaves, read_only(np.zeros(0))
+        )
+        bound_configurations(self.arm.chain.table, bodies, tree, self.reached, boxes)
         return tree._replace(boxes=read_only(boxes))
 
     @cached_property
@@ -79,7 +84,7 @@ class Stances:
 
 def spread_over(
     arm: UrdfArm, mesh: TetMesh, start: FloatArray, first: FloatArray, home: FloatArray
-) -> Stances:
+) -> NodeConfigurations:
     """Spread an arm's inverse kinematics over a mesh, from a pose at the start.
 
     Args:
@@ -90,18 +95,20 @@ def spread_over(
         home: those that spare joints drift to, shape (n,), [rad] or [unit].
     """
     indptr, indices = mesh.neighbours
-    stances = np.zeros((len(mesh.points), len(home)))
+    configurations = np.zeros((len(mesh.points), len(home)))
     reached = np.zeros(len(mesh.points), dtype=np.bool_)
     nearest = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
-    stances[nearest] = first / arm.scales
-    spread_kernels.spread(
+    configurations[nearest] = first / arm.scales
+    spread_configurations_kernels.spread(
         arm.chain.table,
-        spread_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
+        spread_configurations_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
         nearest,
         Drift(flat(home / arm.scales), PULL),
-        spread_kernels.SpreadLimits(REACHED, _LONGEST),
-        stances.reshape(-1),
+        spread_configurations_kernels.SpreadLimits(REACHED, _LONGEST),
+        configurations.reshape(-1),
         reached,
     )
-    positions = read_only(stances * arm.scales)
-    return Stances(arm, mesh, read_only(start), first, home, positions, read_only(reached))
+    positions = read_only(configurations * arm.scales)
+    return NodeConfigurations(
+        arm, mesh, read_only(start), first, home, positions, read_only(reached)
+    )

@@ -1,4 +1,4 @@
-"""Legs of the tool that are said to be clear for the arm are, and how the elbow bends."""
+"""Segments of the tool that are said to be clear for the arm are, and how the elbow bends."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from abi.arm_planning.branch.arm_sight import ArmSight
-from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arm_planning.branch.elbow_branch import ElbowBranch
+from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.pose_kernels import bend_near, pose_of, rates_near, reaches
 from abi.scene.settings import ArmSettings
 from tests.abi import meshes
@@ -62,21 +62,21 @@ def test_legs_are_clear_where_they_have_a_certificate_and_no_place_that_touches(
         place = tuple(random.uniform(1, 6, 3).tolist())
         surface = BOX if random.random() < 0.5 else KNOT
         obstacles.append(MeshShape.of(surface, position=place))
-    surroundings = arm_surroundings(arm, ObstacleSet(tuple(obstacles)), 0.0)
+    collision_world = paper_arm_world(arm, ObstacleSet(tuple(obstacles)), 0.0)
     slides = (0.0, float(random.choice([0.0, 0.2])))
-    sight = ArmSight(arm, "up", surroundings, slides, 0.05, 0.0)
+    branch = ElbowBranch(arm, "up", collision_world, slides, 0.05, 0.0)
     points = random.uniform(0.5, 5.5, (12, 3))
-    clear = sight.clear_legs(points)
+    clear = branch.clear_segments(points)
     for k in range(len(clear)):
-        fault = sight.leg_refutation(points[k : k + 2])
+        fault = branch.polyline_refutation(points[k : k + 2])
         assert clear[k] or fault is not None
         if clear[k]:
             assert fault is None or not fault.decided
-            assert _poses_clear(sight, points[k], points[k + 1])
+            assert _poses_clear(branch, points[k], points[k + 1])
 
 
-def _poses_clear(sight: ArmSight, a: FloatArray, b: FloatArray) -> bool:
-    """Check whether no place of many on a leg is found not to be clear."""
+def _poses_clear(branch: ElbowBranch, a: FloatArray, b: FloatArray) -> bool:
+    """Check whether no place of many on a segment is found not to be clear."""
     places = a + np.linspace(0, 1, 50)[:, None] * (b - a)
-    faults = (sight.leg_refutation(place[None]) for place in places)
+    faults = (branch.polyline_refutation(place[None]) for place in places)
     return not any(fault is not None and fault.decided for fault in faults)

@@ -19,7 +19,7 @@ from abi.arrays import FloatArray
 from abi.robot.bodies.link_solid import LinkSolid
 from abi.robot.bodies.urdf_writer import DENSITY, inertia
 from abi.robot.paper_arm import arm_links
-from abi.robot.paper_arm.arm import JOINTS, STROKE, PaperArm, forward, urdf
+from abi.robot.paper_arm.paper_arm import JOINTS, STROKE, PaperArm, forward, urdf
 from abi.scene.settings import ArmSettings
 
 LENGTH = st.floats(-1.5, 1.5).map(lambda power: 10.0**power)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from abi.arm_planning.branch.arm_sight import ArmSight
-from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arm_planning.branch.elbow_branch import ElbowBranch
+from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.arm import PaperArm, place
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.link_capsules import COLUMN
+from abi.robot.paper_arm.paper_arm import PaperArm, place
 from abi.scene.settings import Elbow
 from tests.random_arms import arm_scene
 
@@ -25,10 +25,10 @@ _SAMPLES = 60
 def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow) -> None:
     scene = arm_scene(seed)
     arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
-    surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
-    sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
+    collision_world = paper_arm_world(arm, obstacles, scene.workspace.min[2])
+    branch = ElbowBranch(arm, elbow, collision_world, (0.0, 0.0), 0.0, _SLACK)
     points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
-    points = points[sight.reached(points)]
+    points = points[branch.reached(points)]
     found = solve(arm, points, np.zeros(len(points)), elbow, np.zeros_like(points))
     joints = np.zeros((len(points), 6))
     joints[:, 0], joints[:, 1], joints[:, 2] = found.q1, found.q2, found.q3
@@ -36,7 +36,7 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
     moving = [k for k, capsule in enumerate(arm.capsules) if capsule.body != COLUMN]
     shares = np.linspace(0, 1, _SAMPLES)
     for number, obstacle in enumerate(obstacles):
-        touching = sight.touching(points, number, np.ones(len(points), dtype=bool))
+        touching = branch.touching(points, number, np.ones(len(points), dtype=bool))
         away = np.full(len(points), np.inf)
         for k in moving:
             low, high = ends[:, k, 0], ends[:, k, 1]
@@ -52,14 +52,14 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
 def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> None:
     scene = arm_scene(1)
     arm = PaperArm.from_settings(scene.arm)
-    surroundings = arm_surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
-    sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
+    collision_world = paper_arm_world(arm, ObstacleSet(()), scene.workspace.min[2])
+    branch = ElbowBranch(arm, elbow, collision_world, (0.0, 0.0), 0.0, _SLACK)
     reach = arm.a3 + arm.a4 + arm.a5
     points = arm.shoulder + np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3)) * reach
     reasons = set()
     for point in points:
-        fault = sight.leg_refutation(point[None])
-        unreached = sight.unreached(point)
+        fault = branch.polyline_refutation(point[None])
+        unreached = branch.unreached(point)
         if fault is not None and fault.capsule >= 0:
             continue
         assert (unreached is None) == (fault is None)

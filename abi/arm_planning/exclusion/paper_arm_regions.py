@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.arm_planning.exclusion import mask_kernels
-from abi.arm_planning.exclusion import region_kernels as kernels
-from abi.arm_planning.world.surroundings import Surroundings
+from abi.arm_planning.exclusion import paper_arm_mask_kernels
+from abi.arm_planning.exclusion import paper_arm_region_kernels as kernels
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import Vec3
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.settings import Elbow
 
 _SHADOW_PLACES, _MESH_PLACES, _REACH_PLACES = 20, 12, 28
@@ -21,7 +21,7 @@ def shadow(
     arm: PaperArm,
     elbow: Elbow,
     extension: float,
-    surroundings: Surroundings,
+    collision_world: CollisionWorld,
     box: tuple[Vec3, Vec3],
 ) -> FloatArray:
     """Surface of the tool positions at which a link would be in an obstacle.
@@ -30,21 +30,21 @@ def shadow(
         arm: the arm.
         elbow: its branch.
         extension: q5, [unit].
-        surroundings: the obstacles.
+        collision_world: the obstacles.
         box: low and high corner of the workspace, [unit].
 
     Returns:
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
-    places = _MESH_PLACES if surroundings.solids.inside.any() else _SHADOW_PLACES
+    places = _MESH_PLACES if collision_world.solids.inside.any() else _SHADOW_PLACES
     points, shape = grid(*box, places)
     forearm = arm.a4 + arm.a5 + extension
     reached = np.empty(len(points), dtype=np.bool_)
     table = arm.table(elbow)
-    mask_kernels.reached_places(flat(points), table.numbers, forearm, 0.0, reached)
+    paper_arm_mask_kernels.reached_places(flat(points), table.numbers, forearm, 0.0, reached)
     gaps = np.empty(len(points))
     most = float(np.subtract(box[1], box[0]).max()) / places
-    solids = surroundings.only(surroundings.numbers >= 0).beyond(0.0)
+    solids = collision_world.only(collision_world.numbers >= 0).beyond(0.0)
     kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
     return surface(points, gaps, shape)
 

@@ -7,9 +7,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arm_planning.world.mount import mounts
 from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable, SolidRows
-from abi.arm_planning.world.surroundings_kernels import Obstacles
 from abi.arrays import BoolArray, IntArray, flat, read_only
 from abi.obstacles.capsule import Capsule
 from abi.obstacles.convex_shape import row
@@ -18,8 +18,8 @@ from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason
-from abi.robot.paper_arm.arm import PaperArm
 from abi.robot.paper_arm.link_capsules import COLUMN
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
 
 OWN = -2
@@ -27,7 +27,7 @@ OWN = -2
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
+class CollisionWorld:
     """Obstacles, floor and column in the format of the kernels.
 
     A triangle mesh is a tree of boxes, the smallest of which fit its triangles closely.
@@ -72,14 +72,14 @@ class Surroundings:
         rows[numbers[numbers >= 0]] = outer[numbers >= 0]
         return rows
 
-    def only(self, kept: BoolArray) -> Surroundings:
+    def only(self, kept: BoolArray) -> CollisionWorld:
         """A copy that asks only about some of the rows; ``kept`` has one flag for each."""
         return replace(self, asked=read_only(self.asked & kept))
 
 
-def arm_surroundings(
+def paper_arm_world(
     arm: PaperArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
-) -> Surroundings:
+) -> CollisionWorld:
     """Build the surroundings of the paper's arm.
 
     The floor is level with the base, or with the bottom of the workspace if that is lower. Links
@@ -92,12 +92,12 @@ def arm_surroundings(
         table: with the rows of obstacles as they were; None to make all anew.
     """
     reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
-    return _surroundings(arm, reach, _own(arm), obstacles, lowest, table)
+    return _collision_world(arm, reach, _own(arm), obstacles, lowest, table)
 
 
-def chain_surroundings(
+def chain_world(
     arm: UrdfArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
-) -> Surroundings:
+) -> CollisionWorld:
     """Surroundings of a URDF arm, without the arm itself, as those of the paper's arm.
 
     Links that stand still, and the first one that moves, may touch the floor. Those that stand
@@ -105,7 +105,7 @@ def chain_surroundings(
     """
     moves = np.array([one.frame >= 1 for one in arm.capsules])[:, None]
     own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
-    found = _surroundings(arm, 2 * arm.reach, own, obstacles, lowest, table)
+    found = _collision_world(arm, 2 * arm.reach, own, obstacles, lowest, table)
     allowed = _allowed(arm, obstacles)
     asked, capsules = found.asked.copy(), np.array([one.link for one in arm.capsules])
     for link, other, _ in allowed:
@@ -128,14 +128,14 @@ def _allowed(arm: UrdfArm, obstacles: ObstacleSet) -> tuple[AllowedContact, ...]
     return tuple(found)
 
 
-def _surroundings(
+def _collision_world(
     arm: AnyArm,
     reach: float,
     own: Own,
     obstacles: ObstacleSet,
     lowest: float,
     table: RowTable | None,
-) -> Surroundings:
+) -> CollisionWorld:
     """Surroundings of an arm.
 
     Args:
@@ -152,7 +152,7 @@ def _surroundings(
     asked[:, solids.outer[len(solids.outer) - own.asked.shape[1] :]] = own.asked
     corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
     size = float(np.abs(arm.base).max()) + reach
-    return Surroundings(
+    return CollisionWorld(
         solids=solids,
         asked=read_only(asked),
         floor=min(float(arm.base[2]), lowest),

@@ -23,7 +23,7 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     as_found,
     separate_pairs,
 )
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
@@ -87,7 +87,7 @@ def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]
     return slide.low[max(first, 0)], slide.high[min(last, len(slide.high) - 1)]
 
 
-class Stance(NamedTuple):
+class PoseNeighbourhood(NamedTuple):
     """The arm at a piece's middle, and how far from there it may be on the piece.
 
     Attributes:
@@ -108,34 +108,37 @@ class Stance(NamedTuple):
 
 
 @jitable(forceinline=True)
-def stance_near(
+def neighbourhood_of(
     arm: ArmNumbers, pose: PaperArmPose, ways: tuple[float, float]
-) -> tuple[Stance, bool]:
-    """Stance near a pose, and whether its rates are finite and the arm keeps its limits there."""
+) -> tuple[PoseNeighbourhood, bool]:
+    """Neighbourhood of a pose, and whether rates are finite and limits are kept in it."""
     rates = rates_near(arm, pose, ways[0], ways[1])
     bounded = not math.isinf(rates.elbow)
     bounded = bounded and limits_hold_near(arm, pose, rates, ways[0], ways[1])
-    return Stance(pose, rates, ways, pose, pose, math.inf), bounded
+    return PoseNeighbourhood(pose, rates, ways, pose, pose, math.inf), bounded
 
 
 @jitable(forceinline=True)
-def capsule_of(near: tuple[ArmTable, Stance], c: int) -> Moving:
+def capsule_of(near: tuple[ArmTable, PoseNeighbourhood], c: int) -> Moving:
     """Capsule c of an arm near a pose."""
-    (arm, capsules), stance = near
-    a, b = capsule_ends(arm, stance.pose, capsules, c)
-    by_tool, by_slide = capsule_rates(arm, stance.rates, capsules, c)
-    way, bow = by_tool * stance.ways[0] + by_slide * stance.ways[1], stance.bend
+    (arm, capsules), neighbourhood = near
+    a, b = capsule_ends(arm, neighbourhood.pose, capsules, c)
+    by_tool, by_slide = capsule_rates(arm, neighbourhood.rates, capsules, c)
+    way, bow = (
+        by_tool * neighbourhood.ways[0] + by_slide * neighbourhood.ways[1],
+        neighbourhood.bend,
+    )
     if not math.isinf(bow):
-        bow *= capsule_share(arm, stance.pose.forearm, capsules, c)
+        bow *= capsule_share(arm, neighbourhood.pose.forearm, capsules, c)
     return Moving(c, a, b, capsules[CAPSULE * c + 3], way, bow)
 
 
 @jitable(forceinline=True)
-def level_at_ends(near: tuple[ArmTable, Stance], capsule: Moving, way: Vec3) -> float:
+def level_at_ends(near: tuple[ArmTable, PoseNeighbourhood], capsule: Moving, way: Vec3) -> float:
     """Least product of a direction and a capsule's segment at both ends of a piece, [unit]."""
-    (arm, capsules), stance = near
-    a, b = capsule_ends(arm, stance.first, capsules, capsule.number)
-    c, d = capsule_ends(arm, stance.last, capsules, capsule.number)
+    (arm, capsules), neighbourhood = near
+    a, b = capsule_ends(arm, neighbourhood.first, capsules, capsule.number)
+    c, d = capsule_ends(arm, neighbourhood.last, capsules, capsule.number)
     return min(min(dot(way, a), dot(way, b)), min(dot(way, c), dot(way, d)))
 
 
@@ -210,15 +213,15 @@ def separate_arm(
         pose = pose_of(arm, middle, forearm)
         if not shoulder_holds(arm, pose):
             return UNREACHED, at, -1, 0.0, table_of(planes)
-        stance, bounded = stance_near(arm, pose, (farthest, slid))
-        allowance = allowance_of(around, stance.rates)
+        neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
+        allowance = allowance_of(around, neighbourhood.rates)
         span = Span(piece.start, piece.end, at, allowance, bounded, True)
         work.clear()
         lists.latest.clear()
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
         outcome, pair, away, tried, _ = separate_pairs(
-            around, span, lists, capsule_of, level_at_ends, as_found, (table, stance)
+            around, span, lists, capsule_of, level_at_ends, as_found, (table, neighbourhood)
         )
         tries += tried[0] + tried[1]
         if outcome == REFUTED:

@@ -1,15 +1,18 @@
-"""Stances decided many at once: as one by one, for all arms and obstacles of all shapes."""
+"""Configurations decided many at once: as one by one, for all arms and obstacles of all shapes."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from abi.arm_planning.branch.chain_sight import ChainSight
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_stances
-from abi.arm_planning.exclusion.stance_tree_kernels import bound_stances, stances_touching
-from abi.arm_planning.exclusion.stances import Stances
-from abi.arm_planning.world.surroundings import chain_surroundings
+from abi.arm_planning.branch.chain_branch import ChainBranch
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
+from abi.arm_planning.exclusion.configuration_tree_kernels import (
+    bound_configurations,
+    configurations_touching,
+)
+from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
+from abi.arm_planning.world.collision_world import chain_world
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
@@ -21,21 +24,23 @@ from tests.abi import meshes
 from tests.abi.arm_planning.test_chain_certificate import ARMS, some_arm
 
 
-def some_stances(arm: UrdfArm, random: np.random.Generator, wide: float) -> Stances:
-    """Stances that change at random over a mesh; at a tenth of its nodes there is none."""
+def some_stances(arm: UrdfArm, random: np.random.Generator, wide: float) -> NodeConfigurations:
+    """Configurations that change at random over a mesh; at a tenth of its nodes there is none."""
     mesh = tetrahedralise(Workspace(min=(0, 0, 0), max=(1, 1, 1)), MeshSettings(pitch=0.15))
     low, high = np.clip(arm.limits / arm.scales[:, None], -np.pi, np.pi).T
     at = mesh.points @ random.normal(size=(3, len(low)))
     shares = np.abs((wide * at + random.random(len(low))) % 2 - 1)
     positions = (low + shares * (high - low)) * arm.scales
     reached = random.random(len(positions)) < 0.9
-    return Stances(arm, mesh, mesh.points[0], positions[0], positions[0], positions, reached)
+    return NodeConfigurations(
+        arm, mesh, mesh.points[0], positions[0], positions[0], positions, reached
+    )
 
 
-def obstacles_near(stances: Stances, random: np.random.Generator) -> ObstacleSet:
+def obstacles_near(configurations: NodeConfigurations, random: np.random.Generator) -> ObstacleSet:
     """Obstacles of all shapes at places of the arm, some small and some as large as the arm."""
-    arm = stances.arm
-    ends = arm.place(stances.positions[stances.reached]).reshape(-1, 3)
+    arm = configurations.arm
+    ends = arm.place(configurations.positions[configurations.reached]).reshape(-1, 3)
     shapes: list[Obstacle] = []
     for k in range(12):
         a = arm.reach * float(random.choice([0.02, 0.2, 0.8]))
@@ -59,41 +64,43 @@ def obstacles_near(stances: Stances, random: np.random.Generator) -> ObstacleSet
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("wide", [0.0, 0.3, 3.0])
 def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
-    for kernel in (touching_stances, bound_stances, stances_touching):
+    for kernel in (touching_configurations, bound_configurations, configurations_touching):
         kernel.compile()
     arm, random = some_arm(name), np.random.default_rng(int(10 * wide))
-    stances = some_stances(arm, random, wide)
-    obstacles = obstacles_near(stances, random)
-    surroundings = chain_surroundings(arm, obstacles, 0.0)
-    sight = ChainSight(arm, "", surroundings, stances, 0.01 * arm.reach, 0.002 * arm.reach)
-    table, coordinates, bodies = arm.chain.table, stances.coordinates, arm.bodies
+    configurations = some_stances(arm, random, wide)
+    obstacles = obstacles_near(configurations, random)
+    collision_world = chain_world(arm, obstacles, 0.0)
+    branch = ChainBranch(
+        arm, "", collision_world, configurations, 0.01 * arm.reach, 0.002 * arm.reach
+    )
+    table, coordinates, bodies = arm.chain.table, configurations.coordinates, arm.bodies
     some = 0
     for number in range(len(obstacles)):
-        asked = stances.reached & (random.random(len(stances.reached)) < 0.8)
+        asked = configurations.reached & (random.random(len(configurations.reached)) < 0.8)
         expected = np.zeros(len(asked), dtype=np.bool_)
-        alone = surroundings.only(surroundings.numbers == number).beyond(
-            sight.clearance + sight.slack
+        alone = collision_world.only(collision_world.numbers == number).beyond(
+            branch.clearance + branch.slack
         )
-        touching_stances(table, bodies, coordinates, alone, -1.0, asked, expected)
-        found = sight.touching(stances.mesh.points, number, asked)
+        touching_configurations(table, bodies, coordinates, alone, -1.0, asked, expected)
+        found = branch.touching(configurations.mesh.points, number, asked)
         np.testing.assert_array_equal(found, expected, strict=True)
         some += 0 < expected.sum() < asked.sum()
     assert some > 1 or wide == 0
 
 
 def test_boxes_hold_the_capsules_of_all_their_stances() -> None:
-    bound_stances.compile()
+    bound_configurations.compile()
     arm, random = some_arm("ur5e"), np.random.default_rng(0)
-    stances = some_stances(arm, random, 0.5)
-    tree, inner = stances.tree, len(stances.tree.leaves) - 2
+    configurations = some_stances(arm, random, 0.5)
+    tree, inner = configurations.tree, len(configurations.tree.leaves) - 2
     boxes = tree.boxes.reshape(-1, len(arm.capsules), 2, 3)
-    ends = arm.place(stances.positions)
+    ends = arm.place(configurations.positions)
     for branch in range(len(boxes)):
         first = last = branch
         while first < inner:
             first, last = 2 * first + 1, 2 * last + 2
         held = tree.order[tree.leaves[first - inner] : tree.leaves[last - inner + 1]]
-        held = held[stances.reached[held]]
+        held = held[configurations.reached[held]]
         low, high = ends[held].min(axis=(0, 2)), ends[held].max(axis=(0, 2))
         np.testing.assert_allclose(boxes[branch, :, 0], low, atol=1e-12)
         np.testing.assert_allclose(boxes[branch, :, 1], high, atol=1e-12)

@@ -9,7 +9,12 @@ import math
 
 import numpy as np
 
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
+from abi.arm_planning.world.collision_world_kernels import (
+    NO_OBSTACLES,
+    Obstacles,
+    asked_rows,
+    box_gap,
+)
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable

@@ -9,7 +9,12 @@ import math
 
 import numpy as np
 
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
+from abi.arm_planning.world.collision_world_kernels import (
+    NO_OBSTACLES,
+    Obstacles,
+    asked_rows,
+    box_gap,
+)
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled

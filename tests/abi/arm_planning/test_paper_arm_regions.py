@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from abi.arm_planning.branch.arm_sight import ArmSight
-from abi.arm_planning.exclusion.mask_kernels import reached_places
-from abi.arm_planning.exclusion.region_kernels import arm_gaps
-from abi.arm_planning.exclusion.regions import reachable, shadow
-from abi.arm_planning.world.surroundings import arm_surroundings
+from abi.arm_planning.branch.elbow_branch import ElbowBranch
+from abi.arm_planning.exclusion.paper_arm_mask_kernels import reached_places
+from abi.arm_planning.exclusion.paper_arm_region_kernels import arm_gaps
+from abi.arm_planning.exclusion.paper_arm_regions import reachable, shadow
+from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
-from abi.robot.paper_arm.arm import PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.pose_kernels import CAPSULE, capsule_ends, pose_of
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
@@ -33,18 +33,18 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     ball = {"shape": "sphere", "radius": 0.6, "position": [1.5, 4, 2]}
     scene = Scene.from_dict({"version": 1, "obstacles": [box, ball]})
     arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
-    surroundings = arm_surroundings(arm, obstacles, 0.0)
-    triangles = shadow(arm, elbow, 0.0, surroundings, (scene.workspace.min, scene.workspace.max))
+    collision_world = paper_arm_world(arm, obstacles, 0.0)
+    triangles = shadow(arm, elbow, 0.0, collision_world, (scene.workspace.min, scene.workspace.max))
     assert len(triangles) > 100
     mesh = solid(triangles)
     assert mesh.is_watertight
-    free = surroundings.only(surroundings.numbers >= 0)
-    sight = ArmSight(arm, elbow, free, (0.0, 0.0), 0.0, 0.0)
+    free = collision_world.only(collision_world.numbers >= 0)
+    branch = ElbowBranch(arm, elbow, free, (0.0, 0.0), 0.0, 0.0)
     points = np.random.default_rng(0).uniform(0.1, 5.9, (300, 3))
     touching = np.zeros(len(points), dtype=bool)
     for number in range(len(obstacles)):
-        touching |= sight.touching(points, number, np.ones(len(points), dtype=bool))
-    reached = sight.reached(points)
+        touching |= branch.touching(points, number, np.ones(len(points), dtype=bool))
+    reached = branch.reached(points)
     near = np.abs(mesh.nearest.on_surface(points)[1]) < 0.12
     inside = _winding(triangles, points) > 0.5
     compared = reached & ~near
@@ -58,8 +58,8 @@ def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
     scene = arm_scene(seed)
     arm, most = PaperArm.from_settings(scene.arm), 0.3
     elbow: Elbow = "up" if seed % 2 else "down"
-    surroundings = arm_surroundings(arm, ObstacleSet(scene.obstacles), 0.0)
-    solids = surroundings.only(surroundings.numbers >= 0).beyond(0.0)
+    collision_world = paper_arm_world(arm, ObstacleSet(scene.obstacles), 0.0)
+    solids = collision_world.only(collision_world.numbers >= 0).beyond(0.0)
     points = np.random.default_rng(seed).uniform(scene.workspace.min, scene.workspace.max, (200, 3))
     table, forearm = arm.table(elbow), float(arm.forearm(scene.arm.q5))
     reached = np.zeros(len(points), dtype=np.bool_)
@@ -68,7 +68,9 @@ def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
     arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
     assert (gaps[~reached] == most).all()
     assert (gaps < most).any()
-    kept = np.flatnonzero(solids.asked.reshape(-1, len(surroundings.numbers))[:, :-1].any(axis=0))
+    kept = np.flatnonzero(
+        solids.asked.reshape(-1, len(collision_world.numbers))[:, :-1].any(axis=0)
+    )
     for k in np.flatnonzero(reached)[np.argsort(gaps[reached])][:80]:
         pose = pose_of(table.numbers, tuple(points[k]), forearm)
         least = most
@@ -86,12 +88,14 @@ def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
 def test_the_reach_is_where_inverse_kinematics_keeps_the_limits() -> None:
     arm = PaperArm.from_settings(Scene.from_dict({"version": 1}).arm)
     triangles = reachable(arm, "up", 0.0, 0.0)
-    surroundings = arm_surroundings(arm, ObstacleSet(()), -100.0)
-    sight = ArmSight(arm, "up", surroundings.only(surroundings.numbers > 0), (0.0, 0.0), 0.0, 0.0)
+    collision_world = paper_arm_world(arm, ObstacleSet(()), -100.0)
+    branch = ElbowBranch(
+        arm, "up", collision_world.only(collision_world.numbers > 0), (0.0, 0.0), 0.0, 0.0
+    )
     points = np.random.default_rng(1).uniform((-10, -16, 0.5), (16, 10, 15), (300, 3))
     near = np.abs(solid(triangles).nearest.on_surface(points)[1]) < 0.6
     inside = _winding(triangles, points) > 0.5
-    assert (inside == sight.reached(points))[~near].mean() > 0.98
+    assert (inside == branch.reached(points))[~near].mean() > 0.98
 
 
 def _winding(triangles: FloatArray, points: FloatArray) -> FloatArray:

@@ -9,8 +9,13 @@ import math
 
 import numpy as np
 
-from abi.arm_planning.exclusion.mask_kernels import is_beside, is_far, outline
-from abi.arm_planning.world.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
+from abi.arm_planning.exclusion.paper_arm_mask_kernels import is_beside, is_far, outline
+from abi.arm_planning.world.collision_world_kernels import (
+    NO_OBSTACLES,
+    Obstacles,
+    asked_rows,
+    box_gap,
+)
 from abi.arrays import BoolArray, FloatArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from abi.arm_planning.world.capsule_kernels import way
+from abi.arm_planning.world.paper_arm_distance_kernels import way
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, NEW_IDS, compiled

@@ -1,6 +1,6 @@
 """Surroundings of an arm in the format of the kernels, and their separation from a segment.
 
-``abi.arm_planning.world.surroundings`` makes them from a scene's obstacles.
+``abi.arm_planning.world.collision_world`` makes them from a scene's obstacles.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def box_gap(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> float:
 
 @jitable(forceinline=True)
 def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3]:
-    """The same gap, and its way."""
+    """Gap between a segment and a box, as :func:`box_gap` gives it, and the axis across it."""
     k, best = WIDTH * s + BOUNDS, box_gap(primitives, s, a, b)
     if min(a[0], b[0]) - primitives[k + 3] == best:
         return best, (1.0, 0.0, 0.0)
@@ -154,7 +154,7 @@ def open_box(
 def _opened(
     around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
 ) -> bool:
-    """The same of a row that has boxes inside."""
+    """Push the child boxes of a mesh row, if it is larger than a capsule's displacement."""
     s = pair % len(around.margins)
     k = WIDTH * s + BOUNDS
     size = 0.0
