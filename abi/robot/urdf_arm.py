@@ -168,14 +168,14 @@ class UrdfArm(ShortRepr):
         ]
         return np.asarray(np.stack(corners) / self.metres)
 
-    def lowest(self, pose: FloatArray, body: int) -> float:
-        """Height of the lowest point of a body at joint positions (n,), [unit], world."""
-        frames = self.chain.poses(pose[None] / self.scales)[0]
+    def lowest(self, positions: FloatArray, body: int) -> FloatArray:
+        """Height of the lowest point of a body that moves, at joint positions (k, n), (k,), [unit],
+        world.
+        """
         one = self.capsules[body]
-        heights = one.points[:, 2]
-        if one.frame >= 0:
-            heights = one.points @ frames[one.frame, 2, :3] + frames[one.frame, 2, 3]
-        return float((heights.min() - one.rounding) / self.metres)
+        up = self.chain.poses(positions / self.scales)[:, one.frame, 2]
+        heights = (up[:, :3] @ one.points.T).min(axis=1) + up[:, 3]
+        return np.asarray((heights - one.rounding) / self.metres)
 
     @property
     def has_elbow(self) -> bool:

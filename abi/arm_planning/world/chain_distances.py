@@ -175,10 +175,9 @@ def floor_distances(arm: UrdfArm, floor: float, poses: Poses) -> FloatArray:
     Inf for links that stand still and for the first one that moves, which may touch the floor.
     """
     heights = np.asarray(poses.ends[..., 2].min(axis=2) - arm.radii - floor)
-    for row, column in np.argwhere(heights <= 0).tolist():
-        lowest = arm.lowest(poses.positions[row], column) - floor
-        if lowest > 0:
-            heights[row, column] = lowest
-    resting = [one.frame < 1 for one in arm.capsules]
-    heights[:, resting] = np.inf
+    heights[:, [one.frame < 1 for one in arm.capsules]] = np.inf
+    for column in np.flatnonzero((heights <= 0).any(axis=0)).tolist():
+        rows = np.flatnonzero(heights[:, column] <= 0)
+        lowest = arm.lowest(poses.positions[rows], column) - floor
+        heights[rows, column] = np.where(lowest > 0, lowest, heights[rows, column])
     return heights
