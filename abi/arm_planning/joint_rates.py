@@ -9,11 +9,8 @@ import numpy as np
 
 from abi.arm_planning.motion.trajectory import ArmMotion, Quantity, Violation
 from abi.arm_planning.motion_law import ROUNDING, second_derivatives
-from abi.arm_planning.paper_arm_model import JOINT_SPEED, MOVED
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.robot.any_arm import AnyArm
-from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
-from abi.robot.urdf_arm import UrdfArm
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,6 +27,7 @@ class JointRates(ShortRepr):
         speed_limits: (n,), inf where there is none.
         acceleration_limits: those that the scene asks for, (n,), inf where there is none.
         torque_limits: (n,), inf where there is none.
+        nominal: whether these limits are assumed, and so none is passed.
     """
 
     speeds: FloatArray
@@ -38,6 +36,7 @@ class JointRates(ShortRepr):
     speed_limits: FloatArray
     acceleration_limits: FloatArray
     torque_limits: FloatArray
+    nominal: bool
 
 
 def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRates:
@@ -57,32 +56,30 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
         growths = second_derivatives(motion.positions, step)
     else:
         speeds = growths = np.zeros_like(motion.positions)
-    torques = None
-    if isinstance(arm, UrdfArm):
-        limits = [arm.chain.speeds * arm.scales, acceleration * arm.scales, arm.chain.efforts]
-        if has_masses(arm.chain):
-            moving = (values / arm.scales for values in (motion.positions, speeds, growths))
-            torques = read_only(joint_torques(arm.chain, *moving))
-    else:
-        solved = np.arange(len(motion.joints)) < MOVED
-        limits = [np.where(solved, most, np.inf) for most in (JOINT_SPEED, acceleration, np.inf)]
+    torques = arm.torques(motion.positions, speeds, growths)
+    limits = arm.rate_limits(acceleration)
     return JointRates(
-        read_only(speeds), read_only(growths), torques, *(read_only(one) for one in limits)
+        read_only(speeds),
+        read_only(growths),
+        None if torques is None else read_only(torques),
+        read_only(limits.speeds),
+        read_only(limits.accelerations),
+        read_only(limits.torques),
+        limits.nominal,
     )
 
 
-def passed_limits(arm: AnyArm, motion: ArmMotion, rates: JointRates) -> tuple[Violation, ...]:
+def passed_limits(motion: ArmMotion, rates: JointRates) -> tuple[Violation, ...]:
     """Find every joint that passes a limit of its speed, acceleration or torque, where it is worst.
 
     The paper gives its arm no such limits, and those in ``rates`` are nominal: it passes none.
 
     Args:
-        arm: the arm.
-        motion: its motion, at m samples.
-        rates: its joints' rates there.
+        motion: the motion, at m samples.
+        rates: the joints' rates there.
     """
     found: list[Violation] = []
-    if not isinstance(arm, UrdfArm):
+    if rates.nominal:
         return ()
     limited: tuple[tuple[Quantity, FloatArray | None, FloatArray], ...] = (
         ("speed", rates.speeds, rates.speed_limits),

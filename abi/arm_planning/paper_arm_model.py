@@ -22,16 +22,10 @@ from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
-from abi.robot.paper_arm.paper_arm import PaperArm
+from abi.robot.paper_arm.paper_arm import JOINT_SPEED, MOVED, PaperArm
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
-
-JOINT_SPEED = np.pi
-"""Largest speed of the paper's turning joints, nominal, [rad/s]."""
-
-MOVED = 3
-"""Joints that the inverse kinematics moves, q1 to q3."""
 
 _POSES_TO_REFUTE, _TRIES_TO_REFUTE = 49, 5_000
 _LONGER = 1.5

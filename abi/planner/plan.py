@@ -161,7 +161,7 @@ class Plan(ReadOnlyCopies):
         """
         if self.arm is None or self.motion is None or self.joint_rates is None:
             return ()
-        rates = passed_limits(self.arm, self.motion, self.joint_rates)
+        rates = passed_limits(self.motion, self.joint_rates)
         return (*self.motion.limit_violations, *rates)
 
     @property

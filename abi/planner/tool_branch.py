@@ -150,8 +150,13 @@ class ToolBranch:
 
     def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
         """Stage 3: all searches that are asked for."""
-        searches, weight = self.stages.searches, self.task.scene.search.weight
-        return tuple(searches[name](shortest.graph, weight) for name in self.task.searches)
+        chosen, searches = self.task.scene.search, self.stages.searches
+        return tuple(
+            shortest.path
+            if name == chosen.algorithm
+            else searches[name](shortest.graph, chosen.weight)
+            for name in self.task.searches
+        )
 
     def optimum(self) -> Bound:
         """Lower bound of the length of any curve."""

@@ -31,6 +31,22 @@ class PlacedCapsule(NamedTuple):
     ends: FloatArray
 
 
+class RateLimits(NamedTuple):
+    """Largest rates of an arm's joints, (n,) each, inf where there is no limit.
+
+    Attributes:
+        speeds: [rad/s] or [unit/s].
+        accelerations: [rad/s²] or [unit/s²].
+        torques: [N·m], of sliding joints forces [N].
+        nominal: whether they are assumed, and so none is passed.
+    """
+
+    speeds: FloatArray
+    accelerations: FloatArray
+    torques: FloatArray
+    nominal: bool
+
+
 class AnyArm(Protocol):
     """An arm: its chain of joints, and the capsules around its links."""
 
@@ -65,6 +81,14 @@ class AnyArm(Protocol):
     @property
     def has_elbow(self) -> bool:
         """Whether its branches are the two sides of its elbow."""
+
+    def rate_limits(self, acceleration: float) -> RateLimits:
+        """Largest rates of its joints, for an acceleration in [rad/s²], of sliding ones [m/s²]."""
+
+    def torques(
+        self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray
+    ) -> FloatArray | None:
+        """Torques (k, n) that a motion takes, [N·m] or [N]; None where no masses are known."""
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
         """Capsules of all links at joint positions (k, n)."""

@@ -13,11 +13,12 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
-from abi.robot.any_arm import PlacedCapsule
+from abi.robot.any_arm import PlacedCapsule, RateLimits
 from abi.robot.bodies.allowed_contacts import AllowedContact, LinkPairs, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, lever, meeting, place
 from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_files import description_of, files_of
@@ -181,6 +182,30 @@ class UrdfArm(ShortRepr):
     def has_elbow(self) -> bool:
         """Whether it has an elbow: False, its branches are poses with the tool at the start."""
         return False
+
+    def rate_limits(self, acceleration: float) -> RateLimits:
+        """Largest rates of its joints, speeds and torques as its URDF has them.
+
+        Args:
+            acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²].
+        """
+        speeds, efforts = self.chain.speeds * self.scales, self.chain.efforts
+        return RateLimits(speeds, acceleration * self.scales, efforts, nominal=False)
+
+    def torques(
+        self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray
+    ) -> FloatArray | None:
+        """Torques (k, n) that a motion takes, [N·m] or [N]; None where its URDF has no masses.
+
+        Args:
+            positions: of its joints, (k, n), [rad] or [unit].
+            speeds: (k, n), [rad/s] or [unit/s].
+            accelerations: (k, n), [rad/s²] or [unit/s²].
+        """
+        if not has_masses(self.chain):
+            return None
+        moving = (values / self.scales for values in (positions, speeds, accelerations))
+        return joint_torques(self.chain, *moving)
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
         """Capsules of all links at joint positions (k, n)."""

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
-from abi.robot.any_arm import PlacedCapsule
+from abi.robot.any_arm import PlacedCapsule, RateLimits
 from abi.robot.bodies.urdf_writer import joint, write
 from abi.robot.paper_arm import arm_links
 from abi.robot.paper_arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
@@ -35,6 +35,12 @@ SLIDES = tuple(name == "q5" for name in JOINTS)
 
 JOINT_AXES = tuple((1.0, 0.0, 0.0) if name in ("q2", "q3") else (0.0, 0.0, 1.0) for name in JOINTS)
 """Axis of each joint in its own frame."""
+
+JOINT_SPEED = np.pi
+"""Largest speed of the turning joints, nominal, [rad/s]."""
+
+MOVED = 3
+"""Joints that the inverse kinematics moves, q1 to q3."""
 
 STROKE = 0.8
 """Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
@@ -163,6 +169,20 @@ class PaperArm(ShortRepr):
     def has_elbow(self) -> bool:
         """Whether its branches are the two sides of its elbow: True."""
         return True
+
+    def rate_limits(self, acceleration: float) -> RateLimits:
+        """Largest rates of its joints: of q1 to q3, whose speed is nominal, as the paper has none.
+
+        Args:
+            acceleration: largest of these joints, [rad/s²].
+        """
+        solved = np.arange(len(JOINTS)) < MOVED
+        speeds = np.where(solved, JOINT_SPEED, np.inf)
+        accelerations = np.where(solved, acceleration, np.inf)
+        return RateLimits(speeds, accelerations, np.full(len(JOINTS), np.inf), nominal=True)
+
+    def torques(self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray) -> None:
+        """Torques of a motion: None, as the paper gives masses for its last three drives alone."""
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
         """Capsules of all links at joint positions (k, 6)."""

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from abi.arm_planning.motion.liquid import tilts
 from abi.arm_planning.motion.trajectory import Trajectory
 from abi.arm_planning.motion_law import second_derivatives
-from abi.arm_planning.paper_arm_model import JOINT_SPEED, PaperArmJointPath
+from abi.arm_planning.paper_arm_model import PaperArmJointPath
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import SpeedProfile
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.kinematics.inverse_dynamics import GRAVITY
-from abi.robot.paper_arm.paper_arm import PaperArm
+from abi.robot.paper_arm.paper_arm import JOINT_SPEED, PaperArm
 from abi.scene.scene import load_scene
 from abi.verify.verify import verify
 

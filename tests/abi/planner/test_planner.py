@@ -45,17 +45,14 @@ def test_a_stage_that_broke_is_run_again(monkeypatch: pytest.MonkeyPatch) -> Non
     assert again.bspline_arc.length == first.bspline_arc.length
 
 
-def test_what_the_machine_does_meanwhile_is_not_a_searchs_time(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_what_the_machine_does_meanwhile_is_not_a_searchs_time() -> None:
     kept_from_it = 0.05  # [s]
 
     def search(*args: Any, **named: Any) -> Any:
         threading.Event().wait(kept_from_it)
         return SEARCHES["a_star"](*args, **named)
 
-    monkeypatch.setattr(tool_branch, "SEARCHES", {**SEARCHES, "a_star": search})
-    plan = Planner()(load_scene("paper"))
+    plan = Planner(searches={**SEARCHES, "a_star": search})(load_scene("paper"))
     assert plan.error is None
     assert plan.ms["a_star"] < 1e3 * kept_from_it
     assert plan.total_ms > 1e3 * kept_from_it
