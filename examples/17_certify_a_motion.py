@@ -2,8 +2,7 @@
 Certify a motion
 ================
 
-Prove a motion that another planner made clear at all times, and find the thin plate that a thousand
-samples miss.
+Prove that another planner's motion is clear, and find the thin plate that a thousand samples miss.
 """
 
 from __future__ import annotations
