@@ -42,7 +42,7 @@ class Attempt(NamedTuple):
 
     Attributes:
         environment: its name.
-        ends: which of start and goal are not proven clear, as words; empty if both are.
+        ends: which of start and goal are not proven clear within the limits; empty if both are.
         ms: processor time of surroundings, search and shortening, [ms].
         motion_ms: of the smooth motion and its certificate, [ms].
         length: of the path in the space of the joints, [rad]; inf without one.
@@ -67,7 +67,11 @@ def attempt(arm: UrdfArm, problem: MotionProblem, effort: JointSearchEffort) -> 
     surroundings = chain_world(arm, problem.obstacles, _FLOOR)
     space = JointSpace(arm, surroundings, 0.0)
     ends = {"start": problem.start, "goal": problem.goal}
-    blocked = [name for name, pose in ends.items() if not space.clear(np.stack([pose, pose]))]
+    blocked = [
+        name
+        for name, pose in ends.items()
+        if not (space.is_within(pose[None]) and space.clear(np.stack([pose, pose])))
+    ]
     if blocked:
         return Attempt(problem.environment, " and ".join(blocked), 0, 0, np.inf, False, -1, np.nan)
     found = search_joints(space, problem.start[None], problem.goal[None], effort)

@@ -106,7 +106,7 @@ def _frames(
     found = []
     for parent, child in pairs:
         poses = np.linalg.inv(world[parent][:samples]) @ world[child][:samples]
-        found.append(LinkFrame(parent, child, poses[:, :3, 3], _quaternions(poses[:, :3, :3])))
+        found.append(LinkFrame(parent, child, poses[:, :3, 3], quaternions(poses[:, :3, :3])))
     return found
 
 
@@ -118,7 +118,7 @@ def _part(shape: LinkShape) -> tuple[str, Part]:
     colours: list[Colour] = [
         (*(channel / 255 for channel in row), 1.0) for row in shape.colours.tolist()
     ]
-    w, x, y, z = _quaternions(shape.pose[None, :3, :3])[0].tolist()
+    w, x, y, z = quaternions(shape.pose[None, :3, :3])[0].tolist()
     pose = mcap_entities.pose_of(shape.pose[:3, 3], (w, x, y, z))
     if shape.kind != "mesh":
         return mcap_entities.solid(shape.kind, _extent(shape), pose, (colours or [_GREY])[0])
@@ -131,8 +131,8 @@ def _part(shape: LinkShape) -> tuple[str, Part]:
     return mcap_entities.triangles(points, faces.astype(np.int32), pose, colours or [_GREY])
 
 
-def _quaternions(turns: FloatArray) -> FloatArray:
-    """Quaternions wxyz (k, 4) of rotation matrices (k, 3, 3)."""
+def quaternions(turns: FloatArray) -> FloatArray:
+    """Unit quaternions wxyz (k, 4) of rotation matrices (k, 3, 3)."""
     from scipy.spatial.transform import Rotation  # here, since it takes long to import
 
     # a copy, since the oldest scipy allowed takes no read-only array

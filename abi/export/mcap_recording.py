@@ -13,7 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
-from abi.export.mcap_arm import LinkFrame, chain_of, link_entities, link_frames, scene_frame
+from abi.export.mcap_arm import (
+    LinkFrame,
+    chain_of,
+    link_entities,
+    link_frames,
+    quaternions,
+    scene_frame,
+)
 from abi.export.mcap_entities import (
     Part,
     by_kind,
@@ -26,7 +33,6 @@ from abi.export.mcap_entities import (
 )
 from abi.export.mcap_schemas import SCHEMAS
 from abi.export.solids import Solid, solids
-from abi.obstacles.pose import UNTURNED
 from abi.planner.plan import Plan
 from abi.robot.urdf.robot_files import packed
 
@@ -81,6 +87,7 @@ def _messages(plan: Plan, description: str) -> Iterator[_RecordedMessage]:
     chain = chain_of(plan.arm)
     frame, root = scene_frame(chain), chain.robot.root
     trajectory, tool = joint_trajectory(plan), motion_of(plan).tool * plan.arm.metres
+    turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
     still, moving = link_frames(chain, trajectory.positions)
     yield _RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
     yield _RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
@@ -101,7 +108,8 @@ def _messages(plan: Plan, description: str) -> Iterator[_RecordedMessage]:
         yield _RecordedMessage(
             "/tf", "foxglove.FrameTransforms", time, _transforms(moving, index, time)
         )
-        pose = pose_of(tool[index], UNTURNED)
+        w, x, y, z = turns[index]
+        pose = pose_of(tool[index], (w, x, y, z))
         place = {"timestamp": stamp(time), "frame_id": frame, "pose": pose}
         yield _RecordedMessage("/tool", "foxglove.PoseInFrame", time, place)
 

@@ -205,6 +205,21 @@ def conforms(data: Any, schema: dict[str, Any]) -> bool:
     return data.keys() == fields.keys() and all(conforms(data[k], fields[k]) for k in fields)
 
 
+@pytest.mark.slow
+def test_the_recorded_tool_points_where_the_scene_holds_it() -> None:
+    scene = load_scene("kitchen-ur5e")
+    assert scene.arm.axis == (0.0, 0.0, -1.0)
+    reader = make_reader(io.BytesIO(content(plan(scene), "mcap")))
+    turns = [
+        json.loads(message.data)["pose"]["orientation"]
+        for _, _, message in reader.iter_messages(topics=["/tool"])
+    ]
+    x, y, z, w = np.array([[one[name] for name in "xyzw"] for one in turns]).T
+    # third column of the rotation that a quaternion stands for
+    axis = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+    np.testing.assert_allclose(axis, np.tile(scene.arm.axis, (len(axis), 1)), atol=1e-5)
+
+
 def test_the_recording_plays_the_motion(planned: Plan) -> None:
     reader = make_reader(io.BytesIO(content(planned, "mcap")))
     messages: dict[str, list[tuple[int, dict[str, Any]]]] = {}
