@@ -15,7 +15,7 @@ from playwright.sync_api import Browser
 from abi.scene.scene import Scene
 from app.server.address import Address
 from app.server.server import Server, start
-from app.state.appearance import Look
+from app.state.appearance import Appearance
 from app.tab.session import Session
 from app.ui import style
 from tests.browser.page import Page
@@ -114,7 +114,7 @@ def visit(
 
 
 def _server(scene: Scene | str, dark: bool) -> Server:
-    look = Look(plain=True, dark=dark)
+    look = Appearance(plain=True, dark=dark)
     if isinstance(scene, str):
         return start(Address(port=0), scene=scene, look=look)
     with tempfile.TemporaryDirectory() as folder:

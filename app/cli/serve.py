@@ -21,7 +21,7 @@ from app.process.memory import load_at_once
 from app.process.scratch import remove_abandoned
 from app.server.address import Address
 from app.server.workers import Workers, are_possible, seat
-from app.state.appearance import OPENING, Look
+from app.state.appearance import OPENING, Appearance
 
 if TYPE_CHECKING:
     from app.teach.classroom import Classroom
@@ -157,7 +157,7 @@ def serve(
         address = Address(host, port, seat(joins), SideDoor.of_input(ended.set))
     # of several processes not all listen yet
     told = {"announce": announce} if helpers.seats is None else {}
-    look = Look(plain, dark, demo)
+    look = Appearance(plain, dark, demo)
     server = start(address, scene, look, policy, lessons, room, exercise, **told)
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}

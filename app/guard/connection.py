@@ -61,7 +61,7 @@ class GuardedConnection(ServerConnection):
         guard.connections.add(self)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Give whoever has connected a few seconds to say what for."""
+        """Close connections that send no request in time."""
         super().connection_made(transport)
         if hasattr(socket, "TCP_NOTSENT_LOWAT"):
             wire = transport.get_extra_info("socket")

@@ -23,7 +23,7 @@ that reason slow each other down, so that still more of them overlap, and tabs w
 AT_ONCE = 0.0
 """Patience of what a hand waits for, [s]."""
 PATIENT = 1.0
-"""Patience of what follows another's hand, or completes a picture once the hand rests, [s]."""
+"""Maximum delay of background updates, which follow another user or complete a picture, [s]."""
 
 
 class Turns:

@@ -24,7 +24,7 @@ from app.guard.policy import Policy, policy_for
 from app.guard.porter import Porter
 from app.process.process_memory import memory_in_all
 from app.server.address import Address, ensure_port, listening_url
-from app.state.appearance import OPENING, Look
+from app.state.appearance import OPENING, Appearance
 from app.ui import notices, page
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from app.teach.exercise_watch import ExerciseWatch
     from app.teach.lesson import Lessons, Library
 
-_ADDRESS, _AS_THE_SYSTEM = Address(), Look()
+_ADDRESS, _AS_THE_SYSTEM = Address(), Appearance()
 _FAREWELL = 0.2
 """Seconds in which the tabs are told that the server stops."""
 
@@ -61,7 +61,7 @@ class Server:
     def __init__(
         self,
         address: Address,
-        look: Look = _AS_THE_SYSTEM,
+        look: Appearance = _AS_THE_SYSTEM,
         policy: Policy | None = None,
     ) -> None:
         """Open the port; ``policy`` as for :func:`start`."""
@@ -178,7 +178,7 @@ class Server:
 def start(
     address: Address = _ADDRESS,
     scene: str = OPENING,
-    look: Look = _AS_THE_SYSTEM,
+    look: Appearance = _AS_THE_SYSTEM,
     policy: Policy | None = None,
     lessons: Path | None = None,
     classroom: Classroom | None = None,

@@ -9,7 +9,7 @@ OPENING = "drag-a-box"
 
 
 @dataclass(frozen=True)
-class Look:
+class Appearance:
     """Look of a new tab.
 
     Attributes:
@@ -23,5 +23,5 @@ class Look:
     demo: bool = False
 
 
-PLAIN = Look(plain=True)
+PLAIN = Appearance(plain=True)
 """For slow graphics and tests."""

@@ -23,7 +23,7 @@ _PERIOD = 0.4
 
 @dataclass(frozen=True)
 class Report:
-    """Account of a page of itself.
+    """Startup report from the browser.
 
     Attributes:
         state: a :class:`TabState` as text; empty for none.

@@ -26,7 +26,7 @@ from app.process import memory, metrics
 from app.process.memory_budget import MemoryBudget
 from app.process.turns import AT_ONCE, PATIENT
 from app.shared.shared_plans import SharedPlans
-from app.state.appearance import Look
+from app.state.appearance import Appearance
 from app.state.frame import Frame
 from app.state.tab_state import TabState
 from app.tab.budget import TabBudget
@@ -68,7 +68,7 @@ class Session:
         client: viser.ClientHandle,
         name: str,
         scene: Scene,
-        look: Look,
+        look: Appearance,
         planned: threading.Event,
         library: Library,
         budget: MemoryBudget,
@@ -278,7 +278,7 @@ class Session:
         self.panels.exports.send(self.frame.plan)
 
     def _read(self) -> Scene:
-        """Read the panels; what is refused but once, as a file is, is told of and left.
+        """Read the panels; one-off rejections, as of a file, are reported, then ignored.
 
         Raises:
             SceneError: what they show is no scene.

@@ -16,7 +16,7 @@ _RAIL = 60
 
 
 class PanelFolding:
-    """Folds panels where they are in the way, and unfolds after that what no hand has touched."""
+    """Folds panels where they are in the way, and re-expands those the user has not toggled."""
 
     def __init__(self, layout: Layout) -> None:
         self._sides = [_Side(panel) for panel in layout.panels]

@@ -11,7 +11,7 @@ from app.panels.stages.stage_headers import TITLES
 from app.panels.teach.tour import STEPS
 from app.server.address import Address
 from app.server.server import start
-from app.state.appearance import Look
+from app.state.appearance import Appearance
 from app.tab.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page
@@ -94,7 +94,7 @@ def test_the_sheet_of_keys_opens_and_closes(page: Page, way: str) -> None:
 @pytest.mark.parametrize("touched", ["a button", "the obstacle"])
 def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: str) -> None:
     paper = abi.load_scene("paper")
-    server = start(Address(port=0), scene="paper", look=Look(plain=True, demo=True))
+    server = start(Address(port=0), scene="paper", look=Appearance(plain=True, demo=True))
     page = Page(chromium, server.url + "/?demo=1")
     try:
         page.until(lambda: bool(server.sessions), "a session")

@@ -29,7 +29,7 @@ _NAME_LENGTH = 40
 
 
 @dataclass(frozen=True)
-class News(Generic[_T]):
+class UploadEvent(Generic[_T]):
     """News of a file.
 
     Attributes:
@@ -43,7 +43,7 @@ class News(Generic[_T]):
     done: bool = True
 
 
-class Dealing(Generic[_T]):
+class UploadJob(Generic[_T]):
     """One file while it is dealt with.
 
     Attributes:
@@ -56,7 +56,7 @@ class Dealing(Generic[_T]):
         name: str,
         stopped: threading.Event,
         show: Callable[[str, float], None],
-        tell: Callable[[News[_T]], None],
+        tell: Callable[[UploadEvent[_T]], None],
     ) -> None:
         self.name, self.stopped = name, stopped
         self._show, self._tell = show, tell
@@ -77,10 +77,10 @@ class Dealing(Generic[_T]):
 
     def is_read(self, result: _T) -> None:
         """Tell what was read, though it is still to be prepared."""
-        self._tell(News(self.name, result, done=False))
+        self._tell(UploadEvent(self.name, result, done=False))
 
 
-Deal = Callable[[bytes, Dealing[_T]], _T]
+Deal = Callable[[bytes, UploadJob[_T]], _T]
 """What comes of the content of a file; may raise SceneError and StoppedError."""
 
 
@@ -124,7 +124,7 @@ class FileUploads(Generic[_T]):
         self._stop = gui.add_button("Stop reading", visible=False)
         self._kind, self._wake = kind, wake
         self._waiting: queue.SimpleQueue[_Waiting[_T]] = queue.SimpleQueue()
-        self._news: queue.SimpleQueue[News[_T]] = queue.SimpleQueue()
+        self._news: queue.SimpleQueue[UploadEvent[_T]] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._pending = 0
@@ -139,7 +139,7 @@ class FileUploads(Generic[_T]):
         """Whether what is being read or prepared is not wanted any more."""
         return self._stopped.is_set()
 
-    def news(self) -> list[News[_T]]:
+    def news(self) -> list[UploadEvent[_T]]:
         """News of the files since the last call: each is read, then prepared, or refused."""
         found = []
         while not self._news.empty():
@@ -211,7 +211,7 @@ class FileUploads(Generic[_T]):
             with self._lock:
                 self._pending -= 1
                 last = self._pending == 0
-            self._news.put(News(name, None if self._stopped.is_set() else result))
+            self._news.put(UploadEvent(name, None if self._stopped.is_set() else result))
             if last:
                 self._show(None, 0.0)
             self._wake(event)
@@ -224,7 +224,7 @@ class FileUploads(Generic[_T]):
         if file is not None and file.lost:
             return SceneError("file", name, file.lost)
         tell = functools.partial(self._tell, waiting.event)
-        dealing = Dealing(name, self._stopped, self._tell_step, tell)
+        dealing = UploadJob(name, self._stopped, self._tell_step, tell)
         try:
             return waiting.deal(b"" if file is None else file.content(), dealing)
         except SceneError as error:
@@ -232,7 +232,7 @@ class FileUploads(Generic[_T]):
         except StoppedError:
             return None
 
-    def _tell(self, event: object, news: News[_T]) -> None:
+    def _tell(self, event: object, news: UploadEvent[_T]) -> None:
         self._news.put(news)
         self._wake(event)
 

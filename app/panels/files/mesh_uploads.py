@@ -8,7 +8,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from app.drawing.mesh_picture import drawn_triangles
-from app.panels.files.file_uploads import Dealing, FileKind, FileUploads
+from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob
 from app.panels.widgets import Wake
 from app.reading.reader import READER
 
@@ -24,7 +24,7 @@ def add_mesh_uploads(gui: viser.GuiApi, wake: Wake) -> FileUploads[Surface]:
     return FileUploads(gui, button, FileKind(_prepared, safe_name, several=True), wake)
 
 
-def _prepared(content: bytes, dealing: Dealing[Surface]) -> Surface:
+def _prepared(content: bytes, dealing: UploadJob[Surface]) -> Surface:
     """Read, repair and prepare one file."""
     dealing.step("reading and repairing", 0.25)
     surface = READER.mesh(content, dealing.name, dealing.stopped, dealing.wait)

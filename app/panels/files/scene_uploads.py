@@ -12,7 +12,7 @@ from abi.obstacles.triangle_mesh.signed_distance import body_frame
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.drawing.mesh_picture import drawn_triangles
-from app.panels.files.file_uploads import Dealing, shown_name
+from app.panels.files.file_uploads import UploadJob, shown_name
 from app.reading.reader import READER
 
 _MESH = re.compile(r"obstacles\[\d+\]\.file")
@@ -32,7 +32,7 @@ class SceneFile:
     files: Mapping[str, bytes | Surface]
 
 
-def read(content: bytes, dealing: Dealing[SceneFile]) -> SceneFile:
+def read(content: bytes, dealing: UploadJob[SceneFile]) -> SceneFile:
     """Read a scene file, and prepare its meshes."""
     dealing.step("reading", 0.25)
     found = SceneFile(*READER.scene(content, dealing.name, dealing.stopped, dealing.wait))

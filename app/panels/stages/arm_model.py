@@ -17,7 +17,7 @@ from abi.robot.urdf.robot import Robot, bases_to, part_from
 from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
-from app.panels.files.file_uploads import Dealing, FileKind, FileUploads, shown_name
+from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob, shown_name
 from app.panels.stages.gripper import GripperPanel
 from app.panels.widgets import Wake
 from app.reading.reader import READER, SeveralRobotsError
@@ -291,7 +291,7 @@ def _zip_of(file: str) -> str:
     return f"{PurePosixPath(file).stem}.zip"
 
 
-def _read(content: bytes, dealing: Dealing[_Read]) -> _Read:
+def _read(content: bytes, dealing: UploadJob[_Read]) -> _Read:
     """Read the file of an arm, or keep it where it has several."""
     dealing.step("reading", 0.5)
     try:
@@ -302,7 +302,7 @@ def _read(content: bytes, dealing: Dealing[_Read]) -> _Read:
         return SeveralRobots(error.choices, file)
 
 
-def _read_one(robot: str, content: bytes, dealing: Dealing[_Read]) -> _Read:
+def _read_one(robot: str, content: bytes, dealing: UploadJob[_Read]) -> _Read:
     """Read one of the robots of an archive."""
     dealing.step("reading", 0.5)
     return READER.arm(content, f"robots.zip/{robot}", dealing.stopped, dealing.wait)
