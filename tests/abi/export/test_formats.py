@@ -306,25 +306,49 @@ def test_the_recording_has_all_of_the_arm_and_moves_it(
         for link in robot.link_map:
             expected = base @ robot.get_transform(link)
             np.testing.assert_allclose(place_of(frames, link), expected, atol=1e-9)
-        for link, entity in entities.items():  # what is drawn is inside the link's capsules
+        for link, entity in entities.items():
             own = [one for one in capsules if one.link == link]
-            for kind in ("triangles", "cubes", "spheres", "cylinders"):
-                for part in entity[kind]:
-                    pose = place_of(frames, link) @ matrix_of(
-                        part["pose"], "position", "orientation"
-                    )
-                    corners = (
-                        part["points"][::50] if kind == "triangles" else [dict.fromkeys("xyz", 0)]
-                    )
-                    for corner in corners:
-                        at = (pose[:3, :3] @ [*corner.values()] + pose[:3, 3]) / arm.metres
-                        gaps = [segment_gap(at, one.ends[sample]) - one.radius for one in own]
-                        assert min(gaps) < 1e-6 * arm.reach
+            for part in (*entity["cubes"], *entity["spheres"], *entity["cylinders"]):
+                pose = place_of(frames, link) @ matrix_of(part["pose"], "position", "orientation")
+                gaps = [
+                    segment_gap(pose[:3, 3] / arm.metres, one.ends[sample]) - one.radius
+                    for one in own
+                ]
+                assert min(gaps) < 1e-6 * arm.reach
+    for link, entity in entities.items():
+        if entity["triangles"]:
+            np.testing.assert_allclose(
+                bounds_drawn(entity["triangles"]), bounds_of_link(robot, link), atol=1e-6
+            )
     attached = {one.name: one.data for one in reader.iter_attachments()}
     assert ("arm.zip" in attached) == (len(arm.files()) > 1)
     if "arm.zip" in attached:
         again = robot_from_archive(attached["arm.zip"])
         assert again.links.keys() == result.scene.arm.robot.links.keys()
+
+
+def bounds_drawn(parts: list[dict[str, Any]]) -> Any:
+    """Low and high corner (2, 3) of triangles of a link, in its frame, [m]."""
+    corners = []
+    for part in parts:
+        pose = matrix_of(part["pose"], "position", "orientation")
+        points = np.array([[*point.values()] for point in part["points"]])
+        corners.append(points @ pose[:3, :3].T + pose[:3, 3])
+    every = np.concatenate(corners)
+    return np.stack([every.min(axis=0), every.max(axis=0)])
+
+
+def bounds_of_link(robot: yourdfpy.URDF, link: str) -> Any:
+    """Low and high corner (2, 3) of what yourdfpy shows of a link, in its frame, [m]."""
+    graph = robot.scene.graph
+    corners = []
+    for node in graph.nodes_geometry:
+        if graph.transforms.parents[node] == link:
+            pose, name = graph.get(node, link)
+            vertices = robot.scene.geometry[name].vertices
+            corners.append(vertices @ pose[:3, :3].T + pose[:3, 3])
+    every = np.concatenate(corners)
+    return np.stack([every.min(axis=0), every.max(axis=0)])
 
 
 def segment_gap(point: Any, ends: Any) -> float:
