@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.interpolate
 
 from abi.arrays import FloatArray
 from abi.search.search import search
 from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_points, point, shown, text
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 _FEWEST_HOPS = 5
 _CALLS = 6
@@ -83,9 +85,11 @@ def _fault(
     )
 
 
-def curve(points: FloatArray, knots: FloatArray, degree: int) -> scipy.interpolate.BSpline:
+def curve(points: FloatArray, knots: FloatArray, degree: int) -> BSpline:
     """The curve of control points and knots."""
-    return scipy.interpolate.BSpline(knots, points, degree)
+    from scipy.interpolate import BSpline  # takes longer to load than a page's first plan
+
+    return BSpline(knots, points, degree)
 
 
 KNOT_INSERTION = Exercise(

@@ -303,7 +303,7 @@ def test_a_search_that_is_stepped_through_is_told_of_and_ended_over_the_scene(
     shown = panels.layout.overlay.shown
     fake.set(panels.theatre.on, True)
     until(lambda: "A search, step by step." in shown["message"])
-    assert ">Close search</button>" in shown["lecture"]
+    until(lambda: ">Close search</button>" in shown.get("lecture", ""))
     fake.set(panels.lecture._search._end, True)
     until(lambda: session.frame.theatre is None and "Drag the orange box." in shown["message"])
     assert not panels.theatre.on.value
