@@ -76,14 +76,13 @@ class ArmBanner:
     def _buttons(self, plan: Plan) -> str:
         """Buttons of the changes that may help."""
         clearance, scene, unit = plan.arm_clearance, plan.scene, plan.scene.unit
-        worst = worst_limit(plan)
         buttons = ""
         if not _follows_clear(plan):
             if plan.bspline is not None and plan.bspline.holds:
                 buttons += button(self.follow, "Follow the B-spline")
         elif clearance is not None and not clearance.certified and not scene.arm.avoid:
             buttons += button(self.avoid, "Avoid with the whole arm")
-        elif worst is not None and worst.quantity in _RATES and scene.motion.law == "three_phase":
+        elif _is_too_fast(plan) and scene.motion.law == "three_phase":
             buttons += button(self.slow, "Slow down for the joints")
         self._clearance = _kept_clearance(plan)
         if self._clearance > 0:
@@ -94,6 +93,15 @@ class ArmBanner:
 
 def _follows_clear(plan: Plan) -> bool:
     return plan.followed_curve is None or plan.followed_curve.holds
+
+
+def _is_too_fast(plan: Plan) -> bool:
+    """Check whether a slower motion helps: no joint passes its position's limit, one passes a rate.
+
+    The law that slows motions reads the limits of rates alone; torques become less with these.
+    """
+    passed = {one.quantity for one in plan.limits_passed}
+    return "position" not in passed and not passed.isdisjoint(_RATES)
 
 
 def _fault(plan: Plan) -> tuple[str, str] | None:

@@ -373,7 +373,7 @@ def test_a_start_at_the_clearance_itself_is_told_the_clearance_that_is_held() ->
 
 @pytest.mark.parametrize("model", ["abi", "urdf"])
 def test_a_base_that_helps_an_arm_changes_no_elbow_that_it_has_not(model: str) -> None:
-    arm: dict[str, Any] = {"urdf": "panda", "search": "mesh"}
+    arm: dict[str, Any] = {"urdf": "panda", "search": "mesh", "base": [0.0, 0.0, 0.3]}
     if model == "abi":
         lengths = {"a1": 0.167, "a2": 0.333, "a3": 1.0, "a4": 0.5, "a5": 0.417}
         arm = {"model": "abi", "axis": None, "elbow": "auto", **lengths}

@@ -40,7 +40,7 @@ def test_an_arm_that_is_proven_clear_has_no_banner(tab: tuple[FakeTab, Session],
     ("name", "changes", "sentence"),
     [
         ("paper", _TOO_NEAR, "Links too near: 0.112 cm of the 0.5 cm wanted; the gripper"),
-        ("kitchen-ur5e", _TOO_FAST, "elbow_joint passes its acceleration limit of 4 rad/s²"),
+        ("kitchen-ur5e", _TOO_FAST, "elbow_joint passes its torque limit of 150 N·m"),
         ("paper", {"motion": {"speed": 2.0}}, "q6 passes its limit of 360° at"),
         ("paper", {"motion": {"speed": 2.0}}, "Its drive in stage 6 is too strong"),
         ("wall-with-window", {}, "The slide goes 0.549 cm into obstacle 2 at 2.05 s."),
@@ -81,10 +81,13 @@ def test_a_button_slows_the_motion_down(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     made = _plan("kitchen-ur5e", _TOO_FAST)
     banner = session.panels.messages.banner
+    assert {"acceleration", "torque"} <= {one.quantity for one in made.limits_passed}
     assert "Slow down for the joints" in banner.html(made)
     fake.set(banner.slow, True)
     until(partial(_is_slowed, session))
-    assert not _plan("kitchen-ur5e", {"motion": {**_TOO_FAST["motion"], "law": "slowed"}}).error
+    slowed = _plan("kitchen-ur5e", {"motion": {**_TOO_FAST["motion"], "law": "slowed"}})
+    assert slowed.error is None
+    assert slowed.limits_passed == ()
 
 
 def _is_slowed(session: Session) -> bool:
