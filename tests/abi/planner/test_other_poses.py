@@ -24,9 +24,12 @@ from tests.abi.robot.robots import arm
 Ends = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 BOX = {"shape": "box", "size": (0.07, 0.204, 0.25), "position": (0.498, -0.132, 0.2)}
+SHELF = {"shape": "box", "size": (0.282, 0.188, 0.095), "position": (0.461, 0.17, 0.385)}
+LAMP = {"shape": "box", "size": (0.227, 0.106, 0.113), "position": (-0.355, 0.218, 0.574)}
+DOWN = (0.0, 0.0, -1.0)
 CASES: tuple[tuple[str, Any, Ends, list[Any]], ...] = (
-    ("panda", None, ((-0.362, -0.491, 0.514), (-0.242, 0.206, 0.21)), []),
-    ("panda", (0.0, 0.0, -1.0), ((-0.116, -0.364, 0.648), (-0.119, 0.423, 0.618)), []),
+    ("panda", None, ((0.449, 0.195, 0.205), (0.084, -0.425, 0.254)), [SHELF]),
+    ("panda", DOWN, ((-0.204, 0.406, 0.452), (0.465, 0.325, 0.457)), [LAMP]),
     ("xarm7", None, ((0.159, -0.357, 0.54), (0.553, -0.3, 0.153)), [BOX]),
 )
 
