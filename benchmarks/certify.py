@@ -18,9 +18,10 @@ from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
 from abi.certification.clearance_proof import nearest
 from abi.certification.motion import Motion
+from abi.certification.posed_hulls_kernels import nearest_obstacle
 from abi.certification.read_motion import joint_names
 from abi.certification.robot_scene import robot_scene
-from abi.certification.separate_motion_kernels import nearest_obstacle, separate_motion
+from abi.certification.separate_motion_kernels import separate_motion
 from abi.certification.verdict import MotionVerdict
 from abi.obstacles import obstacle_set_kernels
 from abi.obstacles.triangle_mesh import surface_kernels

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
-from abi.certification.separate_motion_kernels import Hulls, hulls_touch
+from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
 from abi.errors import MotionError
 from abi.robot.bodies.chain_capsules import lever, meeting
 from abi.robot.bodies.link_bodies import link_bodies

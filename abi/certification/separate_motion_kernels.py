@@ -7,7 +7,6 @@ See ``abi.certification.clearance_proof`` for what a direction proves,
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +18,19 @@ from abi.arm_planning.world.collision_world_kernels import (
     is_solid,
     open_box,
 )
-from abi.arrays import FloatArray, IntArray
-from abi.certification.hull_distance_kernels import from_hull, from_row, radius_of
+from abi.arrays import FloatArray
+from abi.certification.hull_distance_kernels import from_row, radius_of
+from abi.certification.motion_path_kernels import PATH, Path, Stretch, joints_at, ways_of
+from abi.certification.posed_hulls_kernels import (
+    HULLS,
+    HullPose,
+    Hulls,
+    box_gap,
+    from_body,
+    new_pose,
+    outcome_of,
+    place_hulls,
+)
 from abi.clearance.separation_kernels import (
     CERTIFIED,
     MOST_HALVINGS,
@@ -31,150 +41,10 @@ from abi.clearance.separation_kernels import (
     table_of,
 )
 from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, IDS, compiled
-from abi.obstacles.primitive_kernels import BOUNDS
-from abi.obstacles.primitive_kernels import WIDTH as ROW
+from abi.compiled import compiled
 from abi.obstacles.vector_kernels import Vec3, vec3_at
-from abi.robot.bodies.hull_kernels import APART, OVERLAP, separation
-from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, place_chain
-
-
-class Hulls(NamedTuple):
-    """Convex bodies of a robot with n coordinates.
-
-    Attributes:
-        frames: joint that moves each, -1 where it stands still, (b,).
-        firsts: first point of each, and the number of points, (b + 1,).
-        points: in the frame of that joint, or in the world where it stands still, flat, [m].
-        radii: around the hulls, (b,), [unit].
-        levers: bound of each one's motion for one of each coordinate, flat (b n,), [unit].
-        pairs: bodies that are to keep apart, flat (2 p,).
-        pair_levers: the same of both motions beside each other, flat (p n,), [unit].
-        scale: one metre in [unit].
-    """
-
-    frames: IntArray
-    firsts: IntArray
-    points: FloatArray
-    radii: FloatArray
-    levers: FloatArray
-    pairs: IntArray
-    pair_levers: FloatArray
-    scale: float
-
-
-HULLS = Hulls(IDS, IDS, FLOATS, FLOATS, FLOATS, IDS, FLOATS, 1.0)
-"""Example of bodies."""
-
-
-class Path(NamedTuple):
-    """Polynomials of the joints between waypoints.
-
-    Attributes:
-        points: Bézier points, flat (k (degree + 1) n,), [rad] or [m].
-        width: points of a polynomial: its degree + 1.
-        joints: number n of joints.
-    """
-
-    points: FloatArray
-    width: int
-    joints: int
-
-
-PATH = Path(FLOATS, 2, 1)
-"""Example of a motion."""
-
-
-class _Stretch(NamedTuple):
-    """Part of a motion: from a waypoint, or a place between two, to another."""
-
-    start: float
-    end: float
-    halvings: int
-
-
-class _HullPose(NamedTuple):
-    """Pose on a stretch, and room to work it out.
-
-    Attributes:
-        joints: coordinates (n,).
-        ways: farthest that each gets from there on the stretch (n,).
-        poses: of the joints, flat (12 (m + 1),).
-        points: of all bodies, flat, [unit], world.
-        bounds: least and largest coordinates of each body without its radius, flat (6 b,), [unit].
-        room: Bézier points of one joint (width,).
-    """
-
-    joints: FloatArray
-    ways: FloatArray
-    poses: FloatArray
-    points: FloatArray
-    bounds: FloatArray
-    room: FloatArray
-
-
-@jitable
-def _part_of(path: Path, piece: int, j: int, shares: tuple[float, float], room: FloatArray) -> None:
-    """Write the Bézier points of a joint on a part of a polynomial (de Casteljau, twice)."""
-    low, high = shares
-    last = path.width - 1
-    for i in range(path.width):
-        room[i] = path.points[(piece * path.width + i) * path.joints + j]
-    for level in range(1, path.width):
-        for i in range(last, level - 1, -1):
-            room[i] = room[i - 1] + high * (room[i] - room[i - 1])
-    inner = low / high if high > 0 else 0.0
-    for level in range(1, path.width):
-        for i in range(path.width - level):
-            room[i] = room[i] + inner * (room[i + 1] - room[i])
-
-
-@jitable
-def _joints_at(path: Path, at: float, pose: _HullPose) -> None:
-    """Write the coordinates at a parameter."""
-    pieces = len(path.points) // (path.width * path.joints)
-    piece = min(int(at), pieces - 1)
-    for j in range(path.joints):
-        _part_of(path, piece, j, (0.0, at - piece), pose.room)
-        pose.joints[j] = pose.room[path.width - 1]
-
-
-@jitable
-def _ways_of(path: Path, stretch: _Stretch, pose: _HullPose) -> None:
-    """Write how far each coordinate gets from the pose: bounded by Bézier points."""
-    first = int(stretch.start)
-    last = max(first + 1, math.ceil(stretch.end))
-    for j in range(path.joints):
-        far = 0.0
-        for piece in range(first, last):
-            shares = max(stretch.start - piece, 0.0), min(stretch.end - piece, 1.0)
-            _part_of(path, piece, j, shares, pose.room)
-            for i in range(path.width):
-                far = max(far, abs(pose.room[i] - pose.joints[j]))
-        pose.ways[j] = far
-
-
-@jitable
-def place_hulls(chain: ChainTable, hulls: Hulls, pose: _HullPose) -> None:
-    """Write the points of all bodies and their bounds at the joints of a pose."""
-    place_chain(chain, pose.joints, 0, pose.poses)
-    poses, points, bounds = pose.poses, pose.points, pose.bounds
-    for b in range(len(hulls.frames)):
-        frame = hulls.frames[b]
-        for r in range(3):
-            low, high = math.inf, -math.inf
-            for k in range(hulls.firsts[b], hulls.firsts[b + 1]):
-                x, y, z = vec3_at(hulls.points, 3 * k)
-                if frame < 0:
-                    value = x if r == 0 else y if r == 1 else z
-                else:
-                    at = POSE * frame + 3 * r
-                    value = poses[at] * x + poses[at + 1] * y + poses[at + 2] * z
-                    value += poses[POSE * frame + 9 + r]
-                value *= hulls.scale
-                points[3 * k + r] = value
-                low, high = min(low, value), max(high, value)
-            bounds[6 * b + r], bounds[6 * b + 3 + r] = low, high
+from abi.robot.bodies.hull_kernels import separation
+from abi.robot.kinematics.chain_kernels import TABLE, ChainTable
 
 
 @jitable
@@ -187,26 +57,8 @@ def _moves(levers: FloatArray, row: int, ways: FloatArray) -> float:
 
 
 @jitable
-def box_gap(bounds: FloatArray, b: int, primitives: FloatArray, s: int) -> tuple[float, Vec3]:
-    """Largest gap along an axis between the bounds of body b and of primitive s; its direction."""
-    best, way = -math.inf, (0.0, 0.0, 1.0)
-    for axis in range(3):
-        k = ROW * s + BOUNDS + axis
-        above = bounds[6 * b + axis] - primitives[k + 3]
-        below = primitives[k] - bounds[6 * b + 3 + axis]
-        if max(above, below) > best:
-            best, sign = (above, 1.0) if above >= below else (below, -1.0)
-            way = (
-                sign if axis == 0 else 0.0,
-                sign if axis == 1 else 0.0,
-                sign if axis == 2 else 0.0,
-            )
-    return best, way
-
-
-@jitable
 def _from_row(
-    around: Obstacles, hulls: Hulls, pose: _HullPose, pair: int, moves: float, allowance: float
+    around: Obstacles, hulls: Hulls, pose: HullPose, pair: int, moves: float, allowance: float
 ) -> tuple[int, Vec3]:
     """Check whether a direction keeps a body clear of a row, or of the floor, near a pose."""
     count = len(around.margins)
@@ -225,34 +77,14 @@ def _from_row(
     far = near + moves + allowance
     pairing = hull, around.primitives, s
     found, _, way = separation(from_row, pairing, way, max(near - allowance, 0.0), far)
-    return _outcome(found), way
-
-
-@jitable
-def _outcome(found: int) -> int:
-    """Decision on a pair from that on its hulls."""
-    return CERTIFIED if found == APART else REFUTED if found == OVERLAP else UNDECIDED
-
-
-@jitable
-def _from_body(
-    hulls: Hulls, pose: _HullPose, pair: int, moves: float, allowance: float
-) -> tuple[int, Vec3]:
-    """Check whether a direction keeps two bodies apart near a pose."""
-    i, j = hulls.pairs[2 * pair], hulls.pairs[2 * pair + 1]
-    radii = hulls.radii[i] + hulls.radii[j]
-    first = pose.points, hulls.firsts[i], hulls.firsts[i + 1]
-    second = pose.points, hulls.firsts[j], hulls.firsts[j + 1]
-    near, far = max(radii - 2 * allowance, 0.0), radii + moves + 2 * allowance
-    found, _, way = separation(from_hull, (second, first), (0.0, 0.0, 1.0), near, far)
-    return _outcome(found), way
+    return outcome_of(found), way
 
 
 @jitable
 def _try_pairs(
     around: Obstacles,
     hulls: Hulls,
-    pose: _HullPose,
+    pose: HullPose,
     span: tuple[float, float, float],
     allowance: float,
     work: list[int],
@@ -273,7 +105,7 @@ def _try_pairs(
         tries += 1
         if pair >= solid_pairs:
             moves = _moves(hulls.pair_levers, pair - solid_pairs, pose.ways)
-            outcome, way = _from_body(hulls, pose, pair - solid_pairs, moves, allowance)
+            outcome, way = from_body(hulls, pose, pair - solid_pairs, moves, allowance)
         else:
             b = pair // len(around.margins)
             moves = _moves(hulls.levers, b, pose.ways)
@@ -339,12 +171,12 @@ def separate_motion(
         to_the_end: whether to go on once a stretch is left.
     """
     pieces = len(path.points) // (path.width * path.joints)
-    pose = _new_pose(chain, hulls, path.joints, path.width)
+    pose = new_pose(chain, hulls, path.joints, path.width)
     allowance, planes = ALLOWANCE * around.size, [NO_PLANE]
     candidates = _all_pairs(around, hulls)
     left = [(0.0, 0.0, 0.0, 0.0, 0.0)]
     left.clear()
-    pending, work, tries = [(_Stretch(0.0, 1.0 * pieces, 0), 0, len(candidates))], [0], 0
+    pending, work, tries = [(Stretch(0.0, 1.0 * pieces, 0), 0, len(candidates))], [0], 0
     while len(pending) > 0:
         stretch, lowest, highest = pending.pop()
         while len(candidates) > highest:
@@ -356,8 +188,8 @@ def separate_motion(
         spent = tries > most_tries
         touching, farthest = -1, 0.0
         if not spent:
-            _joints_at(path, at, pose)
-            _ways_of(path, stretch, pose)
+            joints_at(path, at, pose)
+            ways_of(path, stretch, pose)
             place_hulls(chain, hulls, pose)
             work.clear()
             for i in range(highest - 1, lowest - 1, -1):
@@ -379,92 +211,9 @@ def separate_motion(
                 break
             continue
         deeper = 0 if run else stretch.halvings + 1
-        pending.append((_Stretch(at, stretch.end, deeper), highest, len(candidates)))
-        pending.append((_Stretch(stretch.start, at, deeper), highest, len(candidates)))
+        pending.append((Stretch(at, stretch.end, deeper), highest, len(candidates)))
+        pending.append((Stretch(stretch.start, at, deeper), highest, len(candidates)))
     rest = np.empty((len(left), 5))
     for i in range(len(left)):
         rest[i, 0], rest[i, 1], rest[i, 2], rest[i, 3], rest[i, 4] = left[i]
     return table_of(planes), rest, tries
-
-
-@jitable
-def _new_pose(chain: ChainTable, hulls: Hulls, count: int, width: int) -> _HullPose:
-    """Room for a pose."""
-    poses, points = np.empty(POSE * (len(chain.source) + 1)), np.empty(len(hulls.points))
-    return _HullPose(
-        *(np.empty(count), np.zeros(count), poses, points, np.empty(6 * len(hulls.frames))),
-        np.empty(width),
-    )
-
-
-@compiled(example=(TABLE, HULLS, FLOATS, 1), fallback=False)
-def hulls_touch(chain: ChainTable, hulls: Hulls, joints: FloatArray, count: int) -> int:
-    """Number of poses in which a pair of bodies overlaps.
-
-    Args:
-        chain: the chain.
-        hulls: its bodies and pairs of them.
-        joints: coordinates of the poses, flat (k n,).
-        count: their number n.
-    """
-    pose, touching = _new_pose(chain, hulls, count, 1), 0
-    for sample in range(len(joints) // count):
-        for j in range(count):
-            pose.joints[j] = joints[sample * count + j]
-        place_hulls(chain, hulls, pose)
-        for pair in range(len(hulls.pairs) // 2):
-            if _from_body(hulls, pose, pair, 0.0, 0.0)[0] == REFUTED:
-                touching += 1
-                break
-    return touching
-
-
-NearestPair = tuple[float, int, int]
-"""Distance [unit], pair and number of the pose at which a body is nearest to an obstacle."""
-
-
-@compiled(example=(TABLE, HULLS, FLOATS, 1, NO_OBSTACLES), fallback=False)
-def nearest_obstacle(
-    chain: ChainTable, hulls: Hulls, joints: FloatArray, count: int, around: Obstacles
-) -> NearestPair:
-    """Least distance of a robot's bodies to an obstacle over some poses.
-
-    Args:
-        chain: the chain.
-        hulls: its bodies.
-        joints: coordinates of the poses, flat (k n,).
-        count: their number n.
-        around: the obstacles.
-
-    Returns:
-        The distance, 0 where a body overlaps an obstacle, inf without obstacles; the pair and the
-        pose, -1 without.
-    """
-    pose, rows = _new_pose(chain, hulls, count, 1), len(around.margins)
-    best, whose, when = math.inf, -1, -1
-    work = [0]
-    for sample in range(len(joints) // count):
-        for j in range(count):
-            pose.joints[j] = joints[sample * count + j]
-        place_hulls(chain, hulls, pose)
-        for b in range(len(hulls.frames)):
-            work.clear()
-            for k in range(len(around.outer)):
-                s = around.outer[k]
-                if s < rows - 1 and around.asked[b * rows + s]:
-                    work.append(b * rows + s)
-            segment = vec3_at(pose.bounds, 6 * b), vec3_at(pose.bounds, 6 * b + 3)
-            hull = pose.points, hulls.firsts[b], hulls.firsts[b + 1]
-            while len(work) > 0:
-                pair = work.pop()
-                s = pair % rows
-                if box_gap(pose.bounds, b, around.primitives, s)[0] - hulls.radii[b] >= best:
-                    continue
-                if open_box(around, pair, 0.0, segment, work):
-                    continue
-                radii = hulls.radii[b] + radius_of(around.primitives, s)
-                pairing = hull, around.primitives, s
-                _, away, _ = separation(from_row, pairing, (0.0, 0.0, 1.0), radii, best + radii)
-                if max(away - radii, 0.0) < best:
-                    best, whose, when = max(away - radii, 0.0), pair, sample
-    return best, whose, when
