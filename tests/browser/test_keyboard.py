@@ -53,7 +53,7 @@ def test_names_follow_the_unit(page: Page, session: Session, tree: CDPSession) -
     page.click("Scene")
     page.choose("scene", "kitchen-ur5e")
     page.until(lambda: session.resting and session.frame.plan.scene.unit == "m", "another unit")
-    named = "brake[m/s²]"
+    named = "spacing[m]"
     page.until(lambda: named in [name.replace(" ", "") for _, name in _controls(tree)], named)
     page.choose("scene", "paper")
     page.until(lambda: session.resting and session.frame.plan.scene.unit == "cm", "the paper's")

@@ -139,7 +139,11 @@ def test_sigterm_tells_the_tabs_and_ends_with_0() -> None:
     url = next(word for word in process.stdout.readline().split() if word.startswith("http"))
     texts: list[str] = []
     fake = _ReadingTab(url, texts)
-    until(lambda: any("stage" in text for text in texts))
+    try:
+        until(lambda: any("stage" in text for text in texts))
+    except AssertionError:
+        process.kill()
+        raise AssertionError(f"{len(texts)} messages, log: {process.communicate()[1]}") from None
     process.send_signal(signal.SIGTERM)
     _, err = process.communicate(timeout=30)
     until(lambda: any("The server has stopped" in text for text in texts))
