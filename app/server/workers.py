@@ -111,6 +111,8 @@ class Workers:
                 process.kill()
                 process.wait()
         if self._folder is not None:
+            # who is started from now on has no folder to keep its figures in
+            os.environ.pop(_METRICS, None)
             self._folder.close()
 
     def _keep(
@@ -144,7 +146,9 @@ class Workers:
             self.seats.vacate(place)
             from prometheus_client import multiprocess
 
-            multiprocess.mark_process_dead(process.pid)  # type: ignore[no-untyped-call]
+            assert self._folder is not None
+            folder = str(self._folder.path)
+            multiprocess.mark_process_dead(process.pid, folder)  # type: ignore[no-untyped-call]
             lived = time.monotonic() - begin
             pause = 0.0 if lived > _START else min(2 * pause + 1, _LONGEST)
             _log.warning("worker ended", extra={"code": code, "again_in": pause})

@@ -109,6 +109,8 @@ def test_a_worker_that_cannot_start_is_left_alone_for_longer_and_longer(
         until(lambda: len(begun) == 3)
     finally:
         workers.stop()
+    # what is started afterwards is not sent to a folder that is gone
+    assert "PROMETHEUS_MULTIPROC_DIR" not in os.environ
     first, second, third = begun
     assert second - first >= 1
     assert third - second >= 3
