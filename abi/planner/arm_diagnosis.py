@@ -17,6 +17,7 @@ from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from abi.planner.what_if import WhatIf
 from abi.scene.scene import Scene
+from abi.scene.without_obstacles import without_obstacles
 
 _STEPS = (1.0, 2.0, 4.0)
 """Ways by which the base is moved, in steps of an eleventh of the arm's length."""
@@ -129,8 +130,7 @@ def _past(
     them just past all that the arm sweeps in it, the nearest first.
     """
     for number, obstacle in enumerate(scene.obstacles):
-        others = scene.obstacles[:number] + scene.obstacles[number + 1 :]
-        plan = what_if.plan_past("arm", obstacles=others)
+        plan = what_if.plan_past("arm", **without_obstacles(scene, (number,)))
         if plan is None or plan.motion is None or plan.arm is None:
             continue
         without[number] = plan

@@ -28,6 +28,7 @@ from abi.planner.reason import Reason
 from abi.planner.what_if import WhatIf, components, rounded_down
 from abi.progress import CancelledError, QuietWatch, watched_by
 from abi.scene.scene import Scene
+from abi.scene.without_obstacles import without_obstacles
 from abi.search.graph import Graph
 
 _SEEDS = 64  # free nodes from which the nearest free point is sought
@@ -191,7 +192,8 @@ def _walled_in(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Reaso
         others = scene.obstacles[:k] + scene.obstacles[k + 1 :]
         if what_if.connected(scene.spline.clearance, obstacles=ObstacleSet(others)):
             hint = f"Removing obstacle {k + 1} opens a way (tested). {tested}"
-            change = {"obstacles": [other.model_dump(mode="json") for other in others]}
+            change = without_obstacles(scene, (k,))
+            change["obstacles"] = [other.model_dump(mode="json") for other in others]
             return Reason(message, hint, change, points, obstacle=k)
     return Reason(message, hint, None, points)
 

@@ -10,6 +10,7 @@ import viser
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
+from abi.scene.without_obstacles import without_obstacles
 from app.panels.files.bug_report import BugReportButton
 from app.panels.files.exports import ExportPanel
 from app.panels.files.files import FilesPanel
@@ -213,6 +214,9 @@ class AllPanels:
             self.editor.apply(scene)
         except SceneError as error:
             self.refused = error
+        if (number := self.editor.removed()) is not None:
+            self.stages.arm.model.forget_obstacle(number)
+            scene = scene.replace(**without_obstacles(scene, (number,)))
         inputs = self._inputs if typed else (self.obstacles, self.ends)
         sections = {name: part for panel in inputs for name, part in panel.read().items()}
         files: dict[str, bytes | Surface] = {**self.editor.surfaces, **self.stages.arm.model.files}

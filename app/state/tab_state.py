@@ -6,7 +6,7 @@ import base64
 import json
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
 from abi.scene.scene_file import MAX_JSON_BYTES
+from abi.scene.without_obstacles import contacts_without
 from app.camera.camera import View
 from app.shared import mesh_store
 
@@ -225,13 +226,25 @@ def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple
         elif name not in here and not _is_shipped(name, meshes):
             missing.append(str(name))
     if missing and isinstance(data, dict) and isinstance(data.get("obstacles"), list):
-        left = [
-            one
-            for one in data["obstacles"]
-            if not isinstance(one, dict) or one.get("file") not in missing
+        obstacles = data["obstacles"]
+        gone = [
+            number
+            for number, one in enumerate(obstacles)
+            if isinstance(one, dict) and one.get("file") in missing
         ]
-        data = {**data, "obstacles": left}
+        left = [one for number, one in enumerate(obstacles) if number not in gone]
+        data = {**data, "obstacles": left, "arm": _arm_without(data.get("arm", {}), gone)}
     return Scene.from_dict(data, MeshSource(here, meshes.folder)), tuple(missing)
+
+
+def _arm_without(arm: object, gone: Collection[int]) -> object:
+    """An arm's section whose contacts refer to the obstacles that are left; as it was if wrong."""
+    if not isinstance(arm, dict) or not isinstance(arm.get("allowed"), list):
+        return arm
+    pairs = [one for one in arm["allowed"] if isinstance(one, list) and len(one) == 2]
+    if any(type(one) not in (str, int) for pair in pairs for one in pair):
+        return arm
+    return {**arm, "allowed": contacts_without([(a, b) for a, b in pairs], gone)}
 
 
 def _is_shipped(name: str, meshes: MeshSource) -> bool:

@@ -86,6 +86,7 @@ class ObstacleEditor:
         self._turned: list[float] | None = None
         self._listed = -1
         self._pressed = False
+        self._removed: int | None = None
         self._added: list[Bounds] = []
         self.choice.on_update(wake)
         self._fitted: tuple[object, ...] = ()
@@ -121,6 +122,11 @@ class ObstacleEditor:
             self._edit(self._obstacles.chosen, scene)
         if refused is not None:
             raise refused
+
+    def removed(self) -> int | None:
+        """Number of the obstacle that was deleted since the last call, from 0; None for none."""
+        number, self._removed = self._removed, None
+        return number
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``, whose gizmos are in place, instead of anything typed."""
@@ -240,6 +246,7 @@ class ObstacleEditor:
             self._add_apart(scene.obstacles[min(obstacles.chosen, len(scene.obstacles) - 1)], scene)
         elif action == "Delete" and obstacles.shown:
             obstacles.remove(obstacles.chosen)
+            self._removed = obstacles.chosen
         obstacles.choose(max(len(obstacles.shown) - 1, 0))
         self._forget()
 

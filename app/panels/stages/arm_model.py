@@ -17,6 +17,7 @@ from abi.robot.urdf.robot import Robot, bases_to, part_from
 from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
+from abi.scene.without_obstacles import contacts_without
 from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob, shown_name
 from app.panels.stages.gripper import GripperPanel
 from app.panels.widgets import Wake
@@ -173,6 +174,11 @@ class ArmModelPanel:
             **self._kept,
             "gripper": self.gripper.read(),
         }
+
+    def forget_obstacle(self, number: int) -> None:
+        """Let contacts refer to the same obstacles as before obstacle ``number`` was deleted."""
+        allowed = contacts_without(self._kept["allowed"], (number,))
+        self._kept = {**self._kept, "allowed": allowed}
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""

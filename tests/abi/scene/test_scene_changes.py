@@ -17,6 +17,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.primitives import Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
+from abi.scene.without_obstacles import without_obstacles
 from tests.abi import meshes
 
 NUMBERS = st.sampled_from([0, 1, 1.0, 2.0, 0.2, True, -1.0, float("nan"), "2", None])
@@ -40,6 +41,9 @@ CHANGES = st.fixed_dictionaries(
         "version": NUMBERS,
     },
 )
+
+
+KITCHEN = load_scene("kitchen-ur5e")
 
 
 def checked_whole(scene: Scene, changes: dict[str, Any], files: Any = None) -> Scene:
@@ -111,3 +115,25 @@ def test_a_mesh_counts_in_the_unit_that_the_scene_is_changed_to() -> None:
     changed = scene.replace(unit="mm")
     assert changed == checked_whole(scene, {"unit": "mm"}, files)
     assert changed != scene
+
+
+@given(
+    numbers=st.sets(st.integers(0, 3)),
+    asked=st.lists(st.tuples(st.just("forearm_link"), st.integers(0, 3) | st.just("base_link"))),
+)
+def test_contacts_stay_with_their_obstacles(
+    numbers: set[int], asked: list[tuple[str, str | int]]
+) -> None:
+    scene = KITCHEN.replace(arm={"allowed": asked})
+    left = scene.replace(**without_obstacles(scene, numbers))
+    kept = [one for number, one in enumerate(scene.obstacles) if number not in numbers]
+    assert list(left.obstacles) == kept
+    gone = [scene.obstacles[number] for number in numbers]
+    contacts = [(link, meant(scene, other)) for link, other in scene.arm.allowed]
+    expected = [(link, other) for link, other in contacts if other not in gone]
+    assert [(link, meant(left, other)) for link, other in left.arm.allowed] == expected
+
+
+def meant(scene: Scene, other: str | int) -> object:
+    """The link or obstacle that a contact is with."""
+    return other if isinstance(other, str) else scene.obstacles[other]

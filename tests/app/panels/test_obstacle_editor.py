@@ -101,6 +101,25 @@ def test_each_shape_is_added_with_a_body_and_a_box_for_every_size(
     assert shown == sizes
 
 
+@pytest.mark.slow
+def test_contacts_are_with_the_same_obstacles_after_one_is_deleted(tmp_path: Path) -> None:
+    path = tmp_path / "contacts.yaml"
+    asked = [["forearm_link", 2], ["forearm_link", 1], ["upper_arm_link", 0]]
+    arm = {"avoid": False, "allowed": asked}
+    load_scene("kitchen-ur5e").replace(arm=arm, mesh={"pitch": 0.2}).save(path)
+    with served(path) as (fake, session):
+        until(lambda: session.resting)
+        before = session.frame.plan.scene
+        session.panels.obstacles.point_out(1)
+        fake.set(session.panels.editor.buttons, "Delete")
+        until(lambda: session.resting and len(session.frame.plan.scene.obstacles) == 3)
+        after = session.frame.plan.scene
+        assert after.arm.allowed == (("forearm_link", 1), ("upper_arm_link", 0))
+        assert after.obstacles[1] == before.obstacles[2]
+        fake.set(session.panels.history.undo, True)
+        until(lambda: session.resting and session.frame.plan.scene == before)
+
+
 def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     editor = session.panels.editor
