@@ -24,7 +24,8 @@ from abi.search.compare import COMPARED
 from abi.search.replay import replay
 from app.drawing.box import box_edges
 from app.drawing.lines import parameters, rows_at
-from app.teach.lesson import Lesson, load_lessons, scene_of
+from app.teach.lesson import Lesson, scene_of
+from app.teach.lesson_file import load_lessons
 from app.ui import style
 
 SIZE = (168, 104)

@@ -17,6 +17,7 @@ from app.cli.certify import certify
 from app.cli.exercises import exercises
 from app.cli.exit_code import BAD_INPUT
 from app.cli.export import export
+from app.cli.lessons import lessons
 from app.cli.output import ensure_streams, lost_output
 from app.cli.plan import plan
 from app.cli.reproduce import reproduce
@@ -57,7 +58,7 @@ def cli() -> None:
     """Plan a smooth, clear path for a robot's tool tip, and see every stage of it."""
 
 
-for command in (serve, plan, verify, certify, export, sweep, reproduce, exercises, bench):
+for command in (serve, plan, verify, certify, export, sweep, reproduce, exercises, lessons, bench):
     cli.add_command(command)
 
 

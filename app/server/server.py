@@ -234,7 +234,7 @@ def _library(folder: Path | None) -> Library:
     if folder is None:
         return _shipped_lessons
     from app.tab.view import SWITCHES
-    from app.teach.lesson import library
+    from app.teach.lesson_file import library
 
     return library(folder, {switch.name for switch in SWITCHES})
 
@@ -250,6 +250,6 @@ def _shipped_lessons() -> Lessons:
 
 @functools.cache
 def _read_lessons() -> Lessons:
-    from app.teach.lesson import load_lessons
+    from app.teach.lesson_file import load_lessons
 
     return load_lessons()

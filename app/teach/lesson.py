@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from abi import assets
-from abi.errors import AbiError, SceneError
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene, load_scene, scene_names
-from abi.scene.scene_file import parse
 from abi.search.compare import COMPARED
 from app.state.frame import Frame
 from app.teach.measures import MEASURES, names_in
+from app.theatre.searches import EDGES
 
 _NEAREST = 1e-3
 """Least distance of a camera from what it looks at, [unit]."""
@@ -33,7 +30,7 @@ class _Part(BaseModel):
         for field, content in self:
             for name in names_in(content) if isinstance(content, str) else ():
                 if name not in MEASURES:
-                    raise ValueError(f"{field}: a measure of {', '.join(MEASURES)}, not {name}")
+                    raise ValueError(f"in {field} a measure of {', '.join(MEASURES)}, not {name}")
         return self
 
 
@@ -89,6 +86,8 @@ class SearchCue(_Part):
     def _search_exists(self) -> Self:
         if self.algorithm is not None and self.algorithm not in COMPARED:
             raise ValueError(f"one of the searches {', '.join(COMPARED)}")
+        if self.edges not in (None, *EDGES):
+            raise ValueError(f"edges of {', '.join(EDGES)}")
         return self
 
 
@@ -169,6 +168,12 @@ class Step(_Part):
     reveal: Setting = Setting()
     after: str = ""
 
+    @property
+    def settings(self) -> tuple[Setting, ...]:
+        """What the page may set, in the order in which it does."""
+        shown_by = () if self.task is None else (self.task.shown_by,)
+        return (self.set, *shown_by, self.reveal)
+
 
 class Lesson(_Part):
     """A lesson.
@@ -191,10 +196,6 @@ Library = Callable[[], Lessons]
 """Reads the lessons at the first call, and remembers them."""
 
 
-class LessonError(AbiError):
-    """A lesson that cannot be read."""
-
-
 def scene_of(setting: Setting, scene: Scene, folder: Path) -> Scene:
     """The scene that a step sets, starting from ``scene``.
 
@@ -206,92 +207,3 @@ def scene_of(setting: Setting, scene: Scene, folder: Path) -> Scene:
         known = setting.scene in scene_names()
         scene = load_scene(setting.scene if known else file)
     return scene.replace(**setting.change) if setting.change else scene
-
-
-def load_lessons(folder: Path | None = None) -> Lessons:
-    """The shipped lessons and those of a folder, by file name, each with its folder.
-
-    Raises:
-        LessonError: the folder has no lesson, or one is wrong; names file and field.
-    """
-    found: dict[str, tuple[Lesson, Path]] = {}
-    for place in (assets.path("lessons"), folder):
-        if place is None:
-            continue
-        own = place is folder
-        files = sorted(place.glob("*.yaml")) if place.is_dir() else []
-        if own:
-            files = [file for file in files if not _is_scene(file)]
-        lessons = {file.stem: (_read(file, own), place) for file in files}
-        if not lessons:
-            raise LessonError(f"--lessons: {str(place)!r} has no lesson; expected *.yaml in it.")
-        found |= lessons
-    return found
-
-
-def library(folder: Path, layers: Collection[str]) -> Library:
-    """The shipped lessons and those of a folder, which is checked at once.
-
-    Args:
-        folder: of a teacher's own.
-        layers: names that ``shown`` may have.
-
-    Raises:
-        LessonError: as :func:`load_lessons`, or a layer has another name.
-    """
-    read = functools.cache(functools.partial(load_lessons, folder))
-    for name, (lesson, place) in read().items():
-        if place is folder:
-            check_layers(name, lesson, layers)
-    return read
-
-
-def check_layers(name: str, lesson: Lesson, layers: Collection[str]) -> None:
-    """Check the layers that a lesson shows.
-
-    Raises:
-        LessonError: there is none of that name.
-    """
-    for number, step in enumerate(lesson.steps):
-        for part in _settings(step):
-            for layer in part.shown or ():
-                if layer not in layers:
-                    known = ", ".join(sorted(layers))
-                    raise LessonError(
-                        f"{name}.yaml: steps.{number}: shown has {layer!r}; expected: {known}."
-                    )
-
-
-def _settings(step: Step) -> list[Setting]:
-    parts = (step.set, step.reveal, step.task.shown_by if step.task else None)
-    return [part for part in parts if part is not None]
-
-
-def _is_scene(file: Path) -> bool:
-    """Check whether a file is no lesson but a scene beside them: only that has a version."""
-    try:
-        data = parse(file)
-    except SceneError:  # told where the file is read
-        return False
-    return isinstance(data, dict) and "version" in data and "steps" not in data
-
-
-def _read(file: Path, check_scenes: bool) -> Lesson:
-    step_name = ""
-    try:
-        lesson = Lesson.model_validate(parse(file))
-        if not check_scenes:
-            return lesson
-        scene = load_scene("paper")
-        for number, step in enumerate(lesson.steps):
-            step_name = f"steps.{number}: "
-            for part in _settings(step):
-                scene = scene_of(part, scene, file.parent)
-    except SceneError as error:
-        raise LessonError(f"{file.name}: {step_name}{error.message}") from None
-    except ValidationError as error:
-        detail = error.errors(include_url=False)[0]
-        place = ".".join(str(part) for part in detail["loc"]) or "the lesson"
-        message = detail["msg"].removeprefix("Value error, ")
-        raise LessonError(f"{file.name}: {place} is wrong; expected: {message}.") from None
-    return lesson

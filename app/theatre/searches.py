@@ -14,6 +14,8 @@ from abi.search.negative_arc import with_negative_arc
 from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace, trace_of
 
+EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
+"""Kinds of negative edge, by what they are called on the page."""
 _MOST = 12
 """Traces that are kept."""
 

@@ -9,7 +9,8 @@ from playwright.sync_api import Browser
 
 from app.server.server import Server
 from app.tab.session import Session
-from app.teach.lesson import Step, load_lessons
+from app.teach.lesson import Step
+from app.teach.lesson_file import load_lessons
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page
 

@@ -22,7 +22,7 @@ from abi.search.trace import SearchTrace
 from app.panels.widgets import Wake, clamp
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue
-from app.theatre.searches import TheatreSearches
+from app.theatre.searches import EDGES, TheatreSearches
 from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, one_way_search, race_of, where
 from app.ui import notices, style
 
@@ -35,7 +35,6 @@ _INTRO = style.paragraph(
     "what comes next. Or run them all on this grid and compare. Lesson 3, in <i>Learn</i>, begins "
     "with a grid on which no two nodes tie."
 )
-EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
 _OF_THE_GRAPH = ("workspace", "obstacles", "start", "goal", "mesh", "spline")
 """Parts of a scene that its graph depends on."""
 _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}

@@ -6,20 +6,22 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
 from abi import assets, load_scene, plan
 from abi.paper.curve_figures import of_splines
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
-from abi.search.compare import COMPARED
+from app.cli.command_line import cli
 from app.layers.result.paper_text import PaperTextLayer
 from app.panels.teach.figures import _wrapped
-from app.panels.teach.search_theatre import EDGES
 from app.state.frame import Frame
 from app.tab.session import Session
 from app.tab.view import SHOWN, SWITCHES
 from app.teach.figures import figures
-from app.teach.lesson import Lesson, LessonError, Setting, Step, library, load_lessons, scene_of
+from app.teach.lesson import Lesson, Step, scene_of
+from app.teach.lesson_check import check_pages
+from app.teach.lesson_file import LessonError, library, load_lessons, unknown_layers
 from app.teach.measures import MEASURES, filled, text
 from app.ui.formulas import with_formulas
 from tests.app.fake_tab import FakeTab, layer, until
@@ -37,10 +39,6 @@ def test_counts_of_meshes_are_those_of_the_table_of_the_papers_numbers() -> None
     texts = [file.read_text(encoding="utf-8") for file in FOLDER.iterdir() if file.is_file()]
     told = {count for one in texts for count in re.findall(r"(\d of 9) (?:meshes|cases)", one)}
     assert told == computed
-
-
-def settings_of(step: Step) -> list[Setting]:
-    return [step.set, step.reveal, *([step.task.shown_by] if step.task else [])]
 
 
 def texts_of(step: Step) -> list[str]:
@@ -70,33 +68,12 @@ def test_texts_are_typeset_with_the_present_numbers(name: str) -> None:
             )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LESSONS)
-def test_settings_name_what_there_is(name: str) -> None:
-    for step in LESSONS[name][0].steps:
-        for setting in settings_of(step):
-            assert set(setting.shown or ()) <= NAMES
-            if setting.search is not None:
-                assert setting.search.algorithm in (None, *COMPARED)
-                assert setting.search.edges in (None, *EDGES)
-
-
-@pytest.mark.parametrize("name", LESSONS)
-def test_a_task_waits_until_it_is_done_and_show_me_does_it(name: str) -> None:
+def test_nothing_is_wrong_when_every_page_is_gone_through(name: str) -> None:
     lesson, folder = LESSONS[name]
-    planner, scene = Planner(compile=False), load_scene("paper")
-    for step in lesson.steps:
-        scene = scene_of(step.set, scene, folder)
-        if step.task is not None and not uses_search(step):
-            conditions = step.task.until
-            assert not all(one.holds(Frame(planner(scene))) for one in conditions)
-            scene = scene_of(step.task.shown_by, scene, folder)
-            assert all(one.holds(Frame(planner(scene))) for one in conditions)
-        scene = scene_of(step.reveal, scene, folder)
-
-
-def uses_search(step: Step) -> bool:
-    assert step.task is not None
-    return any(condition.measure.startswith("search.") for condition in step.task.until)
+    file = folder / f"{name}.yaml"
+    assert not [*unknown_layers(file, lesson, NAMES), *check_pages(file, lesson)]
 
 
 @pytest.mark.parametrize("scene", ["paper", "no-way", "two-boxes"])
@@ -134,12 +111,13 @@ def test_figures_are_those_of_the_paper() -> None:
 def test_a_path_or_curve_that_is_shown_has_its_name_beside_it() -> None:
     lines = {"a_star", "dijkstra", "bellman_ford", "taut", "bspline", "quadratic"}
     steps = [step for lesson, _ in LESSONS.values() for step in lesson.steps]
-    settings = [setting for step in steps for setting in settings_of(step)]
+    settings = [setting for step in steps for setting in step.settings]
     shown = [set(one.shown or ()) for one in (*settings, *(figure.set for figure in figures()))]
     assert sum(bool(lines & one) for one in shown) > 20
     assert all("names" in one for one in shown if lines & one)
 
 
+SET = "set: {scene: mine.yaml}"
 GOOD = """
 title: Mine
 steps:
@@ -165,40 +143,86 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
     assert lessons["own"][0].title == "Mine"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("old", "new", "named"),
+    ("old", "new", "told"),
     [
-        ("path.length", "path.lenght", "path.lenght"),
-        ("title: Mine", "", "title"),
-        ("right: true", "right: false", "exactly one is right"),
-        ("scene: mine.yaml", "scene: other.yaml", "other.yaml"),
-        ("set: {scene: mine.yaml}", "set: {change: {mesh: {pitch: -1}}}", "mesh.pitch"),
-        ("set: {scene: mine.yaml}", "set: {search: {algorithm: magic}}", "a_star"),
+        ("path.length", "path.lenght", "own.yaml:4: page 1: expected in text a measure of "),
+        ("title: Mine", "", "own.yaml:1: title: is missing"),
+        ("right: true", "right: false", "own.yaml:6: page 1, question: expected choices of"),
         (
-            "set: {scene: mine.yaml}",
-            "set: {camera: {position: [1, 2, 3], target: [1, 2, 3]}}",
-            "a target apart from the position",
+            "choices: [{",
+            "choices: [] #",
+            "own.yaml:8: page 1, question, choices: expected at least",
         ),
-        ("text: Why?", "txt: Why?", "steps.0.question.text"),
-        ("title: Mine", "title: [", "own.yaml"),
-        ("title: Mine", "title: Mine\nversion: 1", "version"),
+        (SET, "set: {search: {algorithm: magic}}", "own.yaml:5: page 1, set, search: expected"),
+        (
+            SET,
+            "set: {camera: {position: [1, 2, 3], target: [1, 2, 3]}}",
+            "own.yaml:5: page 1, set, camera: expected a target apart from the position",
+        ),
+        ("text: Why?", "txt: Why?", "own.yaml:6: page 1, question, text: is missing. (1 more: "),
+        ("title: Mine", "title: [", "own.yaml:4: Expected valid YAML: "),
+        ("title: Mine", "title: Mine\nversion: 1", "own.yaml:3: version: there is no such field"),
+        ("title: Mine\nsteps", "obstacles", "own.yaml:1: This is no lesson, for it has no steps"),
     ],
 )
-def test_a_wrong_lesson_is_named_in_one_sentence(
-    old: str, new: str, named: str, tmp_path: Path
+def test_a_wrong_lesson_is_told_with_its_line_in_one_sentence(
+    old: str, new: str, told: str, tmp_path: Path
 ) -> None:
     with pytest.raises(LessonError) as caught:
         load_lessons(folder_with(tmp_path, GOOD.replace(old, new)))
-    assert named in caught.value.message
-    assert "own.yaml" in caught.value.message
+    assert caught.value.message.startswith(told)
     assert "\n" not in caught.value.message
 
 
 def test_a_layer_that_does_not_exist_is_named_at_the_start(tmp_path: Path) -> None:
     content = GOOD.replace("{scene: mine.yaml}", "{shown: [nodes, nods]}")
-    with pytest.raises(LessonError, match=r"own.yaml: steps.0: shown has 'nods'; expected"):
+    with pytest.raises(LessonError, match=r"own.yaml:4: page 1: There is no layer 'nods' among"):
         library(folder_with(tmp_path, content), NAMES)
+
+
+FAULTY = """title: Faulty
+steps:
+  - text: "Length {path.length}, cost {{search.cost}}"
+    set: {scene: other.yaml}
+  - text: "Length {path.length}, cost {{search.cost}}"
+    set: {scene: paper, change: {start: [3, 3, 3]}}
+  - set: {scene: paper, change: {mesh: {pitch: 1}}, shown: [nods]}
+    text: Now you.
+    task:
+      text: Set the spacing to 0.5 or less.
+      until: [{measure: mesh.pitch, at_most: 0.5}]
+      shown_by: {change: {mesh: {pitch: 0.5}}}
+  - text: And again.
+    task:
+      text: Set it to 2 or less.
+      until: [{measure: mesh.asked, at_most: 2}]
+      shown_by: {change: {mesh: {pitch: -1}}}
+"""
+
+
+def test_everything_wrong_in_a_folder_is_told_at_once(tmp_path: Path) -> None:
+    folder = folder_with(tmp_path, FAULTY)
+    (folder / "broken.yaml").write_text("title: 1\nsteps: [{txt: b}]\n", encoding="utf-8")
+    run = CliRunner().invoke(cli, ["lessons", "check", str(folder)])
+    assert run.exit_code == 3
+    lines = run.output.splitlines()
+    expected = [
+        "broken.yaml:1: title: expected a valid string",
+        "broken.yaml:2: page 1, text: is missing",
+        "broken.yaml:2: page 1, txt: there is no such field",
+        "own.yaml:4: page 1, set: scene is",
+        "own.yaml:5: page 2, text: a number needs two braces: {{path.length}}",
+        "own.yaml:5: page 2, text: search.cost has no value here",
+        "own.yaml:6: note: page 2, set: ",
+        "own.yaml:7: page 3: There is no layer 'nods'",
+        "own.yaml:12: page 3, task, shown_by: it does not do the task: mesh.pitch is 0.519615, ",
+        "own.yaml:16: page 4, task, until: it is met before anything is done",
+        "own.yaml:17: page 4, task, shown_by: mesh.pitch is -1",
+        "10 faults.",
+    ]
+    for line, told in zip(lines, expected, strict=True):
+        assert line.startswith(told)
 
 
 def test_an_empty_folder_is_refused(tmp_path: Path) -> None:

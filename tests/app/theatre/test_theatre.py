@@ -12,7 +12,8 @@ from abi.search.replay import SearchState, replay
 from app.layers.race import RaceLayer
 from app.layers.search_step import NODE_BUDGET, TheatreLayer, few, order_colours
 from app.tab.session import Session
-from app.teach.lesson import load_lessons, scene_of
+from app.teach.lesson import scene_of
+from app.teach.lesson_file import load_lessons
 from app.theatre.text import describe, legend
 from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, priorities, race_of
 from app.ui import style

@@ -1,0 +1,130 @@
+"""Check of lessons: every page is gone through, and all that is wrong is told at once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from abi.errors import AbiError, PointBlocked
+from abi.planner.planner import Planner
+from app.state.frame import Frame
+from app.teach.lesson import Condition, Lesson, Step
+from app.teach.lesson_file import (
+    LessonFault,
+    Place,
+    fault_at,
+    lesson_files,
+    read_lesson,
+    unknown_layers,
+)
+from app.teach.measures import MEASURES, names_in, text
+from app.teach.rehearsal import Rehearsal
+
+_SINGLE = re.compile(r"(?<!\{)\{\s*([a-z_]+\.[a-z_.0-9]+)\s*\}(?!\})")
+_NOTHING = "–"
+
+
+def check_folder(folder: Path, layers: Collection[str]) -> tuple[LessonFault, ...]:
+    """Everything wrong in the lessons of a folder, by file and line.
+
+    Each page's scene is planned; what its texts quote must exist there, a task must not be done
+    before it is begun, and its ``shown_by`` must do it.
+
+    Args:
+        folder: of lessons and the scenes that they name.
+        layers: names that ``shown`` may have.
+
+    Raises:
+        LessonError: the folder has no lesson.
+    """
+    faults: set[LessonFault] = set()
+    for file in lesson_files(folder):
+        lesson, found = read_lesson(file)
+        faults |= set(found)
+        if lesson is not None:
+            faults |= {*unknown_layers(file, lesson, layers), *check_pages(file, lesson)}
+    return tuple(sorted(faults))
+
+
+def check_pages(file: Path, lesson: Lesson) -> Iterator[LessonFault]:
+    """Faults that show when the pages of a lesson are gone through, one after the other."""
+    rehearsal = Rehearsal(file.parent, Planner())
+    for number, step in enumerate(lesson.steps):
+        yield from _check_page(file, ("steps", number), step, rehearsal)
+
+
+def _check_page(
+    file: Path, page: tuple[str, int], step: Step, rehearsal: Rehearsal
+) -> Iterator[LessonFault]:
+    """Faults of one page, in the order in which a student would meet them."""
+    try:
+        frame = rehearsal.take(step.set)
+    except AbiError as error:
+        yield fault_at(file, (*page, "set"), error.message)
+        return
+    if isinstance(frame.plan.error, PointBlocked):
+        yield fault_at(file, (*page, "set"), frame.plan.error.message, doubtful=True)
+    yield from _check_texts(file, _texts_before(page, step), frame)
+    if step.task is not None:
+        task, place = step.task, (*page, "task")
+        if all(one.holds(frame) for one in task.until):
+            yield fault_at(file, (*place, "until"), "it is met before anything is done.")
+        try:
+            frame = rehearsal.take(task.shown_by)
+        except AbiError as wrong:
+            yield fault_at(file, (*place, "shown_by"), wrong.message)
+        for missed in (one for one in task.until if not one.holds(frame)):
+            yield fault_at(file, (*place, "shown_by"), _missed(missed, frame))
+    try:
+        frame = rehearsal.take(step.reveal)
+    except AbiError as wrong:
+        yield fault_at(file, (*page, "reveal"), wrong.message)
+    yield from _check_texts(file, _texts_after(page, step), frame)
+
+
+def _texts_before(page: Place, step: Step) -> Iterator[tuple[Place, str]]:
+    """Texts that are read before the page is passed, with their places."""
+    yield (*page, "text"), step.text
+    if step.task is not None:
+        yield (*page, "task", "text"), step.task.text
+    if step.question is not None:
+        yield (*page, "question", "text"), step.question.text
+        for number, choice in enumerate(step.question.choices):
+            place = (*page, "question", "choices", number)
+            yield (*place, "text"), choice.text
+            if not choice.right:
+                yield (*place, "why"), choice.why
+
+
+def _texts_after(page: Place, step: Step) -> Iterator[tuple[Place, str]]:
+    """Texts that are read once the page is passed, with their places."""
+    yield (*page, "after"), step.after
+    for number, choice in enumerate(step.question.choices if step.question else ()):
+        if choice.right:
+            yield (*page, "question", "choices", number, "why"), choice.why
+
+
+def _check_texts(
+    file: Path, texts: Iterator[tuple[Place, str]], frame: Frame
+) -> Iterator[LessonFault]:
+    """Faults of the numbers that texts quote."""
+    for place, content in texts:
+        for name in names_in(content):
+            if text(name, frame) == _NOTHING:
+                yield fault_at(file, place, f"{name} has no value here, so it reads “–”.")
+        for name in _SINGLE.findall(content):
+            if name in MEASURES:
+                yield fault_at(file, place, f"a number needs two braces: {{{{{name}}}}}.")
+
+
+def _missed(condition: Condition, frame: Frame) -> str:
+    """What "show me" leaves undone, with the number that it leads to."""
+    number = MEASURES[condition.measure](frame)
+    now = "has no value" if number is None else f"is {number:.6g}"
+    asked = [
+        f"{word} {bound:g}"
+        for word, bound in (("at least", condition.at_least), ("at most", condition.at_most))
+        if bound is not None
+    ]
+    return f"it does not do the task: {condition.measure} {now}, asked is {' and '.join(asked)}."

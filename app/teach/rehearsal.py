@@ -1,0 +1,67 @@
+"""Rehearsal: a lesson gone through without a page, each of its settings planned."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from abi.planner.planner import Planner
+from abi.scene.scene import load_scene
+from abi.search.replay import replay
+from app.state.frame import Frame
+from app.teach.lesson import SearchCue, Setting, scene_of
+from app.theatre.searches import EDGES, TheatreSearches
+from app.theatre.theatre import Theatre, one_way_search
+
+_WEIGHT = 1.5
+"""Of the heuristic in a weighted search, where no setting has named another."""
+
+
+class Rehearsal:
+    """The frame that a lesson has led to.
+
+    Attributes:
+        frame: as the page would show it, without camera and playback.
+    """
+
+    def __init__(self, folder: Path, planner: Planner) -> None:
+        """Begin with the scene that lessons begin with; scene files are in ``folder``."""
+        self._folder, self._planner = folder, planner
+        self._cue = SearchCue(on=False)
+        self._searches = TheatreSearches()
+        self.frame = Frame(planner(load_scene("paper")))
+
+    def take(self, setting: Setting) -> Frame:
+        """Set what a page of the lesson sets, and plan.
+
+        Raises:
+            SceneError: the scene cannot be read, or a change is wrong.
+            StageError: there is no place for the negative edge that it asks for.
+        """
+        frame = self.frame
+        scene = scene_of(setting, frame.plan.scene, self._folder)
+        plan = frame.plan if scene == frame.plan.scene else self._planner(scene)
+        if setting.search is not None:
+            self._cue = self._cue.model_copy(update=setting.search.model_dump(exclude_none=True))
+        self.frame = replace(
+            frame,
+            plan=plan,
+            shown=frame.shown if setting.shown is None else frozenset(setting.shown),
+            time=frame.time if setting.time is None else setting.time,
+        )
+        self.frame = replace(self.frame, theatre=self._theatre())
+        return self.frame
+
+    def _theatre(self) -> Theatre | None:
+        cue, plan = self._cue, self.frame.plan
+        if not cue.on or plan.graph is None:
+            return None
+        if not self._searches.are_of(plan):
+            self._searches = TheatreSearches(plan)
+        kind = EDGES[cue.edges or "none"]
+        self._searches.prepare("")
+        self._searches.prepare(kind)
+        name = cue.algorithm or "a_star"
+        name = one_way_search(name) if kind else name
+        trace = self._searches.trace(name, kind, _WEIGHT if cue.weight is None else cue.weight)
+        return Theatre(name, replay(trace, min(cue.step or 0, trace.steps)))
