@@ -1,16 +1,19 @@
 """What stands in the page's scene stands where it is planned, in whatever order things are chosen.
 
     python -m benchmarks.poses --steps 300
+    python -m benchmarks.poses --pairs
 
 A real tab chooses scenes and arms at random, plays and pauses their motions, moves arms, undoes,
-resets and reloads. After each step the page itself is asked where every link of the arm, every
-obstacle and both ends are in the world, which must be where the kinematics of the plan put them.
+resets and reloads; or it chooses each scene and each arm right after each other one. After each
+step the page itself is asked where every link of the arm, every obstacle and both ends are in the
+world, which must be where the kinematics of the plan put them.
 """
 
 from __future__ import annotations
 
 import argparse
 import io
+import itertools
 import json
 import random
 import sys
@@ -115,11 +118,16 @@ def _misplaced(page: Page, session: Session) -> str:
     if plan is None or not session.resting:
         return "the plan is not complete"
     page.frames(2)
-    size, seen, shown = max(plan.scene.workspace.size), page.poses(), page.shown()
     wanted = planned(plan, session.frame.time)
     for gizmo, obstacle in zip(session.panels.obstacles.gizmos, plan.scene.obstacles, strict=True):
         place = np.array(obstacle.position, dtype=float)
         wanted[gizmo.name] = _pose(rotation(obstacle.wxyz), place)
+    return differing(page, wanted, max(plan.scene.workspace.size))
+
+
+def differing(page: Page, wanted: Poses, size: float) -> str:
+    """What the page has elsewhere than ``wanted``, in words; ``size`` of the workspace, [unit]."""
+    seen, shown = page.poses(), page.shown()
     for name, pose in wanted.items():
         if name not in seen:
             return f"{name} is not in the page"
@@ -213,6 +221,13 @@ def random_step(chance: random.Random, scenes: Sequence[str]) -> Step:
     return kind, chance.choice(values)
 
 
+def every_pair(scenes: Sequence[str]) -> list[Step]:
+    """Choices of scenes and arms, in which each comes right after each other one just once."""
+    choices: list[Step] = [*(("scene", name) for name in scenes), *(("arm", arm) for arm in ARMS)]
+    pairs = itertools.combinations(choices, 2)
+    return [*itertools.chain.from_iterable(pairs), choices[0]]
+
+
 def walk(walker: Walker, steps: Sequence[Step], tell: Callable[[str], None] = print) -> list[str]:
     """Take steps one after the other; what was misplaced after each, in words."""
     faults = []
@@ -224,21 +239,18 @@ def walk(walker: Walker, steps: Sequence[Step], tell: Callable[[str], None] = pr
     return faults
 
 
-def measure(browser: Browser, steps: int, seed: int) -> dict[str, object]:
-    """Walk at random: ``steps`` taken, and the ``faults`` in words."""
+def measure(browser: Browser, steps: Sequence[Step]) -> dict[str, object]:
+    """Walk: the number of ``steps`` taken, and the ``faults`` in words."""
     abi.compile()
     server = start(Address(port=0), scene="paper", look=PLAIN)
     page = Page(browser, server.url)
-    chance = random.Random(seed)
     try:
         walker = Walker(page, server)
-        names = scene_names()
-        chosen = [random_step(chance, names) for _ in range(steps)]
-        faults = walk(walker, chosen, lambda text: print(text, file=sys.stderr, flush=True))
+        faults = walk(walker, steps, lambda text: print(text, file=sys.stderr, flush=True))
     finally:
         page.close()
         server.stop()
-    return {"steps": steps, "seed": seed, "faults": faults}
+    return {"steps": len(steps), "faults": faults}
 
 
 def main() -> None:
@@ -246,9 +258,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=300)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--pairs", action="store_true", help="every choice after every other")
     options = parser.parse_args()
+    names, chance = scene_names(), random.Random(options.seed)
+    steps = [random_step(chance, names) for _ in range(options.steps)]
     with chromium() as browser:
-        print(json.dumps(measure(browser, options.steps, options.seed)), flush=True)
+        found = measure(browser, every_pair(names) if options.pairs else steps)
+    print(json.dumps(found), flush=True)
 
 
 if __name__ == "__main__":

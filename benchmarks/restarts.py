@@ -6,13 +6,15 @@ The server is a process of its own, forked from one that has loaded everything, 
 takes tenths of a second. Each time a number of the scene is changed in Chromium, and soon after,
 often before the page was told to remember it, the server is killed with SIGKILL and started again,
 or the page reloaded, or the server stopped for ten seconds as by a network that is cut. Then the
-page must show what it last remembered, and every plot a curve. After every tenth fault it prints
-the figures so far, and Ctrl+C ends it with those, as the last line.
+page must show what it last remembered, every link of the arm where that is planned, and every plot
+a curve. After every tenth fault it prints the figures so far, and Ctrl+C ends it with those, as
+the last line.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import multiprocessing
 import os
@@ -27,12 +29,16 @@ from typing import Any
 
 from playwright.sync_api import Browser
 
+import abi
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
 from app.server.address import Address
 from app.state.appearance import PLAIN
 from app.state.tab_state import TabState
 from benchmarks.browser import chromium
 from benchmarks.interrupt import Interrupt
+from benchmarks.poses import differing, planned
 from tests.browser.page import Page
 from tests.ports import free_port
 
@@ -47,6 +53,8 @@ _TOLD = 10
 """Faults between two accounts of the figures so far."""
 _BOX, _VALUES = "degree", (2, 3, 5)
 """A number of the scene, and what it is set to: never what a new tab begins with."""
+_TIME = 0.5
+"""Where the arm stands in its motion, [s]."""
 _CHARTS = """() => {
   const charts = Object.values(window.__viserTestpoints.uplots ?? {}).map(({chart}) => chart);
   return charts.length > 0 && charts.every(({scales, data}) =>
@@ -62,12 +70,14 @@ class Killable:
         url: of its page.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, scene: str) -> None:
         port = free_port()
         self.url = f"http://127.0.0.1:{port}/"
         context = multiprocessing.get_context("spawn")
         self._pipe, other = context.Pipe()
-        self._origin = context.Process(target=_fork_on_request, args=(other, port), daemon=True)
+        self._origin = context.Process(
+            target=_fork_on_request, args=(other, port, scene), daemon=True
+        )
         self._origin.start()
         self.start()
 
@@ -87,7 +97,7 @@ class Killable:
         self._origin.join()
 
 
-def _fork_on_request(pipe: Connection, port: int) -> None:
+def _fork_on_request(pipe: Connection, port: int, scene: str) -> None:
     """Fork a server whenever the pipe asks for one, and tell its process id."""
     from abi import compiling
     from app.tab import session  # noqa: F401  loaded once for all
@@ -102,18 +112,18 @@ def _fork_on_request(pipe: Connection, port: int) -> None:
         ready, told = os.pipe()
         child = os.fork()
         if child == 0:
-            _serve(port, told)
+            _serve(port, scene, told)
         os.read(ready, 1)
         os.close(ready)
         os.close(told)
         pipe.send(child)
 
 
-def _serve(port: int, told: int) -> None:
+def _serve(port: int, scene: str, told: int) -> None:
     """The forked process: serve until killed."""
     from app.server.server import start
 
-    start(Address(port=port), scene="paper", look=PLAIN)
+    start(Address(port=port), scene=scene, look=PLAIN)
     os.write(told, b"1")
     while True:
         signal.pause()
@@ -124,6 +134,7 @@ class Tally:
 
     Attributes:
         lost: faults after which the page did not show what it remembered.
+        misplaced: those after which the arm or an end stood elsewhere than planned.
         empty_plots: those after which a plot was empty.
         not_yet_kept: edits that came so shortly before one that the page had not been told to
             remember them.
@@ -131,15 +142,16 @@ class Tally:
     """
 
     def __init__(self) -> None:
-        self.lost = self.empty_plots = self.not_yet_kept = 0
+        self.lost = self.misplaced = self.empty_plots = self.not_yet_kept = 0
         self.times: list[float] = []
         self._faults: list[str] = []
 
-    def add(self, fault: str, seconds: float, back: bool, plotted: bool) -> None:
+    def add(self, fault: str, seconds: float, back: bool, placed: bool, plotted: bool) -> None:
         """Count a fault."""
         self._faults.append(fault)
         self.times.append(seconds)
         self.lost += not back
+        self.misplaced += not placed
         self.empty_plots += not plotted
         print(f"{len(self.times)} {fault} {seconds:.1f} s {back}", file=sys.stderr, flush=True)
         if len(self.times) % _TOLD == 0:
@@ -150,6 +162,7 @@ class Tally:
         done = {f"{fault}s": self._faults.count(fault) for fault in ("kill", "reload", "freeze")}
         counts = {
             "lost": self.lost,
+            "misplaced": self.misplaced,
             "empty_plots": self.empty_plots,
             "not_yet_kept": self.not_yet_kept,
         }
@@ -166,6 +179,7 @@ def measure(
     freezes: int,
     seed: int = 0,
     interrupt: Interrupt | None = None,
+    scene: str = "paper",
 ) -> dict[str, Any]:
     """Go through the faults one by one with one tab, or until the interrupt: see :class:`Tally`."""
     chance, tally = random.Random(seed), Tally()
@@ -173,7 +187,7 @@ def measure(
     chance.shuffle(faults)
     interrupt = interrupt or Interrupt()
     try:
-        with _tab(browser) as (page, server):
+        with _tab(browser, scene) as (page, server):
             for number, fault in enumerate(faults):
                 if interrupt.asked:
                     break
@@ -200,17 +214,19 @@ def _go_through(
     back = _within(page, lambda: _shown(page) == kept == _remembered(page))
     seconds = time.monotonic() - begin
     plotted = _within(page, lambda: bool(page.tab.evaluate(_CHARTS)))
-    tally.add(fault, seconds, back, plotted)
+    tally.add(fault, seconds, back, _within(page, lambda: _placed(page)), plotted)
 
 
 @contextmanager
-def _tab(browser: Browser) -> Iterator[tuple[Page, Killable]]:
-    """A tab whose plan is drawn, and its server."""
-    server = Killable()
+def _tab(browser: Browser, scene: str) -> Iterator[tuple[Page, Killable]]:
+    """A tab whose plan is drawn and whose arm stands still under way, and its server."""
+    server = Killable(scene)
     page = Page(browser, server.url)
     try:
         page.node("/curve/bspline")
+        page.set_time(_TIME)
         page.until(lambda: page.tab.evaluate("sessionStorage.getItem('abi-tab')"), "a memory")
+        page.until(lambda: _kept(page).time == _TIME, "the time to be kept")
         yield page, server
     finally:
         page.close()
@@ -267,8 +283,26 @@ def _shown(page: Page) -> int:
 
 def _remembered(page: Page) -> int:
     """The same in the state that the page keeps."""
-    text = page.tab.evaluate("sessionStorage.getItem('abi-tab')")
-    return TabState.decode(text, MeshSource()).scene.spline.degree
+    return _kept(page).scene.spline.degree
+
+
+def _kept(page: Page) -> TabState:
+    """The state that the page keeps."""
+    return TabState.decode(page.tab.evaluate("sessionStorage.getItem('abi-tab')"), MeshSource())
+
+
+def _placed(page: Page) -> bool:
+    """Check whether the arm, which stands still, and both ends are where what is kept puts them."""
+    state = _kept(page)
+    page.frames(2)
+    wanted = planned(_plan(state.scene), state.time)
+    return not differing(page, wanted, max(state.scene.workspace.size))
+
+
+@functools.lru_cache(1)
+def _plan(scene: Scene) -> Plan:
+    """Plan of a scene, made once while the page is asked again and again."""
+    return abi.plan(scene)
 
 
 def _within(page: Page, condition: Callable[[], bool]) -> bool:
@@ -287,10 +321,11 @@ def main() -> None:
     parser.add_argument("--reloads", type=int, default=50)
     parser.add_argument("--freezes", type=int, default=3)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--scene", default="paper", help="a shipped scene without meshes")
     options = parser.parse_args()
     asked = options.kills, options.reloads, options.freezes
     with Interrupt() as interrupt, chromium() as browser:
-        found = measure(browser, *asked, options.seed, interrupt)
+        found = measure(browser, *asked, options.seed, interrupt, options.scene)
     print(json.dumps(found), flush=True)
 
 

@@ -54,6 +54,11 @@ class Visit:
         self.session.playback.slider.value = round(part * plan.profile.duration, 2)
         self.follow()
 
+    def darken(self, dark: bool) -> None:
+        """Show the page in dark or light colours."""
+        self.session.panels.layer_switches.dark.value = dark
+        self.follow()
+
     def look(self, position: tuple[float, float, float], at: tuple[float, float, float]) -> None:
         """Put the camera somewhere, [unit], world."""
         with self.session.client.atomic():
@@ -90,11 +95,21 @@ def visit(
     width: int = WIDTH,
     height: int = HEIGHT,
     dark: bool = True,
+    ratio: float = 1.0,
 ) -> Iterator[Visit]:
-    """The scene, or the shipped one of that name, in a tab of a server of its own."""
+    """The scene, or the shipped one of that name, in a tab of a server of its own.
+
+    Args:
+        browser: to open the tab in.
+        scene: to show.
+        width: of the page, [px].
+        height: of the page, [px].
+        dark: whether its colours are dark.
+        ratio: pixels of the scene for one of the page.
+    """
     server = _server(scene, dark)
     # of two ratios in an address the first counts: every pixel, where tests take few
-    page = Page(browser, server.url + "/?fixedDpr=1", width, height, draws=True)
+    page = Page(browser, f"{server.url}/?fixedDpr={ratio}", width, height, draws=True)
     page.tab.set_default_timeout(1000 * PATIENCE)
     try:
         page.until(lambda: len(server.sessions) == 1, "a session")

@@ -13,7 +13,7 @@ USUAL = np.array([0.82, -0.42, 0.38])
 """From the scene's middle to the camera, in sizes of the scene, where nothing hides anything."""
 
 _TURNS = np.radians(np.arange(-160, 181, 20))
-_HEIGHTS = np.radians([15, 25, 38, 52])
+_HEIGHTS = np.radians([6, 15, 25, 38, 52])
 _CURVE, _POSES, _OBSTACLES = 24, 12, 8
 """Points of the curve, moments of the motion, and obstacles, at the most, that are looked at."""
 _NEAR = 0.08

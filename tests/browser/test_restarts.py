@@ -16,14 +16,16 @@ def test_nothing_is_lost_when_the_server_is_killed_under_an_edit(
     found = restarts.measure(chromium, kills=3, reloads=1, freezes=1)
     assert (found["kills"], found["reloads"], found["freezes"]) == (3, 1, 1)
     assert found["lost"] == 0
+    assert found["misplaced"] == 0
     assert found["empty_plots"] == 0
 
 
 def test_figures_of_a_run_that_ends_early_are_of_what_was_done() -> None:
     tally = restarts.Tally()
     assert tally.figures()["lost"] == 0
-    tally.add("kill", 2.0, back=True, plotted=True)
-    tally.add("kill", 5.0, back=False, plotted=True)
+    tally.add("kill", 2.0, back=True, placed=True, plotted=True)
+    tally.add("kill", 5.0, back=False, placed=False, plotted=True)
     figures = tally.figures()
     assert (figures["kills"], figures["reloads"], figures["lost"]) == (2, 0, 1)
+    assert figures["misplaced"] == 1
     assert (figures["empty_plots"], figures["worst_s"]) == (0, 5.0)

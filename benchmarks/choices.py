@@ -1,0 +1,121 @@
+"""Another choice ends the plan of the last one: how soon, as a real tab has it.
+
+    python -m benchmarks.choices --times 30
+
+A tab plans a shipped scene with a mesh so fine that it takes seconds. At a random moment of that
+another scene or arm is chosen in the page. Measured is the time from there, the page's way to the
+server included, until the plan has ended.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import time
+from typing import Any
+
+from playwright.sync_api import Browser
+
+import abi
+from app.server.address import Address
+from app.server.server import start
+from app.state.appearance import PLAIN
+from app.tab.session import Session
+from app.ui import page as functions
+from benchmarks.browser import chromium
+from tests.browser.page import Page
+
+_SLOW = {"sculpture": 0.1, "kitchen-ur5e": 0.025, "forest": 0.15, "paper": 0.08}
+"""Scenes, and spacings of their meshes with which they take seconds, [unit]."""
+_LONGEST = 2.0
+"""Seconds that the plan is under way when something else is chosen, at most."""
+_PATIENCE = 300.0
+_SEND = "([uuid, value]) => abi.send(uuid, value)"
+
+
+class Chooser:
+    """A tab in which one thing after the other is chosen."""
+
+    def __init__(self, page: Page, session: Session) -> None:
+        self._page, self._session = page, session
+
+    def interrupt(self, scene: str, pitch: float, wait: float, arm: str) -> float | None:
+        """Time until another choice has ended the plan of a fine mesh, [s]; None without one.
+
+        Args:
+            scene: whose mesh is made fine.
+            pitch: of the fine mesh, [unit].
+            wait: from the begin of the plan to the other choice, [s].
+            arm: that is chosen instead; empty for another scene.
+        """
+        session, panels = self._session, self._session.panels
+        if panels.files.name != scene:
+            self._set(panels.files.choice, scene)
+            self._until(lambda: session.resting and panels.files.name == scene)
+        begun = session._watch._begun
+        self._set(panels.stages.mesh.pitch, pitch)
+        self._until(lambda: session._watch._begun > begun)
+        self._page.tab.wait_for_timeout(1e3 * wait)
+        if session.resting:
+            return None
+        chosen = time.monotonic()
+        if arm:
+            self._set(panels.stages.arm.model.model, arm)
+        else:
+            self._set(panels.files.choice, "two-boxes")
+        self._until(lambda: session._unplanned or session.resting)
+        took = time.monotonic() - chosen
+        self._until(lambda: session.resting)
+        self._set(panels.files.choice, "two-boxes")
+        self._until(lambda: session.resting and panels.files.name == "two-boxes")
+        return took
+
+    def _set(self, widget: Any, value: object) -> None:
+        self._page.tab.evaluate(_SEND, [functions.uuid(widget), value])
+
+    def _until(self, condition: Any) -> None:
+        self._page.until(condition, "the tab", _PATIENCE)
+
+
+def measure(browser: Browser, times: int, seed: int = 0) -> dict[str, Any]:
+    """Interrupt plans: the ``cancelled`` ones, and ``median_s`` and ``worst_s`` of them."""
+    abi.compile()
+    server = start(Address(port=0), scene="two-boxes", look=PLAIN)
+    page = Page(browser, server.url)
+    chance, took, worst = random.Random(seed), list[float](), ""
+    try:
+        page.until(lambda: any(one.plans for one in server.sessions.values()), "a session")
+        (session,) = server.sessions.values()
+        chooser = Chooser(page, session)
+        for _ in range(times):
+            scene = chance.choice(list(_SLOW))
+            arm = chance.choice(("", "", "xArm7"))
+            found = chooser.interrupt(scene, _SLOW[scene], chance.uniform(0, _LONGEST), arm)
+            if found is not None:
+                took.append(found)
+                worst = scene if found == max(took) else worst
+    finally:
+        page.close()
+        server.stop()
+    took.sort()
+    return {
+        "cancelled": len(took),
+        "median_s": took[len(took) // 2],
+        "worst_s": took[-1],
+        "worst_scene": worst,
+    }
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--times", type=int, default=30)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    with chromium() as browser:
+        print(json.dumps(measure(browser, options.times, options.seed)), flush=True)
+
+
+if __name__ == "__main__":
+    main()
