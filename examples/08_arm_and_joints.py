@@ -24,7 +24,7 @@ for row in np.linspace(0, len(motion.time) - 1, 6).astype(int):
 # %%
 # The tool follows the curve: inverse and then forward kinematics lead back to its points.
 off = np.abs(motion.tool - motion.target).max()
-speed = np.linalg.norm(motion.velocity, axis=1)
+speed = np.linalg.norm(motion.tool_velocity, axis=1)
 fastest = int(speed.argmax())
 print(f"tool off the curve by {off:.1e} cm at most")
 print(f"fastest at {motion.time[fastest]:.2f} s with {speed[fastest]:.2f} cm/s, asked: 4")

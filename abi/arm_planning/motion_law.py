@@ -50,8 +50,6 @@ def motion_law(path: JointPath, settings: MotionSettings) -> PathProfile:
     """
     length = path.length
     rates = settings.speed, settings.acceleration, settings.deceleration
-    if settings.law == "three_phase":
-        return three_phase(length, *rates)
     limits = JointLimits(path.speeds, settings.joint_acceleration * path.scales)
     slowed: Callable[[float], PathProfile]
     if settings.law == "time_optimal":
@@ -61,13 +59,27 @@ def motion_law(path: JointPath, settings: MotionSettings) -> PathProfile:
         slowed = jerk_limited(length, settings.speed, gentle, settings.jerk).stretched
     else:
         slowed = partial(_slowed, length, rates)
+    factor = 1.0 if settings.law == "three_phase" else _slowing(slowed, path, limits)
+    if settings.time_step is None:
+        return slowed(factor)
+    return slowed(factor * _to_whole_steps(slowed(factor).duration, settings.time_step))
+
+
+def _slowing(slowed: Callable[[float], PathProfile], path: JointPath, limits: JointLimits) -> float:
+    """Factor, at least 1, by which a motion takes longer so that the joints' limits hold."""
     factor = 1.0
     for _ in range(_ROUNDS if path.is_timed else 1):
         excess = _excess(slowed(factor), path, limits)
         factor *= excess
         if excess <= 1 + _SETTLED:
             break
-    return slowed(factor)
+    return factor
+
+
+def _to_whole_steps(duration: float, step: float) -> float:
+    """Factor, at least 1, by which a motion takes longer so that it ends with a time step."""
+    steps = max(math.ceil(duration / step - 1e-9), 2)
+    return steps * step / duration if duration > 0 else 1.0
 
 
 def _slowed(length: float, rates: tuple[float, float, float], factor: float) -> PathProfile:

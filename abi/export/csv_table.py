@@ -28,7 +28,7 @@ def write(plan: Plan, name: str) -> bytes:
     table = csv.writer(text)
     state = motion_state(plan) if is_marked(plan) else ""
     table.writerow(["time [s]", *joints, *places, *speeds, *filter(None, [state and "state"])])
-    columns = motion.time[:, None], motion.positions, motion.tool, motion.velocity
+    columns = motion.time[:, None], motion.positions, motion.tool, motion.tool_velocity
     rows = np.hstack(columns).tolist()
     table.writerows([[*row, state] for row in rows] if state else rows)
     return text.getvalue().encode()

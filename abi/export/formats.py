@@ -20,6 +20,7 @@ from abi.export import (
     moveit_scene,
     plan_file,
     robot_description,
+    ros_bag,
     ros_trajectory,
     spline_curves,
     urscript,
@@ -80,6 +81,7 @@ FORMATS: dict[str, Format] = {
     "urdf-zip": Format(
         "arm with its meshes (zip)", "arm.zip", robot_description.write_archive, holds_motion=False
     ),
+    "rosbag": Format("recording for ROS 2 (bag)", "motion.ros2.mcap", ros_bag.write),
 }
 """Formats by the names that ``abi export --format`` takes."""
 

@@ -82,14 +82,10 @@ def joint_trajectory(plan: Plan) -> JointTrajectory:
         )
     metres = METRES[plan.scene.unit]
     scale = np.array([metres if slides else 1.0 for slides in motion.slides])
-    positions = motion.positions * scale
-    velocities = np.gradient(positions, motion.time, axis=0, edge_order=2)
-    accelerations = np.gradient(velocities, motion.time, axis=0, edge_order=2)
-    velocities[[0, -1]] = 0.0
     return JointTrajectory(
         names=motion.joints,
         time=motion.time,
-        positions=read_only(positions),
-        velocities=read_only(velocities),
-        accelerations=read_only(accelerations),
+        positions=read_only(motion.positions * scale),
+        velocities=read_only(motion.joint_velocities * scale),
+        accelerations=read_only(motion.joint_accelerations * scale),
     )

@@ -10,7 +10,7 @@ import json
 import math
 from typing import Any
 
-from abi.export.joint_trajectory import is_marked, joint_trajectory, motion_state
+from abi.export.joint_trajectory import JointTrajectory, is_marked, joint_trajectory, motion_state
 from abi.planner.plan import Plan
 from abi.scene.scene_file import yaml_text
 
@@ -24,7 +24,9 @@ def write(plan: Plan, name: str) -> bytes:
     Raises:
         ExportError: there is no motion that the arm can execute.
     """
-    message = _message(plan)
+    trajectory = joint_trajectory(plan)
+    assert plan.arm is not None
+    message = trajectory_message(trajectory, plan.arm.root)
     if name.lower().endswith(".json"):
         if is_marked(plan):
             message = {"state": motion_state(plan), **message}
@@ -32,9 +34,8 @@ def write(plan: Plan, name: str) -> bytes:
     return f"# {motion_state(plan)}\n{yaml_text(message, width=4096)}".encode()
 
 
-def _message(plan: Plan) -> dict[str, Any]:
-    trajectory = joint_trajectory(plan)
-    assert plan.arm is not None
+def trajectory_message(trajectory: JointTrajectory, frame: str) -> dict[str, Any]:
+    """The message's fields; ``frame`` is the name of the arm's root."""
     rows = zip(
         trajectory.positions.tolist(),
         trajectory.velocities.tolist(),
@@ -43,7 +44,7 @@ def _message(plan: Plan) -> dict[str, Any]:
         strict=True,
     )
     return {
-        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": plan.arm.root},
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": frame},
         "joint_names": list(trajectory.names),
         "points": [
             {

@@ -32,7 +32,7 @@ from abi.errors import NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, rotation
 from abi.planner.branch import TimedMotion
-from abi.planner.planning_task import SAMPLES
+from abi.planner.planning_task import sample_count
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene
@@ -107,7 +107,7 @@ def move_joints(
         raise NoJointMotion("curve")
     passage = passage_of(spline, arm)
     profile = motion_law(passage, scene.motion)
-    motion = passage.motion(profile, SAMPLES)
+    motion = passage.motion(profile, sample_count(profile, scene.motion))
     clearance = passage.clearance(motion, obstacles, collision_world, scene.arm.clearance)
     moved = TimedMotion(profile, motion, clearance)
     if not moved.is_clear:

@@ -23,6 +23,7 @@ from abi.planner.branch import BranchResults, QuadraticOnSpline, SplineOnPath, T
 from abi.planner.joint_branch import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.pipeline import find_path, fit_curves, move_arm
 from abi.planner.plan import Plan
+from abi.planner.slow_motion import refuse_slow
 from abi.planner.tool_branch import ToolBranch, ToolStages
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_end import ENDS
@@ -112,6 +113,7 @@ class Planner:
         results, fault = BranchResults(), None
         try:
             results = self._run(tool, results)
+            refuse_slow(results, tool.task.model.arm, scene)
         except StageError as error:
             # a copy: the stage remembers its error for scenes in another unit
             fault = error.in_unit(scene.unit)

@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from abi.arm_planning.arm_model import ArmModel
+from abi.curves.timed_profile import PathProfile
+from abi.errors import TooManySamples
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
+from abi.scene.settings import MOST_SAMPLES, MotionSettings
 
 SAMPLES = 401
-"""Samples of the arm's motion, uniform in time."""
+"""Samples of the arm's motion, uniform in time, unless the scene asks for others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,3 +35,17 @@ class PlanningTask:
     def margin(self) -> float:
         """Distance that edges keep from the obstacles, [unit]."""
         return self.scene.spline.clearance + self.scene.workspace.slack
+
+
+def sample_count(profile: PathProfile, asked: MotionSettings) -> int:
+    """Number of samples of a motion, its first and last moment among them.
+
+    Raises:
+        TooManySamples: the time step that is asked for takes more than there may be.
+    """
+    if asked.time_step is None:
+        return asked.samples or SAMPLES
+    count = round(profile.duration / asked.time_step) + 1
+    if count > MOST_SAMPLES:
+        raise TooManySamples(count, MOST_SAMPLES, profile.duration)
+    return max(count, 3)

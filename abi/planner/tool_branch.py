@@ -30,7 +30,7 @@ from abi.planner.branch import (
 )
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.joint_branch import move_joints
-from abi.planner.planning_task import SAMPLES, PlanningTask
+from abi.planner.planning_task import PlanningTask, sample_count
 from abi.planner.shared_mesh import shared_mesh
 from abi.planner.stage import Stage
 from abi.scene.scene import Scene
@@ -226,7 +226,8 @@ class ToolBranch:
     def _moved(self, number: int, joint_path: JointPath, profile: PathProfile) -> TimedMotion:
         """The motion on one joint_path, with the memory of its number."""
         stages, required = self.stages, self.task.scene.arm.clearance
-        motion = stages.motions[number](joint_path.motion, profile, SAMPLES)
+        asked = self.task.scene.motion
+        motion = stages.motions[number](joint_path.motion, profile, sample_count(profile, asked))
         clearance = stages.arm_clearances[number](
             joint_path.clearance, motion, self.task.obstacles, self.collision_world, required
         )

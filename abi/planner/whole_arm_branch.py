@@ -26,7 +26,7 @@ from abi.planner.branch import (
     SplineOnPath,
     TimedMotion,
 )
-from abi.planner.planning_task import SAMPLES, PlanningTask
+from abi.planner.planning_task import PlanningTask, sample_count
 from abi.robot.any_arm import AnyArm
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
@@ -157,7 +157,7 @@ class WholeArmBranch:
         scene = self.task.scene
         joint_path = self.arm_branch.joint_path(followed.fit.curve, followed.arc)
         profile = motion_law(joint_path, scene.motion)
-        motion = joint_path.motion(profile, SAMPLES)
+        motion = joint_path.motion(profile, sample_count(profile, scene.motion))
         clearance = joint_path.clearance(
             motion, self.task.obstacles, self.collision_world, scene.arm.clearance
         )

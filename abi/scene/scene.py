@@ -26,6 +26,7 @@ from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
 from abi.scene.arm_end import ENDS, with_arm_ends, without_stale_ends
 from abi.scene.field_errors import first_error
+from abi.scene.numpy_data import plain
 from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import ENDINGS, parse, read_file, write
 from abi.scene.section import Settings
@@ -152,7 +153,9 @@ class Scene(Settings):
         """Build a scene from plain data, and check every field.
 
         Args:
-            data: a mapping with the fields of a scene file.
+            data: a mapping with the fields of a scene file. Numbers may be numpy's; an array (4, 4)
+                is a pose, as ``start``, ``goal``, or ``pose`` of an obstacle; an obstacle may be a
+                mesh of trimesh, where it stands.
             folder: source of its mesh files: the folder of the scene file, outside which nothing is
                 opened, or the content of each file by its name. None for a scene without files.
 
@@ -161,8 +164,13 @@ class Scene(Settings):
         """
         if not isinstance(data, dict):
             raise SceneError("scene", data, "a mapping with version: 1")
+        plain_data = {name: plain(name, value) for name, value in data.items()}
+        return cls._checked(plain_data, MeshSource.of(folder))
+
+    @classmethod
+    def _checked(cls, data: dict[str, Any], meshes: MeshSource) -> Self:
         try:
-            return cls.model_validate(data, context={"meshes": MeshSource.of(folder)})
+            return cls.model_validate(data, context={"meshes": meshes})
         except ValidationError as error:
             raise first_error(error, cls) from None
 
@@ -206,14 +214,14 @@ class Scene(Settings):
             raise SceneError("files", files, "the content of each file by its name")
         data: dict[str, Any] = dict(vars(self))
         for name, change in changes.items():
-            data[name] = changed_value(data.get(name), change)
+            data[name] = changed_value(data.get(name), plain(name, change))
         data = without_stale_ends(data, vars(self))
         data["obstacles"] = without_stale_meshes(data["obstacles"], files or {})
         if len(data) == len(type(self).model_fields) and all(
             data[name] is value for name, value in vars(self).items()
         ):
             return self
-        return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))
+        return self._checked(data, MeshSource({**self.meshes.files, **(files or {})}))
 
     def pack(self) -> bytes:
         """Pack the scene, its meshes and its arm into a zip archive for :func:`load_scene`.

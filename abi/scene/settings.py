@@ -32,6 +32,9 @@ from abi.scene.arm_end import ArmEnd
 from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.section import Settings
 
+MOST_SAMPLES = 20_000
+"""Largest number of samples of a motion that a scene may ask for."""
+
 Elbow = Literal["up", "down"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
 
@@ -173,6 +176,8 @@ class MotionSettings(Settings):
     clearance, the B-spline otherwise. ``law`` is the paper's three phases, the same slowed down
     until the joints' limits hold, the fastest motion within these limits, or one of limited
     ``jerk`` [unit/s³]. ``joint_acceleration`` limits each joint, [rad/s²], sliding ones [m/s²].
+    The motion is sampled ``samples`` times, or every ``time_step`` [s]: it is then made so much
+    longer that it ends with a step.
     """
 
     speed: Rate = 4.0
@@ -182,6 +187,14 @@ class MotionSettings(Settings):
     law: Literal["three_phase", "slowed", "time_optimal", "jerk_limited"] = "three_phase"
     joint_acceleration: Rate = 8.0
     jerk: Rate = 40.0
+    samples: Annotated[Count, Field(ge=3, le=MOST_SAMPLES)] | None = None
+    time_step: Annotated[Number, Field(ge=1e-5, le=1e6)] | None = None
+
+    @model_validator(mode="after")
+    def _samples_or_step(self) -> Self:
+        if self.samples is not None and self.time_step is not None:
+            raise SceneError("motion.time_step", self.time_step, "none beside motion.samples")
+        return self
 
 
 _POINT_ALONE = "a point: joints and orientation can be asked only of an arm from a URDF"

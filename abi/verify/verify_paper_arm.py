@@ -169,7 +169,7 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
     if not any((t1, t2, t3)):
         return anywhere(start, start)
-    if motion.law == "slowed" and t1 and t3:
+    if (motion.law == "slowed" or motion.time_step is not None) and t1 and t3:
         rates = peak / t1, peak / t3
     return moving(curve, ExactTiming(t1, t2, t3, peak, *rates), start, force / inertia)
 

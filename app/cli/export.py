@@ -26,9 +26,9 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input.
 
     Formats: csv, json (the whole plan), ros and ros-json (JointTrajectory), spline (knots and
-    control points), moveit (the obstacles), mcap (for Foxglove), urscript (where the arm is a
-    UR), urdf (the arm), urdf-zip (the same with its meshes), html (one page that plays stages,
-    search and motion without a server).
+    control points), moveit (the obstacles), mcap (for Foxglove), rosbag (for ROS 2), urscript
+    (where the arm is a UR), urdf (the arm), urdf-zip (the same with its meshes), html (one page
+    that plays stages, search and motion without a server).
 
     A motion whose arm touches something, is not proven clear, or passes a limit of its joints'
     speeds, accelerations or torques is written with a warning.

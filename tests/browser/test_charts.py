@@ -95,7 +95,7 @@ def test_a_plot_tells_time_and_values_at_the_pointer(page: Page, session: Sessio
         moment, *lines = _read(page, over)
         time = float(moment.removeprefix("at ").removesuffix(" s"))
         assert time == pytest.approx(0.75 * session.frame.duration, abs=0.03)
-        velocity = motion.velocity[np.abs(motion.time - time).argmin()]
+        velocity = motion.tool_velocity[np.abs(motion.time - time).argmin()]
         assert [line.split()[0] for line in lines] == ["speed", "x", "y", "z"]
         told = [float(line.split()[1].replace("−", "-")) for line in lines]
         assert told == pytest.approx([np.linalg.norm(velocity), *velocity], abs=0.03)

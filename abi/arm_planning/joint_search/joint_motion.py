@@ -86,7 +86,7 @@ class JointPassage(ShortRepr):
             positions=read_only(positions),
             target=read_only(tool),
             tool=read_only(tool),
-            velocity=read_only(np.gradient(tool, step, axis=0)),
+            tool_velocity=read_only(np.gradient(tool, step, axis=0)),
             unreachable=(),
             limit_violations=(),
             peak_joint_speed=read_only(np.abs(np.diff(positions, axis=0)).max(axis=0) / step),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -148,7 +149,7 @@ class ArmMotion(ShortRepr):
         positions: joint positions, shape (m, 6), [rad], q5 [unit].
         target: point of the curve, shape (m, 3), [unit], world.
         tool: position of the tool, shape (m, 3), [unit], world; off the target only out of reach.
-        velocity: the target's velocity, shape (m, 3), [unit/s], world.
+        tool_velocity: velocity of the target, shape (m, 3), [unit/s], world.
         unreachable: the stretches out of reach; empty when the arm follows the whole curve.
         limit_violations: one for each joint whose position passes a limit, where it is farthest
             past it.
@@ -164,7 +165,7 @@ class ArmMotion(ShortRepr):
     positions: FloatArray
     target: FloatArray
     tool: FloatArray
-    velocity: FloatArray
+    tool_velocity: FloatArray
     unreachable: tuple[Stretch, ...]
     limit_violations: tuple[Violation, ...]
     peak_joint_speed: FloatArray
@@ -175,6 +176,23 @@ class ArmMotion(ShortRepr):
     def reachable(self) -> bool:
         """Whether every sample is within reach."""
         return not self.unreachable
+
+    @cached_property
+    def joint_velocities(self) -> FloatArray:
+        """Velocities of the joints, (m, n), [rad/s] or [unit/s], by differences; 0 at both ends."""
+        if not self.time[-1] > 0:
+            return read_only(np.zeros_like(self.positions))
+        velocities = np.gradient(self.positions, self.time, axis=0, edge_order=2)
+        velocities[[0, -1]] = 0.0
+        return read_only(velocities)
+
+    @cached_property
+    def joint_accelerations(self) -> FloatArray:
+        """Accelerations of the joints, (m, n), [rad/s²] or [unit/s²], by differences."""
+        if not self.time[-1] > 0:
+            return read_only(np.zeros_like(self.positions))
+        velocities = np.gradient(self.positions, self.time, axis=0, edge_order=2)
+        return read_only(np.gradient(velocities, self.time, axis=0, edge_order=2))
 
     @property
     def within_limits(self) -> bool:
@@ -238,7 +256,7 @@ def follow(
         positions=read_only(positions),
         target=read_only(target),
         tool=read_only(forward(arm, positions)),
-        velocity=read_only(velocity),
+        tool_velocity=read_only(velocity),
         unreachable=stretches(time, angles.shortfall),
         limit_violations=_violations(time, joints, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),

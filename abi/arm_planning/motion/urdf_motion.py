@@ -115,7 +115,7 @@ class ChainJointPath:
             positions=read_only(positions),
             target=read_only(target),
             tool=read_only(arm.tool(positions)),
-            velocity=read_only(velocity),
+            tool_velocity=read_only(velocity),
             unreachable=stretches(time, np.where(missed > allowed, missed, 0.0)),
             limit_violations=(),
             peak_joint_speed=read_only(np.abs(np.diff(positions, axis=0)).max(axis=0) / step),

@@ -21,7 +21,7 @@ def acceleration(plan: Plan) -> FloatArray:
     """
     motion = plan.motion
     assert motion is not None
-    components = np.gradient(motion.velocity, motion.time, axis=0)
+    components = np.gradient(motion.tool_velocity, motion.time, axis=0)
     return np.column_stack([np.linalg.norm(components, axis=1), components])
 
 

@@ -105,7 +105,7 @@ class PlotsLayer(Layer):
             for name, (title, _, _) in _PLOTS.items():
                 self._plots[name].title = title.format(self._unit)
         samples = plotted_samples(motion)
-        velocity = motion.velocity[samples]
+        velocity = motion.tool_velocity[samples]
         speed = np.linalg.norm(velocity, axis=1)
         self._shown.add(self._plots["speed"], motion.time[samples], speed, *velocity.T)
 

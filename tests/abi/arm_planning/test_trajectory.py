@@ -216,7 +216,7 @@ def test_joint_steps_shrink_with_the_sampling() -> None:
 def test_velocity_is_sampled_with_the_positions() -> None:
     motion = run(printed_quadratic(), samples=2001)
     numeric = np.gradient(motion.target, motion.time, axis=0, edge_order=2)
-    np.testing.assert_allclose(motion.velocity, numeric, atol=0.02)
+    np.testing.assert_allclose(motion.tool_velocity, numeric, atol=0.02)
 
 
 def test_too_far_is_told_by_time_and_distance() -> None:
@@ -278,5 +278,5 @@ def test_joints_past_their_limits_are_named() -> None:
 
 def test_results_cannot_be_changed() -> None:
     motion = run(printed_quadratic(), samples=5)
-    for array in (motion.time, motion.positions, motion.target, motion.tool, motion.velocity):
+    for array in (motion.time, motion.positions, motion.target, motion.tool, motion.tool_velocity):
         assert not array.flags.writeable

@@ -80,7 +80,7 @@ def test_the_table_is_the_motion_to_the_last_bit(planned: Plan) -> None:
     assert (table[:, 0] == motion.time).all()
     assert (table[:, 1:7] == motion.positions).all()
     assert (table[:, 7:10] == motion.tool).all()
-    assert (table[:, 10:] == motion.velocity).all()
+    assert (table[:, 10:] == motion.tool_velocity).all()
 
 
 def test_the_json_is_the_full_plan(planned: Plan) -> None:

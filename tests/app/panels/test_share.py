@@ -231,7 +231,9 @@ def test_curves_over_time_are_derivatives_and_distances() -> None:
     pull = acceleration(result)
     middle = slice(5, 40)
     # in the first phase the tool's speed grows by a1
-    along = motion.velocity / np.linalg.norm(motion.velocity, axis=1, keepdims=True).clip(1e-9)
+    along = motion.tool_velocity / np.linalg.norm(motion.tool_velocity, axis=1, keepdims=True).clip(
+        1e-9
+    )
     tangential = (pull[:, 1:] * along).sum(axis=1)
     assert np.allclose(tangential[middle], PAPER.motion.acceleration, rtol=0.02)
     assert result.joint_rates is not None

@@ -1,0 +1,110 @@
+"""The motion as a ROS 2 bag in one MCAP file, for ``ros2 bag play`` and programs that read bags.
+
+Messages are encoded in CDR, with their definitions: https://mcap.dev/spec/registry#ros2. Lengths in
+[m]; the motion begins at time 0.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from abi.export.joint_trajectory import JointTrajectory, joint_trajectory, motion_of, motion_state
+from abi.export.mcap_arm import LinkFrame, chain_of, link_frames, quaternions, scene_frame
+from abi.export.ros_definitions import DEFINITIONS
+from abi.export.ros_trajectory import trajectory_message
+from abi.obstacles.pose import METRES
+from abi.planner.plan import Plan
+
+_Message = dict[str, Any]
+
+
+class _BagMessage(NamedTuple):
+    topic: str
+    kind: str
+    time: float
+    data: _Message
+
+
+def write(plan: Plan, name: str) -> bytes:
+    """The bag, whose metadata say whether the arm is clear.
+
+    Raises:
+        ExportError: there is no motion that the arm can execute.
+    """
+    from mcap_ros2.writer import Writer  # here, since few need it
+
+    motion_of(plan)
+    file = io.BytesIO()
+    writer = Writer(file)
+    writer.add_metadata("arm", {"state": motion_state(plan)})
+    schemas = {kind: writer.register_msgdef(kind, text) for kind, text in DEFINITIONS.items()}
+    for topic, kind, time, data in _messages(plan):
+        writer.write_message(topic, schemas[kind], data, round(time * 1e9))
+    writer.finish()  # type: ignore[no-untyped-call]
+    return file.getvalue()
+
+
+def _messages(plan: Plan) -> Iterator[_BagMessage]:
+    assert plan.arm is not None
+    chain, trajectory = chain_of(plan.arm), joint_trajectory(plan)
+    frame, root = scene_frame(chain), chain.robot.root
+    tool = (motion_of(plan).tool * METRES[plan.scene.unit]).tolist()
+    turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
+    still, moving = link_frames(chain, trajectory.positions)
+    text = {"data": plan.arm.description()}
+    yield _BagMessage("/robot_description", "std_msgs/msg/String", 0.0, text)
+    yield _BagMessage(
+        "/joint_trajectory",
+        "trajectory_msgs/msg/JointTrajectory",
+        0.0,
+        trajectory_message(trajectory, root),
+    )
+    yield _BagMessage("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, _transforms(still, 0, 0.0))
+    for index, time in enumerate(trajectory.time.tolist()):
+        state = _joint_state(trajectory, index, root)
+        yield _BagMessage("/joint_states", "sensor_msgs/msg/JointState", time, state)
+        yield _BagMessage("/tf", "tf2_msgs/msg/TFMessage", time, _transforms(moving, index, time))
+        pose = {"position": _xyz(tool[index]), "orientation": _wxyz(turns[index])}
+        place = {"header": _header(time, frame), "pose": pose}
+        yield _BagMessage("/tool", "geometry_msgs/msg/PoseStamped", time, place)
+
+
+def _joint_state(trajectory: JointTrajectory, index: int, root: str) -> _Message:
+    return {
+        "header": _header(float(trajectory.time[index]), root),
+        "name": list(trajectory.names),
+        "position": trajectory.positions[index].tolist(),
+        "velocity": trajectory.velocities[index].tolist(),
+        "effort": [],
+    }
+
+
+def _transforms(frames: list[LinkFrame], sample: int, time: float) -> _Message:
+    return {
+        "transforms": [
+            {
+                "header": _header(time, frame.parent),
+                "child_frame_id": frame.child,
+                "transform": {
+                    "translation": _xyz(frame.positions[sample].tolist()),
+                    "rotation": _wxyz(frame.wxyz[sample].tolist()),
+                },
+            }
+            for frame in frames
+        ]
+    }
+
+
+def _header(time: float, frame: str) -> _Message:
+    seconds, nanoseconds = divmod(round(time * 1e9), 10**9)
+    return {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": frame}
+
+
+def _xyz(numbers: list[float]) -> _Message:
+    return dict(zip("xyz", numbers, strict=True))
+
+
+def _wxyz(numbers: list[float]) -> _Message:
+    return dict(zip("wxyz", numbers, strict=True))

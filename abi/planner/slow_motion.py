@@ -1,0 +1,49 @@
+"""Motions that take far longer than anybody asked for, and why."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm_planning.joint_rates import joint_rates
+from abi.curves.speed_profile import three_phase
+from abi.errors import TooSlow
+from abi.planner.branch import BranchResults
+from abi.robot.any_arm import AnyArm
+from abi.scene.scene import Scene
+
+_LONG, _TIMES = 60.0, 20.0
+"""A motion is refused if it takes longer than this, [s], and so many times what would be enough."""
+
+
+def refuse_slow(results: BranchResults, arm: AnyArm, scene: Scene) -> None:
+    """Raise for a motion that a law has slowed down beyond all use.
+
+    Enough is the time that the way takes at the scene's speed, and each joint for its own way at
+    its limits, whichever is longest. What takes many times as long follows from a bend or a turn of
+    the joints that they can pass but slowly.
+
+    Args:
+        results: of a branch; without a motion, nothing is refused.
+        arm: the arm.
+        scene: the scene.
+
+    Raises:
+        TooSlow: the motion takes so long; names the joint, and when it is at its limit.
+    """
+    profile, motion, asked = results.profile, results.motion, scene.motion
+    if profile is None or motion is None or profile.duration <= _LONG:
+        return
+    limits = arm.rate_limits(asked.joint_acceleration)
+    ways = np.abs(np.diff(motion.positions, axis=0)).sum(axis=0)
+    joints = float((ways / limits.speeds + 2 * np.sqrt(ways / limits.accelerations)).max())
+    length = float(np.linalg.norm(np.diff(motion.tool, axis=0), axis=1).sum())
+    alone = three_phase(length, asked.speed, asked.acceleration, asked.deceleration).duration
+    if profile.duration <= _TIMES * max(joints, alone):
+        return
+    rates = joint_rates(arm, motion, asked.joint_acceleration)
+    used = np.maximum(
+        np.abs(rates.speeds) / limits.speeds, np.abs(rates.accelerations) / limits.accelerations
+    )
+    sample, joint = np.unravel_index(int(used.argmax()), used.shape)
+    name, moment = motion.joints[joint], float(motion.time[sample])
+    raise TooSlow(profile.duration, length, max(joints, alone), (name, moment))

@@ -1,0 +1,82 @@
+"""What numpy and trimesh hold as the fields of a scene: poses, points and meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from abi.arrays import FloatArray
+from abi.errors import SceneError
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh.repair import clean
+
+_RIGID = 1e-6
+"""Largest entry by which a pose's turn, times its transpose, may differ from the identity."""
+
+
+def plain(field: str, value: object) -> object:
+    """Plain data of a scene's field, of which parts may be numpy's or trimesh's.
+
+    Arrays become lists, of shape (4, 4) a position and a quaternion; a triangle mesh of trimesh
+    becomes a mesh shape where it stands. All else stays as it is.
+
+    Args:
+        field: name of the field, for errors.
+        value: what was given for it.
+
+    Raises:
+        SceneError: an array (4, 4) is no pose, or a mesh is none.
+    """
+    if isinstance(value, BaseModel | str | bytes) or value is None:
+        return value
+    if isinstance(value, np.ndarray):
+        return _pose(field, value) if value.shape == (4, 4) else value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return _with_pose({name: plain(f"{field}.{name}", one) for name, one in value.items()})
+    if isinstance(value, list | tuple):
+        items = enumerate(value)
+        return type(value)([plain(f"{field}[{k}]", one) for k, one in items])
+    if hasattr(value, "vertices") and hasattr(value, "faces"):
+        return _mesh(field, value)
+    return value
+
+
+def _with_pose(data: dict[str, Any]) -> dict[str, Any]:
+    """Fields of an obstacle whose ``pose`` was an array, with its position and quaternion."""
+    pose = data.get("pose")
+    if not isinstance(pose, dict):
+        return data
+    return {name: value for name, value in data.items() if name != "pose"} | pose
+
+
+def _pose(field: str, matrix: FloatArray) -> dict[str, Any]:
+    """Position and quaternion of a pose (4, 4), world from what it is the pose of."""
+    from scipy.spatial.transform import Rotation  # here, since it takes long to import
+
+    pose = np.asarray(matrix, dtype=np.float64)
+    turn = pose[:3, :3]
+    off = np.abs(turn.T @ turn - np.eye(3)).max() if np.isfinite(pose).all() else np.inf
+    if not off <= _RIGID or np.linalg.det(turn) < 0 or pose[3].tolist() != [0, 0, 0, 1]:
+        expected = "a rotation and a position, and [0, 0, 0, 1] as the last row"
+        raise SceneError(field, pose.tolist(), expected)
+    x, y, z, w = Rotation.from_matrix(turn).as_quat().tolist()
+    return {"position": pose[:3, 3].tolist(), "wxyz": [w, x, y, z]}
+
+
+def _mesh(field: str, mesh: Any) -> MeshShape:
+    """A mesh of trimesh as an obstacle; its units count, and without any the scene's do."""
+    try:
+        surface = clean(np.array(mesh.vertices, dtype=float), np.array(mesh.faces), field)
+        units = getattr(mesh, "units", None)
+        if units is not None:
+            from trimesh.units import unit_conversion
+
+            surface = surface.of_file(float(unit_conversion(units, "meters")), ())
+    except (KeyError, TypeError, ValueError):
+        raise SceneError(field, mesh, "a triangle mesh in a unit that trimesh knows") from None
+    return MeshShape.of(surface, f"mesh-{surface.digest[:12]}.ply")
