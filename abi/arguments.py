@@ -19,6 +19,8 @@ from abi.errors import ArgumentError
 
 _LETTERS = "nmk"
 _FLOAT64 = np.dtype(np.float64)
+_ONE_THREAD = 8192
+"""Number of numbers whose squares the algebra library sums in the calling thread for certain."""
 LARGEST_ID = 2**31 - 1
 """Largest number of an array's entry, and of an order or a degree."""
 
@@ -47,8 +49,10 @@ def numbers(
     else:
         array = _of_shape(name, values, shape, "fiu", "finite numbers")
         array = np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
-    # the sum of squares is finite only if all numbers are, and is found in a fifth of the time
-    if not math.isfinite(np.vdot(array, array)) and not _are_finite(array, infinite):
+    # the sum of squares is finite only if all numbers are, and is found in a fifth of the time; of
+    # many it wakes the threads of the algebra library, which takes milliseconds
+    known = array.size <= _ONE_THREAD and math.isfinite(np.vdot(array, array))
+    if not known and not _are_finite(array, infinite):
         k = int(np.flatnonzero(~np.isfinite(array.ravel()))[0])
         where = "".join(f"[{i}]" for i in np.unravel_index(k, array.shape))
         raise ArgumentError(f"{name}{where}", float(array.ravel()[k]), "a finite number")
