@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from abi import assets
 from abi.curves.curve import arc_length
 from abi.paper import printed
 from abi.paper.comparison import PaperComparison
@@ -40,6 +43,25 @@ def test_what_was_checked_by_hand_is_found(
     comparisons: dict[str, PaperComparison], what: str, found: str
 ) -> None:
     assert found in comparisons[what].ours
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("what", "found", "told"),
+    [
+        ("excluding the nodes in the obstacles", r"(\d+) of 100 random", r"(\d+) of 100 random"),
+        ("q1 by arccos", r"right in (\d+) %", r"(\d+) % of random poses"),
+    ],
+)
+def test_lessons_quote_what_is_found(
+    comparisons: dict[str, PaperComparison], what: str, found: str, told: str
+) -> None:
+    files = [one for one in assets.path("lessons").iterdir() if one.is_file()]
+    texts = [file.read_text(encoding="utf-8") for file in files]
+    quoted = {number for text in texts for number in re.findall(told, text)}
+    computed = re.search(found, comparisons[what].ours)
+    assert computed is not None
+    assert quoted == {computed[1]}
 
 
 def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, PaperComparison]) -> None:

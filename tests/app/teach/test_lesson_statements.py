@@ -1,0 +1,202 @@
+"""Every number that a lesson states by itself is computed again.
+
+Numbers between double braces are those of the plan on the screen. Any other one needs an entry.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+import scipy.spatial
+
+from abi.curves.bspline import clamped
+from abi.paper import printed
+from abi.planner.planner import Planner
+from abi.scene.scene import load_scene
+from abi.tet_mesh.lattice import REGULAR
+from app.state.frame import Frame
+from app.teach.lesson import Step, scene_of
+from app.teach.lesson_file import load_lessons
+from app.teach.measures import MEASURES
+from app.theatre.searches import TheatreSearches
+
+LESSONS = load_lessons()
+_QUOTED = re.compile(r"\{\{.*?\}\}|\$\$.*?\$\$|\$[^$\n]+\$", re.S)
+_NAMES = re.compile(r"stage \**\d|lesson \d|Theorem 1|Table I", re.I)
+"""Numbers that only name something."""
+_NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?(?!\w)")
+
+
+def statements(step: Step) -> Iterator[str]:
+    """Sentences of a page that have a number of their own."""
+    texts = [step.text, step.after]
+    if step.question is not None:
+        texts.append(step.question.text)
+        texts += [text for one in step.question.choices for text in (one.text, one.why)]
+    for text in texts:
+        for sentence in re.split(r"(?<=[.?!:])\s", _NAMES.sub("", _QUOTED.sub("", text))):
+            if _NUMBER.search(sentence):
+                yield " ".join(sentence.split())
+
+
+def planned(lesson: str, number: int, *, done: bool = False) -> Frame:
+    """What a page of a lesson shows; ``done`` for what it shows once its task is done."""
+    content, folder = LESSONS[lesson]
+    scene = load_scene("paper")
+    for step in content.steps[: number + 1]:
+        scene = scene_of(step.set, scene, folder)
+        if step.task is not None and (done or step is not content.steps[number]):
+            scene = scene_of(step.task.shown_by, scene, folder)
+    return Frame(Planner(compile=False)(scene))
+
+
+def excluded(side: float) -> float:
+    """Nodes removed by a cube of that side, on the mesh that lesson 1 ends with."""
+    scene = planned("01-mesh", 1, done=True).plan.scene
+    box = {"shape": "box", "size": [side] * 3, "position": [3, 3, 3]}
+    count = MEASURES["mesh.excluded"](Frame(Planner(compile=False)(scene.replace(obstacles=[box]))))
+    assert count is not None
+    return count
+
+
+def a_cube_three_times_as_wide_removes_up_to_27_times_the_nodes() -> bool:
+    return 9 < excluded(6) / excluded(2) <= 3**3
+
+
+def the_other_powers_are_those_of_a_line_and_a_surface() -> bool:
+    return (3**1, 3**2) == (3, 9)
+
+
+def a_weighted_search_is_as_near_the_shortest_as_is_said() -> bool:
+    searches = TheatreSearches(planned("03-search", 3).plan)
+    searches.prepare("")
+    least = searches.trace("a_star", "", 0).length
+    weights = np.linspace(1, 1.95, 20)
+    lengths = [searches.trace("weighted_a_star", "", w).length for w in weights]
+    return bool(np.all(np.array(lengths) <= weights / (2 - weights) * least + 1e-9))
+
+
+def a_weight_of_2_is_greedy_and_need_not_find_the_shortest() -> bool:
+    searches = TheatreSearches(planned("03-search", 3).plan)
+    searches.prepare("")
+    greedy, least = (searches.trace(name, "", 0).length for name in ("greedy_best_first", "a_star"))
+    return searches.trace("weighted_a_star", "", 2).length == greedy > least + 1e-6
+
+
+def only_degree_1_goes_through_all_control_points() -> bool:
+    points = np.array([[0, 0, 0], [1, 2, 0], [3, 1, 1], [4, 4, 0], [6, 0, 2], [7, 1, 1]], float)
+    through = []
+    for degree in (1, 2, 3, 4):
+        curve = clamped(points, degree)
+        dense = curve(np.linspace(*curve.interval, 20_001))
+        away = np.linalg.norm(points[:, None] - dense, axis=2).min(axis=1)
+        through.append(bool(away[1:-1].max() < 1e-3))
+        assert away[[0, -1]].max() < 1e-9
+    return through == [True, False, False, False]
+
+
+def a_point_of_a_spline_depends_on_degree_and_1_control_points() -> bool:
+    points = np.zeros((12, 3))
+    curve = clamped(points, 4)
+    middle = np.array([0.5 * sum(curve.interval) + 0.01])
+    moved = 0
+    for k in range(12):
+        other = points.copy()
+        other[k] = 1.0
+        moved += bool(np.abs(clamped(other, 4)(middle)).max() > 0)
+    return moved == 4 + 1
+
+
+def longest_detour(lattice: str) -> int:
+    """Largest excess of a path along a lattice's directions over the straight line, [%]."""
+    one_sense = np.array([*REGULAR[lattice].steps, *REGULAR[lattice].cross], float)
+    directions = np.concatenate([one_sense, -one_sense])
+    units = directions / np.linalg.norm(directions, axis=1)[:, None]
+    nearest = -scipy.spatial.ConvexHull(units).equations[:, 3].max()
+    return round(100 * (1 / nearest - 1))
+
+
+def the_longest_detours_are_24_and_47_percent() -> bool:
+    return (longest_detour("bcc"), longest_detour("kuhn")) == (24, 47)
+
+
+def the_lengths_are_those_of_table_one() -> bool:
+    return sorted(printed.LENGTHS.values()) == [13.295, 13.496, 13.695]
+
+
+def by_hops_each_edge_costs_1() -> bool:
+    scene = planned("10-optimal", 0).plan.scene.replace(search={"weight": "hops"})
+    searched = Planner(compile=False)(scene).searches
+    return len(searched) == 3 and len({one.hops for one in searched}) == 1
+
+
+def links_with_less_than_0_are_inside() -> bool:
+    clearance = planned("09-links", 1, done=True).plan.arm_clearance
+    return clearance is not None and clearance.distance < 0 and bool(clearance.contacts)
+
+
+def the_force_gives_the_acceleration_q_by_i() -> bool:
+    force, inertia = 3.0, 0.7
+    position = np.polynomial.Polynomial([0, 0, force / (2 * inertia)])
+    return bool(np.isclose(position.deriv(2)(1.3), force / inertia))
+
+
+STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
+    ("01-mesh", "3 times as many"): the_other_powers_are_those_of_a_line_and_a_surface,
+    ("01-mesh", "9 times as many"): the_other_powers_are_those_of_a_line_and_a_surface,
+    (
+        "01-mesh",
+        "27 times as many",
+    ): a_cube_three_times_as_wide_removes_up_to_27_times_the_nodes,
+    ("01-mesh", "3³ = 27"): a_cube_three_times_as_wide_removes_up_to_27_times_the_nodes,
+    ("03-search", "With w = 2"): a_weight_of_2_is_greedy_and_need_not_find_the_shortest,
+    ("03-search", "between 1 and 2"): a_weighted_search_is_as_near_the_shortest_as_is_said,
+    (
+        "04-bspline",
+        "degree 2 or more",
+    ): only_degree_1_goes_through_all_control_points,
+    ("04-bspline", "degree + 1"): a_point_of_a_spline_depends_on_degree_and_1_control_points,
+    ("08-pitch", "24 % too long in this type"): the_longest_detours_are_24_and_47_percent,
+    ("09-links", "Below 0 they are inside"): links_with_less_than_0_are_inside,
+    ("12-errata", "t² Q / (2 I)"): the_force_gives_the_acceleration_q_by_i,
+    ("10-optimal", "13.295, 13.695 and 13.496"): the_lengths_are_those_of_table_one,
+    ("10-optimal", "each edge costs **1**"): by_hops_each_edge_costs_1,
+}
+ELSEWHERE = (
+    "4 of 9 cases",
+    "6 of 9 meshes",
+    "31 of 100 random scenes",
+    "24 % of random poses",
+)
+"""What the table of the paper's numbers computes: their own tests compare the texts with it."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("check", sorted({*STATEMENTS.values()}, key=lambda one: one.__name__))
+def test_what_lessons_state_is_so(check: Callable[[], bool]) -> None:
+    assert check()
+
+
+@pytest.mark.parametrize("name", LESSONS)
+def test_every_number_is_computed_by_a_test(name: str) -> None:
+    phrases = [phrase for lesson, phrase in STATEMENTS if lesson == name]
+    found = [one for step in LESSONS[name][0].steps for one in statements(step)]
+    for sentence in found:
+        assert any(phrase in sentence for phrase in (*phrases, *ELSEWHERE)), (
+            f"{name}: {sentence!r} states a number: quote a measure in braces, or add its check."
+        )
+    assert all(any(phrase in sentence for sentence in found) for phrase in phrases)
+
+
+@pytest.mark.parametrize("name", LESSONS)
+def test_a_task_asks_in_words_for_what_it_waits_for(name: str) -> None:
+    for task in (step.task for step in LESSONS[name][0].steps if step.task):
+        bounds = {x for one in task.until for x in (one.at_least, one.at_most) if x is not None}
+        shown = set(map(float, re.findall(r"\d+(?:\.\d+)?", task.shown_by.model_dump_json())))
+        asked = _NUMBER.findall(_NAMES.sub("", _QUOTED.sub("", task.text)))
+        for number in (float(one.replace(",", "")) for one in asked):
+            # of a count "fewer than 10" is at most 9
+            assert number in bounds | shown or number - 1 in bounds
