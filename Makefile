@@ -31,7 +31,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run install test check quick coverage test-wheel test-lowest test-newest lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
+.PHONY: run install test check quick coverage test-wheel test-lowest test-newest kernels lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -51,12 +51,15 @@ run: $(RUN)
 
 install: $(DEV)
 
-test: lint
+# the compiler has the processor that mypy leaves idle
+test: $(DEV)
+	$(MAKE) --jobs=2 lint kernels
 	tools/chromium
 	tools/nginx
 	$(PYTEST) $(ARGS)
 
-check: lint
+check: $(DEV)
+	$(MAKE) --jobs=2 lint kernels
 	$(PYTEST) -m "not browser" $(ARGS)
 
 # one file is done before the workers have started
@@ -83,6 +86,9 @@ pictures: $(DEV)
 
 thumbnails: $(DEV)
 	$(BIN)/python -m tools.thumbnails $(ARGS)
+
+kernels: $(DEV)
+	$(BIN)/python -c "import abi; abi.compile(spare=1)"
 
 lint: $(DEV)
 	$(BIN)/ruff format --check

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from functools import cache
+from typing import Any, TypeVar
 
 from abi import compiling
+from abi.compiled import Kernel
 
 _T = TypeVar("_T")
+
+
+@cache
+def _kernels() -> list[Kernel[..., Any]]:
+    """All kernels; to look for their modules takes longer than many a test."""
+    return compiling.all_kernels()
 
 
 @contextmanager
 def kernels_as(compiled: bool) -> Iterator[None]:
     """Run all kernels compiled, or as Python, whatever else the process has done."""
-    kernels = compiling.all_kernels()
+    kernels = _kernels()
     before = [(kernel, kernel._run) for kernel in kernels]
     for kernel in kernels:
         if compiled:

@@ -394,7 +394,7 @@ def odd_arrays(draw: st.DrawFn) -> Array:
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@settings(max_examples=160)
 @given(st.sampled_from(sorted(ENTRIES)), odd_arrays())
 def test_any_array_has_the_answer_of_its_numbers_or_an_error_of_ours(
     name: str, array: Array

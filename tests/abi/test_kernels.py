@@ -33,7 +33,7 @@ def some_spline(random: np.random.Generator) -> BSpline:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(seeds, st.integers(2, 6), st.booleans())
 def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, snap: bool) -> None:
     random = np.random.default_rng(seed)
@@ -55,7 +55,7 @@ def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, sn
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(seeds)
 def test_the_way_out_is_the_nearest_obstacles_gradient(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -92,7 +92,7 @@ def test_a_measurement_is_the_same_compiled_and_plain(seed: int, tolerance: floa
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(seeds, st.integers(0, 4))
 def test_a_spline_is_that_of_scipy(seed: int, order: int) -> None:
     spline = some_spline(np.random.default_rng(seed))
@@ -117,7 +117,7 @@ def test_bezier_points_are_the_same_compiled_and_plain(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(seeds)
 def test_arc_lengths_are_inverted_compiled_and_plain(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -24,7 +24,7 @@ _FONTS = {
 }
 _TABS = ("Search", "Plots", "Scene", "Layers", "Learn", "Result")
 # the first is also what is left of 1920x1080 at a zoom of 200 %
-_SIZES = ((960, 540), (1280, 720), (1440, 900), (1920, 1080), (390, 844))
+_SIZES = ((960, 540), (1280, 720), (1920, 1080), (390, 844))
 _SCENE_WIDTH = "window.__viserMutable.canvas.getBoundingClientRect().width"
 _SCHEME = "document.documentElement.dataset.mantineColorScheme"
 _PAINTED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
@@ -204,18 +204,17 @@ def test_everything_can_be_read(page: Page, size: tuple[int, int]) -> None:
             page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) > 0.85 * size[0], "them to fold")
             page.tab.get_by_text(TITLE, exact=True).click()
         _toggle_stages(page)
-        for dark in (False, True):
-            _darken(page, dark)
-            for font, family in _FONTS.items():
-                page.tab.evaluate(_SET_FONT, family)
-                page.settle()
-                for tab in _TABS:
-                    page.click(tab)
+        # no text is wider for its colour: each font in one of them
+        for dark, family in enumerate(_FONTS.values()):
+            _darken(page, bool(dark))
+            page.tab.evaluate(_SET_FONT, family)
+            page.settle()
+            for tab in _TABS:
+                page.click(tab)
+                _check(page)
+                if page.tab.evaluate(_SCROLL, 1e6):
                     _check(page)
-                    # what is further down has the same colours and widths: each font once
-                    if (font == "narrow") == dark and page.tab.evaluate(_SCROLL, 1e6):
-                        _check(page)
-                        page.tab.evaluate(_SCROLL, 0)
+                    page.tab.evaluate(_SCROLL, 0)
     finally:
         page.tab.evaluate(_SET_FONT, "")
         _toggle_stages(page)
@@ -228,13 +227,13 @@ def test_every_shipped_scene_can_be_read(page: Page, session: Session) -> None:
     try:
         for name in scene_names():
             _show_scene(page, session, name)
+            # another test tries the other font; in this one most is cut off
+            page.tab.evaluate(_SET_FONT, _FONTS["wide"])
+            page.settle()
             for tab in ("Result", "Plots"):
-                if tab != "Result":
-                    page.click(tab)
-                for family in _FONTS.values():
-                    page.tab.evaluate(_SET_FONT, family)
-                    page.settle()
-                    _check(page)
+                page.click(tab)
+                page.settle()
+                _check(page)
             page.tab.evaluate(_SET_FONT, "")
     finally:
         page.tab.evaluate(_SET_FONT, "")

@@ -94,7 +94,7 @@ def random_case(seed: int, samples: int = 301) -> Case:
 
 
 @pytest.mark.slow
-@settings(max_examples=10)
+@settings(max_examples=8)
 @given(SEED)
 def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
     found = random_case(seed)
@@ -117,7 +117,7 @@ def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=16)
 @given(SEED)
 def test_contacts_and_the_least_distance_are_those_of_dense_samples(seed: int) -> None:
     found = random_case(seed, 61)
@@ -141,7 +141,7 @@ def test_contacts_and_the_least_distance_are_those_of_dense_samples(seed: int) -
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(SEED)
 @example(89878596)  # deep in one mesh beside another
 def test_of_many_meshes_the_nearest_and_all_that_touch_are_found(seed: int) -> None:

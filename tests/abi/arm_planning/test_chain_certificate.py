@@ -122,7 +122,7 @@ def test_no_pair_moves_farther_beside_each_other_than_its_levers_say(name: str, 
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(st.sampled_from(ARMS), seeds)
 def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     one, random = some_arm(name), np.random.default_rng(seed)

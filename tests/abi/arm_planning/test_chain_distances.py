@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 import scipy
@@ -25,6 +27,7 @@ from tests.random_geometry import random_obstacle
 seeds = st.integers(0, 2**31)
 
 
+@cache
 def some_arm(name: str) -> UrdfArm:
     return urdf_arm(load_robot(name, MeshSource()), SHIPPED[name], (3.0, 3.0, 0.0))
 
@@ -46,7 +49,7 @@ def around(one: UrdfArm, random: np.random.Generator) -> ObstacleSet:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(st.sampled_from(list(SHIPPED)), seeds)
 def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
     name: str, seed: int

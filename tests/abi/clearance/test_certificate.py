@@ -147,7 +147,7 @@ def test_quadratics_in_pieces_are_bezier_pieces() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(seeds, st.booleans())
 def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
     curve, obstacles = case(seed)
@@ -293,7 +293,7 @@ def test_a_mesh_box_is_decided_like_the_box() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(seeds)
 def test_among_many_meshes_a_curve_is_decided_as_by_each_alone(seed: int) -> None:
     random = np.random.default_rng(seed)

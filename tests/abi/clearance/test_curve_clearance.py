@@ -87,7 +87,7 @@ some_obstacles = st.sets(st.sampled_from(OBSTACLES), min_size=1).map(tuple)
 
 @pytest.mark.slow
 @given(curves, some_obstacles, st.floats(-0.5, 1.5), st.sampled_from([1e-1, 1e-3, 1e-5]))
-@settings(max_examples=60)
+@settings(max_examples=24)
 def test_no_dense_sample_contradicts_the_measurement(
     curve: Spline, obstacles: Obstacles, required: float, tolerance: float
 ) -> None:
@@ -114,7 +114,7 @@ def test_no_dense_sample_contradicts_the_measurement(
 
 @pytest.mark.slow
 @given(curves, some_obstacles, st.floats(-0.5, 1.5))
-@settings(max_examples=60)
+@settings(max_examples=24)
 def test_violations_are_in_order_apart_and_no_wider_than_needed(
     curve: Spline, obstacles: Obstacles, required: float
 ) -> None:
@@ -263,7 +263,7 @@ def test_a_curve_through_the_heart_of_an_obstacle_ends(tolerance: float) -> None
 
 @pytest.mark.slow
 @given(curves, st.floats(0.0, 1.5))
-@settings(max_examples=40)
+@settings(max_examples=16)
 def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
     curve: Spline, required: float
 ) -> None:
@@ -299,7 +299,7 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
     st.floats(-0.2, 1.0),
     st.sampled_from([1e-1, 1e-2, 1e-3]),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 def test_no_dense_sample_contradicts_what_is_measured_of_meshes(
     curve: Spline, name: str, scale: float, required: float, tolerance: float
 ) -> None:
@@ -324,7 +324,7 @@ def test_no_dense_sample_contradicts_what_is_measured_of_meshes(
 
 @pytest.mark.slow
 @given(curves, st.integers(0, 2**32 - 1))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_meshes_among_solids_are_measured_as_the_solids_they_are(curve: Spline, seed: int) -> None:
     random = np.random.default_rng(seed)
     solids: list[Obstacle] = []

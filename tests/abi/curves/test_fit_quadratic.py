@@ -121,7 +121,7 @@ def test_the_target_is_the_least_squares_curve(seed: int, pieces: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(seeds, st.sampled_from([4, 12]), st.sampled_from(["clear", "pieces"]))
 def test_a_moved_curve_is_clear_with_exact_ends(seed: int, most: int, mode: Mode) -> None:
     scene = scattered(np.random.default_rng(seed), most)
@@ -145,7 +145,7 @@ def test_a_moved_curve_is_clear_with_exact_ends(seed: int, most: int, mode: Mode
 
 
 @pytest.mark.slow
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(seeds)
 def test_pieces_hold_where_the_spline_holds(seed: int) -> None:
     scene = slalom(np.random.default_rng(seed))

@@ -71,7 +71,7 @@ def test_accelerations_are_exact(profile: SpeedProfile) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(profiles())
 def test_orders_are_derivatives_of_each_other(profile: SpeedProfile) -> None:
     time = inside(profile)

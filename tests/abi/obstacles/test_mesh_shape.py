@@ -124,7 +124,7 @@ def test_a_mesh_of_a_sphere_is_the_sphere_but_for_its_facets() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(names, seeds)
 def test_distances_are_those_of_the_nearest_triangle(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -197,7 +197,7 @@ def test_moving_mesh_and_points_together_changes_nothing(name: str, seed: int) -
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(names, seeds)
 def test_no_sample_of_a_segment_is_nearer_than_its_distance(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -38,7 +38,7 @@ def _mesh(random: np.random.Generator) -> Obstacle:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(seeds)
 def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -59,7 +59,7 @@ def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(seeds, st.floats(0, 1))
 def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
     seed: int, margin: float
@@ -78,7 +78,7 @@ def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(seeds)
 def test_bounds_and_boxes_hold_the_obstacles(seed: int) -> None:
     random = np.random.default_rng(seed)

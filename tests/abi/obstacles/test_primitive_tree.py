@@ -66,7 +66,7 @@ def test_each_primitive_is_met_once_and_lies_in_the_bounds_above_it(seed: int) -
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(seeds, st.floats(0, 0.5))
 def test_queries_find_what_the_primitives_say_one_by_one(seed: int, margin: float) -> None:
     random = np.random.default_rng(seed)

@@ -80,7 +80,7 @@ def level_in_body(solid: Obstacle, x: FloatArray) -> FloatArray:
 
 
 @cache
-def surface(solid: Obstacle, n: int = 120_000) -> FloatArray:
+def surface(solid: Obstacle, n: int = 30_000) -> FloatArray:
     """Points of the surface, found by shooting rays from the centre at ``level``."""
     rng = np.random.default_rng(1)
     rays = rng.normal(size=(n, 3))
@@ -115,7 +115,7 @@ def least_along(solid: Obstacle, p: FloatArray, q: FloatArray) -> FloatArray:
 @pytest.mark.slow
 @every_solid
 def test_distance_is_the_distance_to_the_surface(solid: Obstacle) -> None:
-    points = np.random.default_rng(2).uniform(-3, 3, (4000, 3))
+    points = np.random.default_rng(2).uniform(-3, 3, (1500, 3))
     d = solid.signed_distance(points)
     assert ((d < 0) == (level(solid, points) < 0)).all()
     assert (d < 0).any()
@@ -125,7 +125,7 @@ def test_distance_is_the_distance_to_the_surface(solid: Obstacle) -> None:
     # … and no point of the surface is nearer.
     least, _ = cKDTree(surface(solid)).query(points)
     assert (least >= np.abs(d) - 1e-12).all()
-    assert (least <= np.abs(d) + 0.05).all()
+    assert (least <= np.abs(d) + 0.1).all()
 
 
 def test_box_agrees_with_its_triangles() -> None:
@@ -161,7 +161,7 @@ def test_bounds_are_tight(solid: Obstacle) -> None:
     for axis, wall in [(a, b) for a in range(3) for b in (low, high)]:
         touching = points[np.abs(points[:, axis] - wall[axis]).argmin()].copy()
         touching[axis] = wall[axis]
-        assert abs(solid.signed_distance(touching[None])[0]) < 0.01
+        assert abs(solid.signed_distance(touching[None])[0]) < 0.02
 
 
 @given(solids, st.lists(triples, min_size=2, max_size=8))
@@ -178,7 +178,7 @@ def test_distance_is_1_lipschitz_and_convex(
 
 @pytest.mark.slow
 @given(solids, quaternions, triples, st.lists(triples, min_size=2, max_size=6))
-@settings(max_examples=50)
+@settings(max_examples=20)
 def test_a_rigid_motion_of_everything_changes_nothing(
     solid: Obstacle,
     turn: tuple[float, float, float, float],
@@ -223,7 +223,7 @@ def test_gradient_agrees_with_central_differences(solid: Obstacle) -> None:
 
 @pytest.mark.slow
 @given(aligned, ends, st.lists(ends, min_size=1, max_size=8))
-@settings(max_examples=120)
+@settings(max_examples=48)
 def test_gradient_is_a_unit_subgradient_everywhere(
     solid: Obstacle,
     place: tuple[float, float, float],
@@ -256,7 +256,7 @@ def test_segment_distance_is_the_least_distance_along_the_segment(solid: Obstacl
 
 @pytest.mark.slow
 @given(st.one_of(solids, aligned), st.lists(st.tuples(ends, ends), min_size=1, max_size=10))
-@settings(max_examples=80)
+@settings(max_examples=32)
 def test_segment_distance_in_special_positions(
     solid: Obstacle, pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]]
 ) -> None:
@@ -281,7 +281,7 @@ def test_segment_of_no_length_is_a_point(
 
 @pytest.mark.slow
 @given(solids, triples, triples, st.floats(0.05, 3))
-@settings(max_examples=80)
+@settings(max_examples=32)
 def test_a_segment_is_as_near_as_its_nearer_part(
     solid: Obstacle,
     start: tuple[float, float, float],
@@ -327,7 +327,7 @@ def test_segment_distance_keeps_its_digits_far_from_the_origin() -> None:
     st.lists(st.tuples(ends, ends), min_size=1, max_size=25),
     st.floats(-0.5, 1.5),
 )
-@settings(max_examples=80)
+@settings(max_examples=32)
 def test_blocked_segments_are_those_nearer_than_the_margin(
     obstacles: list[Obstacle],
     pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]],

@@ -85,7 +85,7 @@ def walls_with_a_gap(draw: st.DrawFn) -> Scene:
 
 
 @pytest.mark.slow
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(walls_with_a_gap())
 def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> None:
     made = plan(scene)
@@ -250,7 +250,7 @@ def _sees_a_node(place: FloatArray, free: FreeMesh, scene: Scene) -> bool:
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(
     start=points,
     goal=points,
@@ -329,7 +329,7 @@ def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: 
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(place=points, error=st.floats(1e-6, 1))
 def test_rounding_moves_a_point_by_no_more_than_told(place: Any, error: float) -> None:
     box = load_scene("paper").workspace
@@ -428,7 +428,7 @@ def test_cancelling_ends_the_trials_at_once() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=80)
+@settings(max_examples=32)
 @given(asked=st.floats(1e-3, 1e3), part=st.floats(0, 0.999))
 def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
     asked: float, part: float

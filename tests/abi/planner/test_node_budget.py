@@ -18,7 +18,7 @@ def nodes(scene: Scene) -> int:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(
     pitch=st.floats(0.07, 3),
     lattice=st.sampled_from(list(LATTICES)),
@@ -40,7 +40,7 @@ def test_a_mesh_that_is_too_fine_is_made_just_coarse_enough(
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(rate=st.floats(300, 60_000), pitch=st.floats(0.07, 0.2))
 def test_it_learns_how_many_nodes_fit_a_frame_and_stays_there(rate: float, pitch: float) -> None:
     budget, scene = NodeBudget(), scene_of(pitch)

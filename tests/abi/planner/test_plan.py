@@ -601,7 +601,7 @@ def test_out_of_reach_is_said_with_times_and_the_arm_still_has_a_pose() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(
     start=points,
     goal=points,

@@ -60,7 +60,7 @@ def reachable_points(arm: PaperArm, count: int, seed: int) -> tuple[FloatArray, 
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms(), SEED, st.sampled_from(ELBOWS))
 def test_the_tool_is_on_every_reachable_point(arm: PaperArm, seed: int, elbow: Elbow) -> None:
     points, q5 = reachable_points(arm, 40, seed)
@@ -75,7 +75,7 @@ def test_the_tool_is_on_every_reachable_point(arm: PaperArm, seed: int, elbow: E
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms(), SEED)
 def test_solving_gives_back_the_joints_that_made_the_point(arm: PaperArm, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -104,7 +104,7 @@ def test_the_arm_faces_the_point_in_every_quadrant(x: float, y: float, elbow: El
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms(), SEED)
 def test_elbow_up_is_the_more_upright_upper_arm(arm: PaperArm, seed: int) -> None:
     points, q5 = reachable_points(arm, 1, seed)
@@ -114,7 +114,7 @@ def test_elbow_up_is_the_more_upright_upper_arm(arm: PaperArm, seed: int) -> Non
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms(), SEED)
 def test_the_corrected_printed_formula_gives_both_elbows(arm: PaperArm, seed: int) -> None:
     """The paper's q2 with a3³·Pza for the printed a3²·Pza, over both signs of its root."""
@@ -131,7 +131,7 @@ def test_the_corrected_printed_formula_gives_both_elbows(arm: PaperArm, seed: in
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(SEED, st.sampled_from(ELBOWS))
 def test_joints_are_as_continuous_as_the_path(seed: int, elbow: Elbow) -> None:
     """No joint steps farther than the path's step allows at the local condition of the arm."""
@@ -263,7 +263,7 @@ def test_along_the_base_axis_q1_turns_between_arrival_and_departure() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms(), SEED, st.sampled_from(ELBOWS))
 def test_out_of_reach_is_told_by_distance(arm: PaperArm, seed: int, elbow: Elbow) -> None:
     """The stretched or folded arm points at the point, as near as it can come."""
@@ -285,7 +285,7 @@ def test_out_of_reach_is_told_by_distance(arm: PaperArm, seed: int, elbow: Elbow
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(arms(), SEED, st.sampled_from(ELBOWS))
 def test_full_stretch_and_full_fold_are_within_reach(
     arm: PaperArm, seed: int, elbow: Elbow

@@ -34,7 +34,7 @@ def from_segment(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray
 
 
 @pytest.mark.slow
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: PaperArm, seed: int) -> None:
     low, high = arm.limits.T

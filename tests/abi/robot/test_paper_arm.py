@@ -52,7 +52,7 @@ def solids(arm: PaperArm) -> list[LinkSolid]:
 
 
 @pytest.mark.slow
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_the_urdf_moves_as_forward_says(arm: PaperArm, seed: int) -> None:
     positions = random_positions(arm, 4, seed)
@@ -67,7 +67,7 @@ def test_the_urdf_moves_as_forward_says(arm: PaperArm, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_forward_is_the_printed_formula(arm: PaperArm, seed: int) -> None:
     positions = random_positions(arm, 10, seed)
@@ -80,7 +80,7 @@ def test_forward_is_the_printed_formula(arm: PaperArm, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=50)
+@settings(max_examples=20)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_links_keep_their_lengths_and_their_plane(arm: PaperArm, seed: int) -> None:
     positions = random_positions(arm, 10, seed)
@@ -97,7 +97,7 @@ def test_links_keep_their_lengths_and_their_plane(arm: PaperArm, seed: int) -> N
 
 
 @pytest.mark.slow
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(arms())
 def test_the_urdf_is_sound(arm: PaperArm) -> None:
     robot = load(urdf(arm))
@@ -154,7 +154,7 @@ def test_the_text_has_no_rounding_noise() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms())
 def test_every_solid_has_a_size(arm: PaperArm) -> None:
     for solid in solids(arm):
@@ -164,7 +164,7 @@ def test_every_solid_has_a_size(arm: PaperArm) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms())
 def test_solids_of_different_colours_never_share_a_face(arm: PaperArm) -> None:
     """Faces in one plane flicker: caps of cylinders along one axis must lie apart or inside."""
@@ -181,7 +181,7 @@ def test_solids_of_different_colours_never_share_a_face(arm: PaperArm) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms())
 def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: PaperArm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
@@ -193,7 +193,7 @@ def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Paper
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=24)
 @given(arms())
 def test_the_rod_never_leaves_its_sleeve(arm: PaperArm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
@@ -205,7 +205,7 @@ def test_the_rod_never_leaves_its_sleeve(arm: PaperArm) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(arms())
 def test_the_upper_arm_is_the_hull_of_its_ends(arm: PaperArm) -> None:
     link = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)["upper_arm"]

@@ -42,7 +42,7 @@ def scene(urdf: str = "sliding.zip", unit: str = "m", **fields: Any) -> Scene:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(
     st.sampled_from([*FILES]),
     st.sampled_from(["m", "cm", "mm"]),

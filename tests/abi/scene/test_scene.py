@@ -58,7 +58,7 @@ scenes = st.fixed_dictionaries(
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(scenes, st.sampled_from(["scene.yaml", "scene.json"]))
 def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) -> None:
     scene = Scene.from_dict(data)

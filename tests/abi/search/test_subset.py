@@ -39,7 +39,7 @@ def rows(points: np.ndarray) -> set[tuple[float, ...]]:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(view=st.sampled_from(VIEWS), budget=st.integers(100, 60_000))
 def test_what_is_shown_is_in_the_graph_and_keeps_the_budget(view: str, budget: int) -> None:
     made = planned(0.3)

@@ -108,7 +108,7 @@ def numbered(made: TetMesh, edges: IntArray) -> IntArray:
 
 
 @pytest.mark.slow
-@settings(max_examples=70, suppress_health_check=list(HealthCheck))
+@settings(max_examples=28, suppress_health_check=list(HealthCheck))
 @given(cases(), st.booleans())
 def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> None:
     made, solids, margin, clearance, start, goal = case
@@ -181,7 +181,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
 
 
 @pytest.mark.slow
-@settings(max_examples=35)
+@settings(max_examples=14)
 @given(cases(), st.sampled_from(["length", "hops"]), st.booleans())
 def test_the_searches_find_what_scipy_finds_in_the_table(
     case: Any, weight: Weight, compiled: bool

@@ -33,7 +33,7 @@ CASES = {
 
 
 @pytest.mark.slow
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(
     st.sampled_from(sorted(CASES)),
     st.sampled_from(list(LATTICES)),

@@ -40,7 +40,7 @@ def meshes(draw: st.DrawFn) -> tuple[Workspace, TetMesh]:
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(meshes())
 def test_tetrahedra_tile_the_box(case: tuple[Workspace, TetMesh]) -> None:
     workspace, mesh = case
@@ -56,7 +56,7 @@ def test_tetrahedra_tile_the_box(case: tuple[Workspace, TetMesh]) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(meshes())
 def test_edges_belong_to_tetrahedra_and_have_their_lengths(
     case: tuple[Workspace, TetMesh],
@@ -72,7 +72,7 @@ def test_edges_belong_to_tetrahedra_and_have_their_lengths(
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(boxes(), st.sampled_from(list(LATTICES)), st.floats(0.3, 5), st.integers(0, 99))
 def test_nodes_are_as_many_as_counted_and_reach_the_corners(
     workspace: Workspace, lattice: Lattice, pitch: float, seed: int

@@ -88,7 +88,7 @@ def test_of_a_plan_without_curves_nothing_is_proven() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(seeds, st.sampled_from([0.5, 0.999, 1 - 1e-7]))
 def test_honest_certificates_are_accepted(seed: int, part: float) -> None:
     random = np.random.default_rng(seed)
@@ -436,7 +436,7 @@ def test_quadratics_need_pieces_of_three_rows(honest: Data, pieces: list[Data]) 
 
 @pytest.mark.slow
 @given(st.fractions(0, 10**30), st.integers(-200, 200))
-@settings(max_examples=200)
+@settings(max_examples=80)
 def test_roots_are_bounded_from_both_sides(number: Fraction, power: int) -> None:
     square = number * Fraction(2) ** power
     below, above = sqrt_bounds(square)
@@ -459,7 +459,7 @@ def test_rotations_are_those_of_scipy(seed: int) -> None:
 
 @pytest.mark.slow
 @given(seeds)
-@settings(max_examples=50)
+@settings(max_examples=20)
 def test_exact_bezier_points_are_the_rounded_ones(seed: int) -> None:
     random = np.random.default_rng(seed)
     degree = int(random.integers(1, 6))
@@ -552,7 +552,7 @@ def test_a_curve_inside_a_closed_mesh_is_refused() -> None:
 
 @pytest.mark.slow
 @given(seeds)
-@settings(max_examples=30)
+@settings(max_examples=12)
 def test_inside_is_where_the_mesh_winds_around(seed: int) -> None:
     random = np.random.default_rng(seed)
     vertices, faces = meshes.box((2, 2, 2))

@@ -29,7 +29,7 @@ def test_a_mesh_lands_at_a_size_that_can_be_seen(extent: float) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.integers(0, 2**32 - 1))
 def test_each_new_obstacle_finds_a_place_of_its_own(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -68,7 +68,7 @@ def some_task(name: str, seed: int) -> Task:
 
 
 @pytest.mark.slow
-@settings(max_examples=10)
+@settings(max_examples=8)
 @given(st.sampled_from(ARMS), seeds)
 def test_every_path_found_is_proven_keeps_limits_and_leads_from_start_to_goal(
     name: str, seed: int
@@ -86,7 +86,7 @@ def test_every_path_found_is_proven_keeps_limits_and_leads_from_start_to_goal(
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.sampled_from(ARMS), seeds)
 def test_every_edge_of_both_trees_is_clear_at_dense_samples(name: str, seed: int) -> None:
     task = some_task(name, seed)
@@ -111,7 +111,7 @@ def solid_distances(space: JointSpace, obstacles: ObstacleSet, poses: Poses) -> 
 
 
 @pytest.mark.slow
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(st.sampled_from(ARMS), seeds)
 def test_a_path_gets_shorter_and_no_shorter_than_the_straight_way(name: str, seed: int) -> None:
     task = some_task(name, seed)
@@ -122,7 +122,7 @@ def test_a_path_gets_shorter_and_no_shorter_than_the_straight_way(name: str, see
 
 
 @pytest.mark.slow
-@settings(max_examples=10)
+@settings(max_examples=8)
 @given(st.sampled_from(ARMS), seeds)
 def test_equal_seeds_give_equal_searches_within_their_bounds(name: str, seed: int) -> None:
     task = some_task(name, seed)
@@ -194,7 +194,9 @@ def test_it_finds_a_path_where_a_grid_has_one_and_none_where_a_grid_shows_that_t
             result = search_joints(space, grid.poses[a][None], grid.poses[b][None], effort)
             assert (result.path is not None) == joined
             seen[joined] += 1
-    assert min(seen.values()) >= 3
+        if min(seen.values()) == 3:
+            return
+    raise AssertionError(f"too few grids show it: {seen}")
 
 
 def test_the_nearest_of_several_goals_can_be_taken_and_a_free_way_is_straight() -> None:

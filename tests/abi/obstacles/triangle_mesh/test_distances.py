@@ -98,7 +98,7 @@ def test_distances_are_those_of_rational_numbers(name: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=120)
+@settings(max_examples=48)
 @given(st.floats(-17, 0), st.sampled_from(["needle", "cap", "lattice"]), seeds)
 def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
     """The area of some is lost to rounding."""
@@ -129,7 +129,7 @@ def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=16)
 @given(st.sampled_from(sorted(MESHES)), seeds)
 def test_distances_are_those_of_another_library(name: str, seed: int) -> None:
     mesh = vertices, _ = MESHES[name]
@@ -141,7 +141,7 @@ def test_distances_are_those_of_another_library(name: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(st.floats(-17, -2), seeds)
 def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -176,7 +176,7 @@ def test_a_long_segment_is_as_near_as_the_nearest_of_its_parts(mesh: Mesh) -> No
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.sampled_from(["ball", "knot", "soup"]), seeds)
 def test_an_answer_does_not_depend_on_what_was_asked_before(name: str, seed: int) -> None:
     mesh = {"ball": meshes.sphere(3), "knot": meshes.knot(800), "soup": meshes.soup(200)}[name]

@@ -238,7 +238,7 @@ def test_the_limits_are_those_of_the_file_not_of_its_promises(
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@settings(max_examples=120)
 @given(
     st.sampled_from(["m.stl", "t.stl", "m.obj", "m.glb"]),
     st.data(),

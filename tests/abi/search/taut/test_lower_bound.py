@@ -60,7 +60,7 @@ def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, suppress_health_check=list(HealthCheck))
+@settings(max_examples=24, suppress_health_check=list(HealthCheck))
 @example(
     body={"shape": "sphere", "radius": 0.5, "position": [0.0, 0.75, 0.75], "wxyz": [0, 0, 0, 1]},
     start=[0.0, 0.0, 1.0],

@@ -79,7 +79,7 @@ def keeps(found: TautPath, path: SearchResult, solids: Obstacles, margin: float)
 
 
 @pytest.mark.slow
-@settings(max_examples=30, suppress_health_check=list(HealthCheck))
+@settings(max_examples=12, suppress_health_check=list(HealthCheck))
 @given(
     bodies=st.lists(obstacles, min_size=1, max_size=6),
     start=points,

@@ -67,7 +67,7 @@ def length(path: FloatArray) -> float:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+@settings(max_examples=16, suppress_health_check=list(HealthCheck))
 @given(
     bodies=st.lists(obstacles, max_size=5),
     start=points,
@@ -154,7 +154,7 @@ def test_behind_a_wall_there_is_none() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=16)
 @given(
     bodies=st.lists(obstacles, min_size=1, max_size=5),
     start=points,

@@ -33,7 +33,7 @@ def blocked(obstacles: tuple[Primitive, ...], margin: float, p: FloatArray, q: F
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@settings(max_examples=120)
 @given(obstacles, points, points, st.floats(-0.3, 1))
 def test_a_line_of_sight_is_what_the_exact_distance_says(
     body: dict[str, Any], start: list[float], goal: list[float], margin: float
@@ -108,7 +108,7 @@ def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed:
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(st.lists(obstacles, max_size=4), st.lists(points, min_size=2, max_size=5))
 def test_segments_are_as_near_as_the_exact_distance_says(
     bodies: list[dict[str, Any]], vertices: list[list[float]]
