@@ -157,7 +157,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
     rng = np.random.default_rng(seed)
     workspace = Workspace(max=(3.0, 2.9, 3.3))
     made = mesh.tetrahedralise(workspace, MeshSettings(lattice=lattice, pitch=0.19))
-    for _ in range(4):
+    for _ in range(2):
         pose: Any = {"position": tuple(rng.uniform(0, 3, 3))}
         if turned:
             pose["wxyz"] = (1.0, *(rng.normal(size=3) * rng.choice([1.0, 1e-7])).tolist())
