@@ -82,7 +82,7 @@ def _motion(verdict: MotionVerdict, arm: UrdfArm) -> ArmMotion:
         positions=read_only(positions),
         target=points,
         tool=points,
-        velocity=read_only(np.gradient(tool, time, axis=0)),
+        tool_velocity=read_only(np.gradient(tool, time, axis=0)),
         unreachable=(),
         limit_violations=tuple(limits),
         peak_joint_speed=read_only(np.abs(speeds).max(axis=0)),

@@ -82,8 +82,9 @@ class AllPanels:
             client.gui.add_html(style.heading("Share and export"))
             self.share = SharePanel(client, self.layout.overlay, wake)
             self.exports = ExportPanel(client, wake)
-            self.check = CheckMotionPanel(client, scene, wake)
             self.bug_report = BugReportButton(client, wake)
+        with self.layout.plots:
+            self.check = CheckMotionPanel(client, scene, wake)
         self.history = History(client.gui, self.step(scene), wake)
         with self.layout.learn:
             self.lessons = LessonPanel(client, library, wake)

@@ -1,4 +1,4 @@
-"""A motion from elsewhere on the page: its verdict takes the plan's place, and can be left again."""
+"""A motion from elsewhere on the page: its verdict takes the plan's place, and can be left."""
 
 from __future__ import annotations
 
