@@ -38,7 +38,7 @@ class SolidPose(NamedTuple):
     origin: FloatArray
 
 
-class _Side(NamedTuple):
+class _BodySide(NamedTuple):
     """Edges of a body near another, in the frame of that: ends (k, 3), (k, 3) and radii (k,)."""
 
     body: LinkSolids
@@ -49,7 +49,7 @@ class _Side(NamedTuple):
     radii: FloatArray
 
 
-def _sides(first: LinkSolids, second: LinkSolids, pose: SolidPose) -> Iterator[_Side]:
+def _sides(first: LinkSolids, second: LinkSolids, pose: SolidPose) -> Iterator[_BodySide]:
     """Each of two bodies beside the other; ``pose``: of the second in the frame of the first."""
     back = SolidPose(pose.turn.T, -pose.turn.T @ pose.origin)
     for body, other, (turn, origin) in ((second, first, pose), (first, second, back)):
@@ -59,7 +59,7 @@ def _sides(first: LinkSolids, second: LinkSolids, pose: SolidPose) -> Iterator[_
         reach = radii[:, None]
         beside = (np.minimum(a, b) - reach > high) | (np.maximum(a, b) + reach < low)
         near = ~beside.any(axis=1)
-        yield _Side(body, other, SolidPose(turn, origin), a[near], b[near], radii[near])
+        yield _BodySide(body, other, SolidPose(turn, origin), a[near], b[near], radii[near])
 
 
 def distance(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> float:

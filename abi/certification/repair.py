@@ -25,7 +25,7 @@ _PEAK = {"linear": 1.0, "cubic": 1.5, "quintic": 1.875}
 """Largest speed of a motion from rest to rest, over its mean."""
 
 
-class Repair(NamedTuple):
+class RepairedMotion(NamedTuple):
     """A motion in whose place another one is proven clear.
 
     Attributes:
@@ -41,7 +41,7 @@ class Repair(NamedTuple):
     farther: float
 
 
-def repair(verdict: MotionVerdict) -> Repair:
+def repair(verdict: MotionVerdict) -> RepairedMotion:
     """Plan anew what is not proven clear, from the last proven waypoint to the next.
 
     The new part goes as fast as the motion did on average, or as the joints' limits allow.
@@ -61,7 +61,7 @@ def repair(verdict: MotionVerdict) -> Repair:
         proven = certify_motion(new, verdict.scene)
         if proven.state == "clear":
             before, after = (_length(space, one) for one in (motion, new))
-            return Repair(
+            return RepairedMotion(
                 verdict=proven,
                 stretches=tuple((float(motion.times[a]), float(motion.times[b])) for a, b in gaps),
                 longer=float(np.ptp(new.times) - np.ptp(motion.times)),

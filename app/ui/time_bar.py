@@ -18,7 +18,7 @@ _MOST = 200
 """Stretches that are drawn."""
 
 
-class _Look(NamedTuple):
+class _BarLook(NamedTuple):
     """Words for a state, its image in CSS, and its height, [px]."""
 
     words: str
@@ -35,10 +35,10 @@ def _striped(colour: style.Colour) -> str:
     return f"repeating-linear-gradient(90deg,{stripes})"
 
 
-_LOOKS: dict[State, _Look] = {
-    "clear": _Look("proven clear", _plain(style.GOOD[0]), 3),
-    "undecided": _Look("not decided", _striped(_UNDECIDED), 6),
-    "touches": _Look("touching", _plain(style.VIOLATION), 6),
+_LOOKS: dict[State, _BarLook] = {
+    "clear": _BarLook("proven clear", _plain(style.GOOD[0]), 3),
+    "undecided": _BarLook("not decided", _striped(_UNDECIDED), 6),
+    "touches": _BarLook("touching", _plain(style.VIOLATION), 6),
 }
 
 
