@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from abi.planner.find_base import find_base
     from abi.planner.plan import Plan
     from abi.planner.planner import Planner, plan
+    from abi.planner.task_plan import TaskPlan, plan_tasks
     from abi.scene.scene import Scene, load_scene, scene_names
 
 __all__ = [
@@ -40,11 +41,13 @@ __all__ = [
     "Scene",
     "SceneError",
     "StageError",
+    "TaskPlan",
     "certify",
     "compile",
     "find_base",
     "load_scene",
     "plan",
+    "plan_tasks",
     "scene_names",
     "show",
     "teach",
@@ -57,11 +60,13 @@ _MODULES = {
     "Scene": "abi.scene.scene",
     "SceneError": "abi.errors",
     "StageError": "abi.errors",
+    "TaskPlan": "abi.planner.task_plan",
     "certify": "abi.certification.certify",
     "compile": "abi.compiling",
     "find_base": "abi.planner.find_base",
     "load_scene": "abi.scene.scene",
     "plan": "abi.planner.planner",
+    "plan_tasks": "abi.planner.task_plan",
     "scene_names": "abi.scene.scene",
     "show": "abi.export.show",
 }

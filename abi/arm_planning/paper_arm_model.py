@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -78,23 +77,19 @@ class PaperArmJointPath:
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
     def is_refuted(
-        self,
-        profile: Callable[[], PathProfile],
-        collision_world: CollisionWorld,
-        required: float,
+        self, profile: PathProfile, collision_world: CollisionWorld, required: float
     ) -> bool:
         """Check whether a few poses show that the arm is not clear.
 
         If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first;
         and nothing where only the duration bounds q5.
         """
-        timed = profile()
-        slide = slide_bounds(self.curve, self.arc, timed, self.settings)
+        slide = slide_bounds(self.curve, self.arc, profile, self.settings)
         elbow = self.settings.branches[0]
         table = self.arm.table(elbow)
         low, high = float(slide.low.min()), float(slide.high.max())
         if low < high:
-            if isinstance(timed, TimedProfile):
+            if isinstance(profile, TimedProfile):
                 return False
             tries = _TRIES_TO_REFUTE
             found = certify_arm(

@@ -24,7 +24,7 @@ from abi.arm_planning.world.solid_rows import RowTable
 from abi.arrays import FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.pose import Vec3
+from abi.obstacles.pose import METRES, Vec3
 from abi.robot.urdf_arm import TRIED, urdf_arm
 from abi.scene.settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -45,9 +45,8 @@ class UrdfArmModel:
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         stands = settings.base, settings.axis, unit, settings.base_wxyz
-        self.arm = urdf_arm(
-            settings.robot, settings.tool, *stands, settings.gripper, settings.allowed
-        )
+        robot = settings.with_attached(METRES[unit])
+        self.arm = urdf_arm(robot, settings.tool, *stands, settings.gripper, settings.allowed)
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._configurations: dict[PosePair, NodeConfigurations] = {}
         self._rows = RowTable()

@@ -25,7 +25,7 @@ from abi.arm_planning.joint_search.search_joints import (
 from abi.arm_planning.joint_search.tool_poses import tool_poses
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
-from abi.arm_planning.world.chain_distances import obstacle_distances
+from abi.arm_planning.world.chain_distances import inside_meshes, obstacle_distances
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
 from abi.errors import NoJointMotion
@@ -130,12 +130,12 @@ def _clear_poses(space: JointSpace, obstacles: ObstacleSet, scene: Scene, end: E
         still = np.stack([pose, pose])
         fault = chain_refutation(arm, still, around, space.margin)
         if fault is None:
+            if not inside_meshes(arm, obstacles, pose, around.allowed):
+                kept.append(pose)
+                continue
             away, numbers = obstacle_distances(
                 arm, obstacles, arm.place(pose[None]), allowed=around.allowed
             )
-            if (away > 0).all():
-                kept.append(pose)
-                continue
             capsule = int(away[0].argmin())
             fault = ArmRefutation(0.0, capsule, int(numbers[0, capsule]), True)
         first = first or fault

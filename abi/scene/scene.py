@@ -22,10 +22,12 @@ from abi.obstacles.per_shape import PerShape
 from abi.obstacles.pose import LARGEST, METRES, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
 from abi.scene.arm_end import ENDS, with_arm_ends, without_stale_ends
 from abi.scene.field_errors import first_error
+from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
 from abi.scene.numpy_data import plain
 from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import ENDINGS, parse, read_file, write
@@ -76,6 +78,7 @@ class Scene(Settings):
     quadratic: QuadraticSettings = QuadraticSettings()
     motion: MotionSettings = MotionSettings()
     arm: ArmSettings = ArmSettings()
+    tasks: Annotated[tuple[Leg, ...], Field(max_length=MOST_LEGS)] = ()
 
     @field_validator("obstacles", mode="before")
     @classmethod
@@ -102,10 +105,20 @@ class Scene(Settings):
             scaled[index] = shape
         return tuple(scaled)
 
+    @field_validator("arm")
+    @classmethod
+    def _scale_attached(cls, arm: ArmSettings, info: ValidationInfo) -> ArmSettings:
+        if not isinstance(arm.attached, MeshShape):
+            return arm
+        scaled = _in_unit(info.data.get("unit", "m"), arm.attached)
+        if isinstance(scaled, SceneError):
+            raise SceneError(f"arm.attached.{scaled.field}", scaled.value, scaled.expected)
+        return arm.model_copy(update={"attached": scaled})
+
     @model_validator(mode="before")
     @classmethod
     def _move_ends(cls, data: object) -> object:
-        return with_arm_ends(data) if isinstance(data, dict) else data
+        return with_arm_ends(with_first_leg(data)) if isinstance(data, dict) else data
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -132,6 +145,7 @@ class Scene(Settings):
                 )
         self.arm.check_gripper(METRES[self.unit])
         self.arm.check_allowed(len(self.obstacles))
+        self._check_tasks()
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)
@@ -145,6 +159,31 @@ class Scene(Settings):
                 f"nodes than mesh.max_nodes, {self.mesh.max_nodes:,}",
             )
         return self
+
+    def _check_tasks(self) -> None:
+        """Raise a SceneError where legs attach or release what cannot be."""
+        if self.arm.model != "urdf" and (self.tasks or self.arm.attached is not None):
+            expected = "urdf where there are tasks, or an object is attached"
+            raise SceneError("arm.model", self.arm.model, expected)
+        holds = self.arm.attached is not None
+        for number, leg in enumerate(self.tasks):
+            field = f"tasks[{number}]"
+            if number > 0 and leg.goal is None:
+                raise SceneError(f"{field}.goal", Missing(), "a waypoint")
+            if leg.attach is not None and leg.attach >= len(self.obstacles):
+                expected = f"the number of an obstacle, below {len(self.obstacles)}"
+                raise SceneError(f"{field}.attach", leg.attach, expected)
+            if leg.attach is not None and (holds or leg.release):
+                expected = "none before what is held is released, on an earlier leg"
+                raise SceneError(f"{field}.attach", leg.attach, expected)
+            if leg.release and not holds:
+                raise SceneError(f"{field}.release", True, "false where nothing is held")
+            holds = leg.attach is not None or (holds and not leg.release)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that is the arm, with the object that it holds; only of a URDF arm."""
+        return self.arm.with_attached(METRES[self.unit])
 
     @classmethod
     def from_dict(
@@ -182,7 +221,8 @@ class Scene(Settings):
     @property
     def meshes(self) -> MeshSource:
         """Files of the scene by name: the surfaces of its meshes, and its arm as an archive."""
-        shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
+        solids = (*self.obstacles, self.arm.attached)
+        shapes = [shape for shape in solids if isinstance(shape, MeshShape)]
         files: dict[str, bytes | Surface] = {shape.file: shape.surface for shape in shapes}
         if self.arm.model == "urdf" and self.arm.urdf not in SHIPPED:
             files[self.arm.urdf] = self.arm.robot.archive

@@ -15,8 +15,10 @@ from pydantic import (
 )
 
 from abi.errors import SceneError
+from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.attached_object import with_object
 from abi.robot.urdf.held_joints import (
     held_in_metres,
     planned_joints,
@@ -217,6 +219,7 @@ class ArmSettings(Settings):
     ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised forces [kg·unit²/s² for q4
     and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
 
+    ``attached`` is an object that the tip holds, a shape whose pose is that in the tip's frame.
     ``start`` and ``goal`` say more than the places of the tool: the joints there, or the tool's
     orientation, too. ``search`` is where a motion is sought: on the mesh of places of the tool, in
     the space of the joints, or by ``auto`` in that if the mesh has none, or joints are asked for.
@@ -231,6 +234,7 @@ class ArmSettings(Settings):
         default_factory=dict
     )
     allowed: Annotated[tuple[AllowedPair, ...], Field(max_length=10_000)] = ()
+    attached: Obstacle | None = None
     axis: Vec3 | None = None
     start: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
     goal: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
@@ -371,6 +375,19 @@ class ArmSettings(Settings):
         """The robot that ``urdf`` names, or the part on the base link, if that is the model."""
         assert self._robot is not None
         return self._robot
+
+    def with_attached(self, metres: float) -> Robot:
+        """The robot with the object that it holds.
+
+        Args:
+            metres: one [unit] of the scene in metres.
+
+        Raises:
+            SceneError: the object is a flat mesh.
+        """
+        if self.attached is None:
+            return self.robot
+        return with_object(self.robot, self.tool, self.attached, metres)
 
     @property
     def tool(self) -> str:

@@ -1,8 +1,9 @@
 """Contacts that a certificate of a URDF arm leaves out, each checked to be one that may be.
 
-What may be left out: two links between which at most one joint moves; pairs that the SRDF or the
-scene names; links that overlap in random poses; the floor for what stands on it; an obstacle
-beneath the base for links that stand still. Nothing else may be missing.
+What may be left out: two links between which at most one joint moves; an object that is held and
+what holds it, or is fixed to that; pairs that the SRDF or the scene names; links that
+overlap in random poses; the floor for what stands on it; an obstacle beneath the base for links
+that stand still. Nothing else may be missing.
 """
 
 from __future__ import annotations
@@ -78,12 +79,13 @@ def _name(other: Other) -> str:
 
 def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: ExactChain) -> bool:
     """Check a pair of links by the reason given."""
-    if reason == "adjacent":
+    pair, robot = {link, other}, scene.robot
+    if reason in ("adjacent", "grasp"):
         first, second = (set(chain.above(chain.frames[one])) for one in (link, other))
-        return len(first ^ second) <= 1
-    pair = {link, other}
+        is_held = robot.attached is not None and robot.attached.link in pair
+        return len(first ^ second) <= (0 if is_held else 1) and is_held == (reason == "grasp")
     if reason == "srdf":
-        return frozenset(pair) in scene.arm.robot.may_touch
+        return frozenset(pair) in robot.may_touch
     return reason == "asked" and any(pair == set(one) for one in scene.arm.allowed)
 
 

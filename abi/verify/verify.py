@@ -8,7 +8,7 @@ is used; mesh files are read and repaired as for planning.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,13 @@ from abi.verify.exact import ExactSolid
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
 from abi.verify.plan_curves import CURVES, curve_of
-from abi.verify.plan_fields import mapping
+from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.verify_chain import check_chain
 from abi.verify.verify_curve import check_curve
 from abi.verify.verify_motion import verify_motion
 from abi.verify.verify_paper_arm import check_arm
+from abi.verify.verify_tasks import check_tasks
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ class Verdict:
     """Verdict on one curve, or on the arm that follows it.
 
     Attributes:
-        curve: ``bspline``, ``quadratic``, ``arm`` or ``motion``.
+        curve: ``bspline``, ``quadratic``, ``arm`` or ``motion``; of tasks ``leg 1, arm`` and so on,
+            and ``tasks``: whether the legs join.
         proven: whether its certificate proves what the plan claims.
         reason: what is proven, or why it is not, as the end of a sentence.
     """
@@ -50,8 +52,8 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     """Check every curve of a plan, and the arm.
 
     Args:
-        plan: the result of ``Plan.to_dict``, as it is or read back from JSON, or the verdict on a
-            motion that ``abi certify`` writes.
+        plan: the result of ``Plan.to_dict`` or ``TaskPlan.to_dict``, as it is or read back from
+            JSON, or the verdict on a motion that ``abi certify`` writes.
         folder: source of the scene's mesh files; None for a scene without files.
 
     Raises:
@@ -59,6 +61,8 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     """
     if isinstance(plan, dict) and "verdict" in plan and "motion" in plan:
         return (_motion_verdict(plan, folder),)
+    if isinstance(plan, dict) and "legs" in plan:
+        return _task_verdicts(plan, folder)
     if not isinstance(plan, dict) or not all(name in plan for name in ("scene", *CURVES)):
         raise SceneError("plan", plan, "a plan as abi plan writes it")
     if type(version := plan.get("version")) is not int or version != 1:
@@ -70,6 +74,25 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     verdicts = [_curve_verdict(name, plan[name], scene, obstacles) for name in curves]
     if "arm" in plan:
         verdicts.append(_arm_verdict(plan, scene, obstacles))
+    return tuple(verdicts)
+
+
+def _task_verdicts(plan: dict[str, Any], folder: Path | MeshSource | None) -> tuple[Verdict, ...]:
+    """Verdicts on each leg of a sequence of tasks, and on whether the legs join."""
+    if type(version := plan.get("version")) is not int or version != 1:
+        raise SceneError("version", version, "1")
+    source = MeshSource.of(folder)
+    scene = Scene.from_dict(plan.get("scene"), source)
+    verdicts = [
+        replace(verdict, curve=f"leg {number}, {verdict.curve}")
+        for number, leg in enumerate(list_of("legs", plan["legs"]), 1)
+        for verdict in verify(leg, source)
+        if verdict.curve == "arm"
+    ]
+    try:
+        verdicts.append(Verdict("tasks", True, check_tasks(plan, scene, source)))
+    except Fault as fault:
+        verdicts.append(Verdict("tasks", False, str(fault)))
     return tuple(verdicts)
 
 

@@ -132,13 +132,13 @@ def check_chain(
     margin = claimed_margin("arm", section, Fraction(scene.arm.clearance), obstacles)
     units = round(1 / METRES[scene.unit])
     stands = scene.arm.base, units, scene.arm.base_wxyz, scene.arm.gripper
-    chain = exact_chain(scene.arm.robot, scene.arm.tool, *stands)
+    chain = exact_chain(scene.robot, scene.arm.tool, *stands)
     motion = _JointMotion(chain, _rows(certificate, section, chain))
     _check_ends(motion, scene)
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
     bodies = _bodies(capsules)
-    check_corners(scene.arm.robot, chain, bodies)
+    check_corners(scene.robot, chain, bodies)
     allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies)
     _check_all_named(capsules, pairs, allowed)
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
@@ -228,7 +228,7 @@ def _check_ends(motion: _JointMotion, scene: Scene) -> None:
     above = chain.above(chain.before[-1])
     length = sum(sum(map(abs, chain.origins[k].origin)) for k in (*above[:-1], -1))
     metres = METRES[scene.unit]
-    slides = {one.name for one in scene.arm.robot.joints if one.kind == "prismatic"}
+    slides = {one.name for one in scene.robot.joints if one.kind == "prismatic"}
     for name, row in zip(ENDS, (motion.rows[0], motion.rows[-1]), strict=True):
         frame, end = chain.place(row)[-1], getattr(scene.arm, name)
         place, _ = frame.place(zero)
@@ -323,7 +323,7 @@ def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> l
         frame = chain.frames[link]
         capsules.append(_Capsule(link, frame, (low, high), radius, (*points,), rounding))
     held = {capsule.link for capsule in capsules}
-    for name, link in scene.arm.robot.links.items():
+    for name, link in scene.robot.links.items():
         if link.shapes and name not in held:
             raise Fault(f"{name} has no capsule")
     return capsules

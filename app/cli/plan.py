@@ -14,6 +14,7 @@ from app.cli.output import print_text, write_text
 
 if TYPE_CHECKING:
     from abi.planner.plan import Plan
+    from abi.scene.scene import Scene
 
 
 @click.command(short_help="Plan SCENE and print the plan as JSON.")
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
 def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scenes: bool) -> None:
     """Plan SCENE and print the plan as JSON.
 
-    SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input.
+    SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input. Of one
+    that has tasks all legs are planned.
 
     Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
     """
@@ -36,24 +38,48 @@ def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scen
     if list_scenes:
         print_text("\n".join(scene_names()))
         return
-    result = plan_scene(given_scene(scene))
+    given = given_scene(scene)
+    if given.tasks:
+        _plan_tasks(given, out, full)
+        return
+    result = plan_scene(given)
     data = result.to_dict(full)
     if all_searches and result.graph is not None:
         data["searches"] = _all_searches(result, data["searches"] or [])
     reason = explain(result.scene, result)
     if data["error"] is not None:
         data["error"]["reason"] = None if reason is None else reason.to_dict()
-    text = json.dumps(data, indent=1, allow_nan=False)
-    if out is None or str(out) == STANDARD:
-        print_text(text)
-    else:
-        write_text(out, text)
+    _write(data, out)
     for note in result.scene.notes:
         click.echo(note, err=True)
     if result.error is not None:
         explained = reason or result.error
         click.echo(f"{explained.message} {explained.hint}", err=True)
         raise SystemExit(INCOMPLETE)
+
+
+def _plan_tasks(scene: Scene, out: Path | None, full: bool) -> None:
+    """Plan all legs of a scene's tasks, and write their plan."""
+    from abi.planner.task_plan import plan_tasks
+
+    result = plan_tasks(scene)
+    _write(result.to_dict(full), out)
+    for note in scene.notes:
+        click.echo(note, err=True)
+    if result.error is not None:
+        number = len(result.legs)
+        name = f" ({scene.tasks[number - 1].name})" if scene.tasks[number - 1].name else ""
+        sentence = f"Leg {number}{name}: {result.error.message} {result.error.hint}"
+        click.echo(sentence, err=True)
+        raise SystemExit(INCOMPLETE)
+
+
+def _write(data: dict[str, Any], out: Path | None) -> None:
+    text = json.dumps(data, indent=1, allow_nan=False)
+    if out is None or str(out) == STANDARD:
+        print_text(text)
+    else:
+        write_text(out, text)
 
 
 def _all_searches(plan: Plan, searches: list[dict[str, Any]]) -> list[dict[str, Any]]:

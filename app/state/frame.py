@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
-from abi.certification.verdict import MotionVerdict
 from abi.errors import AbiError
 from abi.planner.base_map import BaseMap
 from abi.planner.plan import Plan
@@ -40,8 +39,6 @@ class Frame:
 
     Attributes:
         plan: the last one.
-        checked: the verdict on a motion from elsewhere, which is then the plan's; None for a plan
-            of the tab's own.
         reason: diagnosis of its error.
         refused: error in the last input, which the plan leaves out.
         coarse: whether the plan's mesh is coarser than the scene's, while the input changes.
@@ -66,7 +63,6 @@ class Frame:
     """
 
     plan: Plan
-    checked: MotionVerdict | None = None
     reason: Reason | None = None
     refused: AbiError | None = None
     coarse: bool = False

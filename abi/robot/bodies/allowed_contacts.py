@@ -19,7 +19,7 @@ from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import NOT_HELD
 from abi.robot.urdf.robot import Robot
 
-Reason = Literal["adjacent", "always", "srdf", "mount", "asked"]
+Reason = Literal["adjacent", "always", "srdf", "mount", "asked", "grasp"]
 Other = str | int
 """What a link may touch: a link or ``floor`` by name, an obstacle by its number from 0."""
 
@@ -35,7 +35,8 @@ class AllowedContact(NamedTuple):
         other: name of another link, ``floor``, or number of an obstacle from 0.
         reason: ``adjacent``: at most one joint moves one beside the other; ``always``: their bodies
             overlap in every random pose; ``srdf``: the robot's SRDF says so; ``mount``: the
-            link stands still on it; ``asked``: the scene's ``arm.allowed`` says so.
+            link stands still on it; ``asked``: the scene's ``arm.allowed`` says so; ``grasp``: it
+            holds the object, or is fixed to what does.
     """
 
     link: str
@@ -101,7 +102,10 @@ def _known_reason(
 ) -> Reason | None:
     """Reason for which the links of two capsules may touch whatever their bodies are."""
     between = {*chain.behind(first.frame)} ^ {*chain.behind(second.frame)}
-    if len(between) <= 1:
+    if robot.attached is not None and robot.attached.link in (first.link, second.link):
+        if not between:
+            return "grasp"
+    elif len(between) <= 1:
         return "adjacent"
     pair = frozenset((first.link, second.link))
     if pair in robot.may_touch:

@@ -7,7 +7,7 @@ The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masse
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
@@ -143,9 +143,23 @@ class NamedState(NamedTuple):
     positions: Mapping[str, float]
 
 
+class AttachedObject(NamedTuple):
+    """An object that a robot holds: a link of it that is in none of its files.
+
+    Attributes:
+        link: name of that link.
+        tip: name of the link that holds it.
+        key: what tells it from others: its shape and unit.
+    """
+
+    link: str
+    tip: str
+    key: Hashable
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Robot(ShortRepr):
-    """A robot: links joined into a tree; compares by the files it was read from and its root.
+    """A robot: links joined into a tree; compares by its files, its root and what it holds.
 
     Attributes:
         name: of the robot.
@@ -157,6 +171,7 @@ class Robot(ShortRepr):
         may_touch: pairs of links that its SRDF, if there is one, excludes from collision checks.
         groups: names of joints that move together, by the names of groups in its SRDF.
         states: positions of joints that its SRDF gives a name.
+        attached: the object that it holds.
     """
 
     name: str
@@ -168,12 +183,17 @@ class Robot(ShortRepr):
     may_touch: frozenset[frozenset[str]] = frozenset()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     states: tuple[NamedState, ...] = ()
+    attached: AttachedObject | None = None
+
+    @property
+    def _key(self) -> tuple[bytes, str, AttachedObject | None]:
+        return self.archive, self.root, self.attached
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Robot) and (self.archive, self.root) == (other.archive, other.root)
+        return isinstance(other, Robot) and self._key == other._key
 
     def __hash__(self) -> int:
-        return hash((self.archive, self.root))
+        return hash(self._key)
 
     def __getstate__(self) -> dict[str, Any]:
         """What ``pickle`` and ``copy`` keep; a view of a dict is not among what they can."""

@@ -36,7 +36,6 @@ class _Look:
     tip: str
     unit: str
     held: frozenset[tuple[str, float]]
-    joints: tuple[str, ...]
     arm: UrdfArm = field(compare=False)
 
 
@@ -86,8 +85,7 @@ def bodies(arm: AnyArm) -> dict[int, tuple[bytes, bytes]]:
 
 def _look_of(arm: AnyArm) -> _Look:
     assert isinstance(arm, UrdfArm)
-    held = frozenset(arm.held.items())
-    return _Look(arm.chain.robot, arm.tip, arm.unit, held, arm.joints, arm)
+    return _Look(arm.chain.robot, arm.tip, arm.unit, frozenset(arm.held.items()), arm)
 
 
 @computed_once(_KEPT)

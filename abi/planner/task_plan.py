@@ -1,0 +1,133 @@
+"""Plans of a sequence of tasks: leg by leg, each from the joints in which the last one ended.
+
+Each leg is an ordinary plan of a scene of its own, with its own certificate. What the gripper
+attaches is no obstacle any more but a body of the arm, until it is released where it then is.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, ReadOnlyCopies, read_only
+from abi.errors import StageError
+from abi.planner import plan_json
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner
+from abi.planner.task_scenes import first_scene, next_scene
+from abi.scene.scene import Scene, require_scene
+
+
+@dataclass(frozen=True, eq=False)
+class TaskTrajectory(ReadOnlyCopies):
+    """The motion of all legs on one time bar; at the ends of each the arm rests.
+
+    Attributes:
+        joints: names of the n joints.
+        time: shape (m,), [s], from 0; the last of a leg and the first of the next are one sample.
+        positions: shape (m, n), [rad] or [unit].
+        leg: number of the leg that each sample belongs to, from 0, (m,).
+        begins: when each leg begins, and when the last one ends, (legs + 1,), [s].
+    """
+
+    joints: tuple[str, ...]
+    time: FloatArray
+    positions: FloatArray
+    leg: IntArray
+    begins: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class TaskPlan(ReadOnlyCopies):
+    """Plans of the legs of a scene's tasks, as far as they come.
+
+    Attributes:
+        scene: the scene.
+        legs: plan of each leg; the last one has an error where the sequence ends early.
+        total_ms: time of all, [ms].
+    """
+
+    scene: Scene
+    legs: tuple[Plan, ...]
+    total_ms: float = 0.0
+
+    @property
+    def error(self) -> StageError | None:
+        """Why the sequence ends early, or None."""
+        return self.legs[-1].error
+
+    @property
+    def trajectory(self) -> TaskTrajectory | None:
+        """The motion of all legs; None where one of them has none."""
+        motions = [leg.motion for leg in self.legs if leg.motion is not None]
+        if self.error is not None or len(motions) < len(self.legs):
+            return None
+        ends = np.cumsum([0.0, *(motion.time[-1] for motion in motions)])
+        first = [0, *[1] * (len(motions) - 1)]
+        parts = [*zip(motions, ends[:-1], first, strict=True)]
+        counts = [len(motion.time) - skipped for motion, _, skipped in parts]
+        return TaskTrajectory(
+            joints=motions[0].joints,
+            time=read_only(np.concatenate([one.time[skip:] + begin for one, begin, skip in parts])),
+            positions=read_only(np.concatenate([one.positions[skip:] for one, _, skip in parts])),
+            leg=read_only(np.repeat(np.arange(len(motions), dtype=np.int32), counts)),
+            begins=read_only(ends),
+        )
+
+    def to_dict(self, full: bool = False) -> dict[str, Any]:
+        """Plain data, ready for JSON, as ``docs/scene-and-plan.md`` describes it.
+
+        Args:
+            full: whether each leg has all of its samples, and the nodes of its mesh.
+        """
+        whole = self.trajectory
+        return {
+            "version": 1,
+            "scene": self.scene.to_dict(),
+            "legs": [leg.to_dict(full) for leg in self.legs],
+            "trajectory": None
+            if whole is None
+            else {
+                "joints": list(whole.joints),
+                "time": whole.time.tolist(),
+                "positions": whole.positions.tolist(),
+                "leg": whole.leg.tolist(),
+                "begins": whole.begins.tolist(),
+            },
+            "total_ms": self.total_ms,
+            "error": plan_json.error(self.error),
+            "notes": list(self.scene.notes),
+        }
+
+
+def plan_tasks(scene: Scene) -> TaskPlan:
+    """Plan all legs of a scene's tasks, one after the other.
+
+    Args:
+        scene: the scene; without tasks its way from start to goal is the only leg.
+
+    Returns:
+        The plans, up to the first leg that has none; nothing is raised.
+
+    Raises:
+        SceneError: ``scene`` is no scene.
+    """
+    require_scene(scene)
+    begin = time.perf_counter()
+    legs = tuple(legs_of(scene, Planner()))
+    return TaskPlan(scene, legs, 1e3 * (time.perf_counter() - begin))
+
+
+def legs_of(scene: Scene, planner: Planner) -> Iterator[Plan]:
+    """Plans of the legs, each as soon as it is made, up to the first that has an error."""
+    leg_scene = first_scene(scene)
+    for number in range(max(len(scene.tasks), 1)):
+        plan = planner(leg_scene)
+        yield plan
+        if plan.error is not None or number + 1 >= len(scene.tasks):
+            return
+        leg_scene = next_scene(scene, number + 1, plan)

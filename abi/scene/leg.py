@@ -1,0 +1,52 @@
+"""A leg of a sequence of tasks: a waypoint, and what the gripper does there."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field, Strict
+
+from abi.obstacles.pose import Number, Vec3
+from abi.scene.arm_end import ArmEnd
+from abi.scene.section import Settings
+from abi.scene.settings import Count, Flag
+
+MOST_LEGS = 50
+
+
+class Leg(Settings):
+    """A waypoint: a place of the tool, its pose, joints or a named state.
+
+    It begins in the joints in which the one before ended. At its end the gripper attaches an
+    obstacle, by its number from 0, or releases what it holds. ``gripper`` holds it open or closed
+    from this leg on: positions by the names of its joints, [rad], slides in [unit].
+
+    The goal of the first leg is the scene's, and so is its gripper.
+    """
+
+    name: Annotated[str, Strict(), Field(max_length=80)] = ""
+    goal: Vec3 | ArmEnd | None = None
+    gripper: Annotated[dict[Annotated[str, Strict()], Number], Field(max_length=150)] | None = None
+    attach: Annotated[Count, Field(ge=0)] | None = None
+    release: Flag = False
+
+    def __hash__(self) -> int:
+        gripper = None if self.gripper is None else frozenset(self.gripper.items())
+        return hash((self.name, self.goal, gripper, self.attach, self.release))
+
+
+def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
+    """A scene's fields with the goal and gripper of its first leg where a scene has them."""
+    tasks = data.get("tasks")
+    if not isinstance(tasks, list | tuple) or not tasks or not isinstance(tasks[0], dict):
+        return data
+    first = dict(tasks[0])
+    goal, gripper = first.pop("goal", None), first.pop("gripper", None)
+    found = {**data, "tasks": [first, *tasks[1:]]}
+    if goal is not None:
+        found["goal"] = goal
+    arm = data.get("arm", {})
+    if gripper is not None:
+        fields = vars(arm) if isinstance(arm, Settings) else arm
+        found["arm"] = {**fields, "gripper": gripper}
+    return found

@@ -1,0 +1,241 @@
+"""Sequences of tasks: legs that join, and an object that is attached, carried and released."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+from abi.arrays import FloatArray
+from abi.errors import SceneError
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.planner.task_plan import TaskPlan, plan_tasks
+from abi.robot.attached_object import STANDING
+from abi.robot.bodies.link_bodies import triangles_of
+from abi.robot.urdf.robot import Link
+from abi.robot.urdf.tip_pose import tip_pose
+from abi.scene.scene import Scene
+from abi.verify.verify import Verdict, verify
+from tests.abi.robot.robots import arm, packed
+
+FILES = {"a.zip": packed({"a.urdf": arm()})}
+BASE = np.array([0.0, 0.0, 1.0])
+JOINTS = [[0.0, 0.2, 0.3], [0.9, -0.4, 0.4], [-0.6, 0.5, 0.3], [-0.5, 0.5, 0.2], [0.3, 0.1, 0.5]]
+"""Where the legs begin and end, but for the last, which ends at a point of the tool."""
+
+
+def tool(joints: list[float] | FloatArray) -> FloatArray:
+    """World from tip, from the robot's joints alone."""
+    robot = Scene.from_dict(data(), FILES).arm.robot
+    pose = tip_pose(robot, "d", dict(zip("pqs", joints, strict=True))).copy()
+    pose[:3, 3] += BASE
+    return pose
+
+
+def data(**fields: Any) -> dict[str, Any]:
+    return {
+        "version": 1,
+        "unit": "m",
+        "workspace": {"min": [-3.0] * 3, "max": [3.0] * 3},
+        "mesh": {"pitch": 2.0},
+        "start": {"joints": JOINTS[0]},
+        "goal": {"joints": JOINTS[1]},
+        "arm": {"model": "urdf", "urdf": "a.zip", "tip": "d", "base": BASE.tolist()},
+        **fields,
+    }
+
+
+@cache
+def planned() -> TaskPlan:
+    """A ball beyond the tool is taken from one place to another, past a box; a shelf stays."""
+    ball = tool(JOINTS[1]) @ [0.0, 0.0, 0.25, 1.0]
+    scene = Scene.from_dict(
+        data(
+            obstacles=[
+                {"shape": "sphere", "radius": 0.05, "position": ball[:3].tolist()},
+                {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [1.5, 1.5, 0.5]},
+            ],
+            tasks=[
+                {"name": "reach", "attach": 0},
+                {"goal": {"joints": JOINTS[2]}},
+                {"goal": {"joints": JOINTS[3]}, "release": True},
+                {"goal": {"joints": JOINTS[4]}},
+            ],
+        ),
+        FILES,
+    )
+    found = plan_tasks(scene)
+    assert found.error is None, found.error
+    return found
+
+
+def written() -> dict[str, Any]:
+    plain: dict[str, Any] = json.loads(json.dumps(planned().to_dict()))
+    return plain
+
+
+def joined(plan: dict[str, Any]) -> Verdict:
+    return verify(plan, planned().scene.meshes)[-1]
+
+
+def test_each_leg_begins_in_the_joints_in_which_the_last_one_ended() -> None:
+    whole, legs = planned().trajectory, planned().legs
+    assert whole is not None
+    motions = [leg.motion for leg in legs]
+    for before, after in itertools.pairwise(motions):
+        assert before is not None
+        assert after is not None
+        np.testing.assert_allclose(after.positions[0], before.positions[-1], rtol=0, atol=1e-9)
+    assert (np.diff(whole.time) > 0).all()
+    assert np.abs(np.diff(whole.positions, axis=0)).max() < 0.05
+    for joints, at in zip(JOINTS, whole.begins, strict=True):
+        sample = int(np.abs(whole.time - at).argmin())
+        np.testing.assert_allclose(whole.positions[sample], joints, atol=1e-9)
+
+
+def test_the_object_is_a_body_of_the_arm_meanwhile_and_then_stands_where_the_tool_took_it() -> None:
+    legs, ball = planned().legs, planned().scene.obstacles[0]
+    assert [len(leg.scene.obstacles) for leg in legs] == [2, 1, 1, 2]
+    held = [leg.scene.robot.attached for leg in legs]
+    assert [one is None for one in held] == [True, False, False, True]
+
+    moved = tool(JOINTS[3]) @ np.linalg.inv(tool(JOINTS[1])) @ [*ball.position, 1.0]
+    left = legs[-1].scene.obstacles[0]
+    np.testing.assert_allclose(left.position, moved[:3], atol=1e-9)
+    clearance = legs[1].arm_clearance
+    assert clearance is not None
+    reasons = {one.link: one.reason for one in clearance.allowed if one.other == "held_object"}
+    assert reasons.pop("d") == "grasp"
+    assert "c" not in reasons
+
+
+def test_every_leg_is_proven_and_so_is_that_they_join() -> None:
+    verdicts = verify(written(), planned().scene.meshes)
+    assert [one.curve for one in verdicts] == [*(f"leg {k}, arm" for k in range(1, 5)), "tasks"]
+    assert all(one.proven for one in verdicts), verdicts
+
+
+def jump(plan: dict[str, Any]) -> None:
+    plan["legs"][2]["arm"]["certificate"]["positions"][0][0] += 1e-6
+
+
+def move_what_is_left(plan: dict[str, Any]) -> None:
+    plan["legs"][3]["scene"]["obstacles"][0]["position"][1] += 1e-5
+
+
+def hold_another(plan: dict[str, Any]) -> None:
+    plan["legs"][2]["scene"]["arm"]["attached"]["radius"] = 0.04
+
+
+def forget_it(plan: dict[str, Any]) -> None:
+    plan["legs"][2]["scene"]["arm"]["attached"] = None
+
+
+def leave_out_a_leg(plan: dict[str, Any]) -> None:
+    del plan["legs"][3]
+
+
+def slacken(plan: dict[str, Any]) -> None:
+    plan["legs"][1]["scene"]["arm"]["allowed"] = [["d", 0]]
+
+
+def go_elsewhere(plan: dict[str, Any]) -> None:
+    plan["scene"]["tasks"][3]["goal"] = {"joints": [0.3, 0.2, 0.5]}
+
+
+def tell_another_motion(plan: dict[str, Any]) -> None:
+    plan["trajectory"]["positions"][5][1] += 1e-6
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        *(jump, move_what_is_left, hold_another, forget_it, leave_out_a_leg),
+        *(slacken, go_elsewhere, tell_another_motion),
+    ],
+)
+def test_legs_that_do_not_join_are_found(
+    damage: Callable[[dict[str, Any]], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # of each leg by itself other tests ask
+    monkeypatch.setattr("abi.verify.verify.check_chain", lambda *_: "")
+    plan = copy.deepcopy(written())
+    assert joined(plan).proven
+    damage(plan)
+
+    assert not joined(plan).proven
+
+
+def test_a_leg_without_a_motion_ends_the_sequence() -> None:
+    scene = planned().scene
+    ahead = tool(JOINTS[2])[:3, 3].tolist()
+    box = {"shape": "box", "size": [0.3, 0.3, 0.3], "position": ahead}
+    stopped = plan_tasks(scene.replace(obstacles=[*scene.obstacles, box]))
+
+    assert len(stopped.legs) == 2
+    assert stopped.error is not None
+    assert stopped.trajectory is None
+    assert stopped.to_dict()["error"] is not None
+
+
+@pytest.mark.parametrize(
+    ("tasks", "field"),
+    [
+        ([{}, {}], "tasks[1].goal"),
+        ([{"attach": 1}], "tasks[0].attach"),
+        ([{"release": True}], "tasks[0].release"),
+        ([{"attach": 0}, {"goal": [1.0, 1.0, 1.0], "attach": 0}], "tasks[1].attach"),
+    ],
+)
+def test_tasks_that_cannot_be_are_refused(tasks: list[dict[str, Any]], field: str) -> None:
+    ball = {"shape": "sphere", "radius": 0.1, "position": [2.0, 2.0, 2.0]}
+    with pytest.raises(SceneError) as refusal:
+        Scene.from_dict(data(obstacles=[ball], tasks=tasks), FILES)
+
+    assert refusal.value.field == field
+
+
+def test_a_scene_with_tasks_and_those_of_its_legs_are_read_back_equal() -> None:
+    for scene in (planned().scene, *(leg.scene for leg in planned().legs)):
+        assert Scene.from_dict(json.loads(json.dumps(scene.to_dict())), FILES) == scene
+    assert planned().scene.replace(tasks=[{"goal": {"joints": JOINTS[4]}}]).arm.goal is not None
+
+
+def body_of(given: Any) -> tuple[Obstacle, Link]:
+    """A shape, and the link that stands for it where it is held."""
+    shape: Obstacle = Scene.from_dict(data(obstacles=[given]), FILES).obstacles[0]
+    robot = Scene.from_dict(data(arm={**data()["arm"], "attached": shape}), FILES).robot
+    assert robot.attached is not None
+    return shape, robot.links[robot.attached.link]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"shape": "box", "size": [0.2, 0.3, 0.1]},
+        trimesh.creation.cone(radius=0.1, height=0.3, sections=6),
+    ],
+    ids=["box", "mesh"],
+)
+def test_the_corners_of_what_is_held_are_a_millimetre_within_it(given: Any) -> None:
+    shape, link = body_of(given)
+
+    away = ObstacleSet((shape,)).signed_distance(triangles_of(link).reshape(-1, 3))
+    np.testing.assert_allclose(away, -STANDING, rtol=0, atol=1e-9)
+
+
+def test_what_is_round_keeps_its_form_and_loses_a_millimetre_where_it_is_held() -> None:
+    ball = {"shape": "sphere", "radius": 0.1}
+    assert [one.size[0] for one in body_of(ball)[1].shapes] == [pytest.approx(0.099)]
+    for kind, height in (("cylinder", 0.298), ("capsule", 0.3)):
+        _, link = body_of({"shape": kind, "radius": 0.1, "height": 0.3})
+        assert link.shapes[0].size[:2] == pytest.approx((0.099, height))
+        assert link.drawn[0].size[:2] == pytest.approx((0.1, 0.3))
+    assert [round(float(one.pose[2, 3]), 9) for one in link.shapes] == [0.0, -0.15, 0.15]
