@@ -13,6 +13,7 @@ from viser.transforms import SO3
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
+from app.camera.extent import extent
 from app.camera.framing import Window, holds, lift, stand
 from app.camera.prospect import USUAL, best_direction
 from app.drawing.box import box_corners
@@ -26,6 +27,8 @@ _MOST_COVERED = 0.4
 """Part of the picture's height to which text on one edge counts; the rest is for the scene."""
 _SAME_SHAPE = 0.1
 """Part by which the picture's shape may differ from one that the page tells of, both rounded."""
+_HEADLINE = 0.11
+"""Part of the picture's height over which the headline lies, usually."""
 _FOOT = 0.07
 """Radius of the arm's foot, as a part of the scene's size."""
 _TOLERANCE = 1e-3
@@ -89,6 +92,7 @@ class Viewpoint:
         self._distance_factor = 1.0
         self._direction: FloatArray = USUAL
         self._points: FloatArray | None = None
+        self._extent: FloatArray | None = None
         self._window = Window(camera.fov, _ASPECT)
         self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
         self._shown = False
@@ -97,17 +101,20 @@ class Viewpoint:
     def show(self, scene: Scene) -> None:
         """Put the camera in front of ``scene``."""
         self._scene, self._direction, self._shown = scene, USUAL, True
+        self._extent = None
         self._place()
 
     def face(self, plan: Plan) -> None:
         """Turn around the scene to where most of a plan with a B-spline is seen.
 
-        Not where the user has moved the camera.
+        It steps back where the arm would be cut off in its motion, or be behind the headline. Not
+        where the user has moved the camera.
         """
         if self._is_moved():
             return
         _, target, size = _view(self._scene, self._distance_factor, self._direction)
         self._direction = best_direction(plan, target, self._distance_factor * size)
+        self._extent = extent(plan)
         self._place()
 
     def surround(self, points: FloatArray | None) -> None:
@@ -187,6 +194,9 @@ class Viewpoint:
             look_at(self._camera, self._scene, self._distance_factor, self._direction)
             position, target, _ = _view(self._scene, self._distance_factor, self._direction)
             position, target = lift(_outline(self._scene), position, target, self._window)
+            window = replace(self._window, above=max(self._window.above, _HEADLINE))
+            if self._extent is not None and not holds(self._extent, position, target, window):
+                position, target = stand(self._extent, self._direction, window)
         else:
             position, target = stand(self._points, self._direction, self._window)
         self._camera.position, self._camera.look_at = position, target

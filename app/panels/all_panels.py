@@ -18,6 +18,7 @@ from app.panels.files.history import History, HistoryStep
 from app.panels.files.share import SharePanel
 from app.panels.layer_switches import LayerSwitches
 from app.panels.messages import Messages
+from app.panels.obstacles.control_handles import ControlHandles
 from app.panels.obstacles.end_gizmos import EndGizmos
 from app.panels.obstacles.obstacle_editor import ObstacleEditor
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
@@ -70,6 +71,7 @@ class AllPanels:
         self.layer_switches = LayerSwitches(self.layout, switches, wake, dark)
         self.obstacles = ObstacleGizmos(client, scene, wake)
         self.ends = EndGizmos(client, scene, wake)
+        self.control = ControlHandles(client, wake)
         with self.layout.search:
             self.theatre = TheatrePanel(client, wake)
             self.comparison = ComparisonPanel(client.gui, wake)
@@ -111,6 +113,7 @@ class AllPanels:
             self.stages.bases,
             self.stages.arm.ends,
             self.ends,
+            self.control,
             self.obstacles,
             self.files,
             self.editor,
@@ -257,6 +260,8 @@ class AllPanels:
             self.layer_switches.restore(frozenset(cue.setting.shown), None)
         if cue.setting.search is not None:
             self.theatre.set(**cue.setting.search.model_dump(exclude_none=True))
+        if cue.setting.bend is not None:
+            self.control.move(cue.setting.bend)
 
     def left(self) -> bool:
         """Check whether a lesson or the figures were left since the last call."""

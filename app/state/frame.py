@@ -9,6 +9,7 @@ from abi.errors import AbiError
 from abi.planner.base_map import BaseMap
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
+from app.state.bent_curve import BentCurve
 from app.theatre.theatre import Theatre
 from app.ui.layout import Layout
 from app.ui.style import Colour
@@ -50,6 +51,7 @@ class Frame:
         mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
         visited: number of nodes to draw in the order in which the chosen search expanded them.
         theatre: the search that is stepped through; None while none is.
+        bent: the B-spline with control points moved by hand; None while none are.
         bases: places tried for the arm's base; None while none are.
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
@@ -74,6 +76,7 @@ class Frame:
     mesh_view: str = "near"
     visited: int = 0
     theatre: Theatre | None = None
+    bent: BentCurve | None = None
     bases: BaseMap | None = None
     time: float = 0.0
     playing: bool = False

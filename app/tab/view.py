@@ -14,6 +14,7 @@ from app.camera.extent import extent
 from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
 from app.layers.details import Details
 from app.panels.all_panels import AllPanels
+from app.panels.obstacles.control_handles import ControlHandles
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
 from app.panels.stages.stage_headers import StageHeaders
@@ -32,7 +33,8 @@ from app.ui import notices
 from app.ui.page_area import PageWatch, label_scale
 from app.ui.panel_folding import PanelFolding
 
-_SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
+_SWITCHABLE: tuple[type[Switchable], ...]
+_SWITCHABLE = (*LAYERS, ControlHandles, ObstacleGizmos, *SLOW_LAYERS)
 SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
 """Entries of the legend."""
 SHOWN = frozenset(switch.name for switch in SWITCHES if switch.on)
@@ -155,6 +157,7 @@ class TabView:
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
         frame = replace(frame, plots=self._watch.plots)
+        frame = replace(frame, bent=self.panels.control.bent(frame))
         theatre = self.panels.theatre.advance(frame)
         told = frame.lecture or frame.lesson  # what is shown is chosen for the student
         hidden = theatre is not None or (told and "arm" not in frame.shown)

@@ -100,6 +100,7 @@ class Setting(_Part):
         shown: layers to show; all others are hidden.
         camera: where to look from.
         search: of the theatre.
+        bend: displacements of the B-spline's control points, by their numbers, [unit].
         time: of the motion, [s]; it stands still there.
         play: whether the motion plays.
     """
@@ -109,6 +110,7 @@ class Setting(_Part):
     shown: tuple[str, ...] | None = None
     camera: LessonCamera | None = None
     search: SearchCue | None = None
+    bend: dict[int, Vec3] | None = None
     time: Annotated[float, Field(ge=0)] | None = None
     play: bool | None = None
 

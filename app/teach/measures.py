@@ -110,6 +110,12 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "bspline.degree": partial(_number, "plan.scene.spline.degree"),
         "bspline.clearance": lambda f: _clearance(f.plan, "bspline"),
         "bspline.points": partial(_number, "plan.bspline.curve.control_points"),
+        "bent.moved": partial(_number, "bent.moved"),
+        "bent.length": partial(_number, "bent.length"),
+        "bent.changed": lambda f: None if f.bent is None else 100 * f.bent.changed,
+        "bent.clearance": lambda f: (
+            None if f.bent is None else distance_to_show(f.bent.fit.clearance)
+        ),
         "quadratic.length": partial(_number, "plan.quadratic_arc.length"),
         "quadratic.clearance": lambda f: _clearance(f.plan, "quadratic"),
         "quadratic.clear": partial(_number, "plan.quadratic.holds"),
@@ -141,7 +147,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
 """The numbers by name."""
 
 _COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
-_COUNTS |= {"degree", "pieces", "step"}
+_COUNTS |= {"degree", "pieces", "step", "moved", "changed"}
 _LENGTHS = {"length", "clearance", "wanted", "pitch", "asked"}
 _SETTINGS = {"wanted", "asked", "speed", "a", "b"}
 _LOWER_BOUNDS = {"optimum.length"}

@@ -8,6 +8,7 @@ from pathlib import Path
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from abi.search.replay import replay
+from app.state.bent_curve import BentCurve, bend
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue, Setting, scene_of
 from app.theatre.searches import EDGES, TheatreSearches
@@ -49,8 +50,18 @@ class Rehearsal:
             shown=frame.shown if setting.shown is None else frozenset(setting.shown),
             time=frame.time if setting.time is None else setting.time,
         )
-        self.frame = replace(self.frame, theatre=self._theatre())
+        self.frame = replace(self.frame, theatre=self._theatre(), bent=self._bent(setting))
         return self.frame
+
+    def _bent(self, setting: Setting) -> BentCurve | None:
+        """The curve bent as a setting asks, or as before where it is still the plan's."""
+        plan, bent = self.frame.plan, self.frame.bent
+        if plan.bspline is None or "bent" not in self.frame.shown:
+            return None
+        if not setting.bend:
+            return bent if bent is not None and bent.of is plan.bspline.curve else None
+        points = plan.bspline.curve.control_points
+        return bend(plan, {k: points[k] + by for k, by in setting.bend.items()})
 
     def _theatre(self) -> Theatre | None:
         cue, plan = self._cue, self.frame.plan

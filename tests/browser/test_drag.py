@@ -125,3 +125,25 @@ def _coordinates(page: Page) -> list[float]:
     text = page.props("/goal/label")["text"]
     assert text.startswith("goal (")
     return [float(number.replace("−", "-")) for number in text[6:-1].split(", ")]
+
+
+def test_a_control_point_bends_a_curve_of_the_tabs_own(page: Page, session: Session) -> None:
+    plan = session.plan
+    assert plan is not None
+    assert plan.bspline is not None
+    box = session.panels.layer_switches.boxes["bent"]
+    page.click("Layers")
+    page.tick("control points to drag", True)
+    page.until(lambda: bool(box.value) and "/bend/1" in page.shown(), "the balls")
+    page.settle()
+    grip = page.pixel("/bend/1")
+    page.drag(grip, (grip[0] - 10, grip[1] + 40))
+    page.until(lambda: session.frame.bent is not None and session.resting, "a bent curve")
+    assert session.plan is plan
+    assert session.frame.bent is not None
+    np.testing.assert_allclose(
+        page.position("/bend/1"), session.frame.bent.fit.curve.control_points[1], atol=1e-5
+    )
+    page.tick("control points to drag", False)
+    page.until(lambda: session.frame.bent is None, "the curve to be the plan's again")
+    assert "/bend/1" not in page.shown()

@@ -25,6 +25,7 @@ NODES = {
     "ghost": ("/ghost",),
     "bases": ("/bases",),
     "names": ("/name/*",),
+    "bent": ("/bend",),
     "obstacles": ("/obstacle_*",),
     "trace": ("/trace",),
     "arm": ("/arm",),

@@ -181,7 +181,7 @@ class LessonPanel:
                 self._intro.content = _INTRO + self._cards()
             return
         place = self._name, self._number, self._answer, self._is_passed, self._done
-        page = (frame.plan, frame.theatre, *place)
+        page = (frame.plan, frame.theatre, frame.bent, *place)
         if page != self._drawn:
             self._drawn = page
             self._write(frame)

@@ -41,7 +41,7 @@ _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
 _COVERING = (
     frozenset(SEARCHES)
     | {"taut", "bspline", "control", "quadratic", "ghost", "names", "excluded", "arm", "trace"}
-    | {"tool_only", "other_elbow", "end_poses", "bases"}
+    | {"tool_only", "other_elbow", "end_poses", "bases", "bent"}
 )
 """Layers that would cover the search, or give away what it finds."""
 
