@@ -119,6 +119,7 @@ poses: $(DEV)
 format: $(DEV)
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
+	$(BIN)/python -m tools.documented_tables
 
 lock: $(DEV)
 	$(COMPILE) --group build $(ARGS) --output-file requirements.lock

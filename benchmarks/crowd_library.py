@@ -10,7 +10,6 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, Obstacles
-from abi.obstacles.primitives import Box, Capsule, Cylinder
 
 _THIN = 1e-9
 """Height of a capsule that stands for a sphere, [unit]."""
@@ -63,10 +62,11 @@ class FclCrowd:
                 model.addSubModel(vertices, one.surface.faces)
                 model.endModel()
             return self._models[key]
-        if isinstance(one, Box):
-            return fcl.Box(*one.size)
-        if isinstance(one, Cylinder):
-            return fcl.Cylinder(one.radius, one.height)
-        if isinstance(one, Capsule):
-            return fcl.Capsule(one.radius, one.height)
-        return fcl.Capsule(one.radius, _THIN)  # of a sphere from a triangle it says 0
+        a, b, c, radius, is_cylinder = one.core()
+        if is_cylinder:
+            return fcl.Cylinder(a, 2 * c)
+        if radius == 0:
+            return fcl.Box(2 * a, 2 * b, 2 * c)
+        if a == b == 0:
+            return fcl.Capsule(radius, max(2 * c, _THIN))  # of a sphere from a triangle it says 0
+        raise ValueError(f"FCL has no shape such as {one.shape}")

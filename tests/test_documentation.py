@@ -7,10 +7,15 @@ from pathlib import Path
 
 import click
 import pytest
+from click.testing import CliRunner
 
+from abi.arm_planning.motion_law import LAWS
 from abi.export.formats import FORMATS
+from abi.obstacles.primitives import PRIMITIVES
+from abi.search.search import SEARCHES
 from app.cli.export import export
 from app.cli.serve import serve
+from tools.documented_tables import PAGE, written
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
@@ -69,8 +74,13 @@ def test_every_way_to_start_the_server_is_documented() -> None:
         assert option.envvar is None or f"`{option.envvar}`" in hosting, option
 
 
-def test_every_export_format_is_documented() -> None:
-    page, told = _text("docs/scene-and-plan.md"), re.split(r"\W+", export.help or "")
-    for name in FORMATS:
+def test_the_documentation_lists_what_the_tables_have() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    assert page == written(page), "run make format, which writes docs/scene-and-plan.md anew"
+    for name in (*FORMATS, *SEARCHES, *LAWS, *PRIMITIVES):
         assert f"`{name}`" in page
-        assert name.partition("-")[0] in told
+
+
+def test_the_command_line_lists_every_format() -> None:
+    listed = CliRunner().invoke(export, ["--formats"]).output
+    assert [line.split()[0] for line in listed.splitlines()] == list(FORMATS)

@@ -1,10 +1,16 @@
-"""Motion along a curve by the law that a scene asks for."""
+"""Motion along a curve by the law that a scene asks for, and the table of the laws.
+
+A new law is a function in a file beside this one, or beside :mod:`abi.curves.speed_profile` where
+it knows nothing of joints, and an entry in the table.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +27,7 @@ from abi.curves.timed_profile import (
     jerk_limited,
 )
 from abi.errors import ArgumentError
-from abi.scene.settings import MotionSettings
+from abi.scene.settings import Law, MotionSettings
 
 _GRID = 3201
 """Points along the curve at which the joints are asked."""
@@ -38,6 +44,31 @@ class JointLimits(NamedTuple):
     accelerations: FloatArray
 
 
+Slowed = Callable[[float], PathProfile]
+"""The motion that takes so many times as long as the fastest of its law."""
+
+
+@dataclass(frozen=True)
+class MotionLaw:
+    """A law of motion along a curve, from rest to rest.
+
+    Attributes:
+        name: in scene files.
+        label: its name on the page.
+        meaning: what it does, in the words of the documentation.
+        slowed: the motions along a path under the settings, by how many times as long they take.
+        uses: the settings of the motion that it reads.
+        keeps_limits: whether it keeps the limits of the joints that the inverse kinematics moves.
+    """
+
+    name: Law
+    label: str
+    meaning: str
+    slowed: Callable[[JointPath, MotionSettings], Slowed]
+    uses: frozenset[str]
+    keeps_limits: bool = True
+
+
 def motion_law(path: JointPath, settings: MotionSettings) -> PathProfile:
     """Motion from rest to rest along a curve.
 
@@ -48,24 +79,15 @@ def motion_law(path: JointPath, settings: MotionSettings) -> PathProfile:
         path: joints along the curve.
         settings: law, speeds and accelerations.
     """
-    length = path.length
-    rates = settings.speed, settings.acceleration, settings.deceleration
-    limits = JointLimits(path.speeds, settings.joint_acceleration * path.scales)
-    slowed: Callable[[float], PathProfile]
-    if settings.law == "time_optimal":
-        slowed = _time_optimal(path, limits).stretched
-    elif settings.law == "jerk_limited":
-        gentle = min(settings.acceleration, settings.deceleration)
-        slowed = jerk_limited(length, settings.speed, gentle, settings.jerk).stretched
-    else:
-        slowed = partial(_slowed, length, rates)
-    factor = 1.0 if settings.law == "three_phase" else _slowing(slowed, path, limits)
+    law = LAWS[settings.law]
+    slowed = law.slowed(path, settings)
+    factor = _slowing(slowed, path, _limits(path, settings)) if law.keeps_limits else 1.0
     if settings.time_step is None:
         return slowed(factor)
     return slowed(factor * _to_whole_steps(slowed(factor).duration, settings.time_step))
 
 
-def _slowing(slowed: Callable[[float], PathProfile], path: JointPath, limits: JointLimits) -> float:
+def _slowing(slowed: Slowed, path: JointPath, limits: JointLimits) -> float:
     """Factor, at least 1, by which a motion takes longer so that the joints' limits hold."""
     factor = 1.0
     for _ in range(_ROUNDS if path.is_timed else 1):
@@ -80,6 +102,24 @@ def _to_whole_steps(duration: float, step: float) -> float:
     """Factor, at least 1, by which a motion takes longer so that it ends with a time step."""
     steps = max(math.ceil(duration / step - 1e-9), 2)
     return steps * step / duration if duration > 0 else 1.0
+
+
+def _limits(path: JointPath, settings: MotionSettings) -> JointLimits:
+    return JointLimits(path.speeds, settings.joint_acceleration * path.scales)
+
+
+def _three_phases(path: JointPath, settings: MotionSettings) -> Slowed:
+    rates = settings.speed, settings.acceleration, settings.deceleration
+    return partial(_slowed, path.length, rates)
+
+
+def _smooth(path: JointPath, settings: MotionSettings) -> Slowed:
+    gentle = min(settings.acceleration, settings.deceleration)
+    return jerk_limited(path.length, settings.speed, gentle, settings.jerk).stretched
+
+
+def _fastest(path: JointPath, settings: MotionSettings) -> Slowed:
+    return _time_optimal(path, _limits(path, settings)).stretched
 
 
 def _slowed(length: float, rates: tuple[float, float, float], factor: float) -> PathProfile:
@@ -127,3 +167,43 @@ def _time_optimal(path: JointPath, limits: JointLimits) -> TimedProfile:
     slowest = 1e-6 * float(squared.max())
     squared[1:-1] = np.maximum(squared[1:-1], slowest)
     return from_squared_speeds(length, read_only(distances), squared)
+
+
+_OF_THE_TOOL = frozenset({"speed", "acceleration", "deceleration"})
+LAWS: Mapping[str, MotionLaw] = MappingProxyType(
+    {
+        one.name: one
+        for one in (
+            MotionLaw(
+                "three_phase",
+                "three phases",
+                "the paper's, which considers the tool tip alone",
+                _three_phases,
+                _OF_THE_TOOL,
+                keeps_limits=False,
+            ),
+            MotionLaw(
+                "slowed",
+                "three phases, joints in limits",
+                "the same, slowed down until the joints' limits hold",
+                _three_phases,
+                _OF_THE_TOOL | {"joint_acceleration"},
+            ),
+            MotionLaw(
+                "time_optimal",
+                "as fast as joints allow",
+                "the fastest within these limits",
+                _fastest,
+                frozenset({"joint_acceleration"}),
+            ),
+            MotionLaw(
+                "jerk_limited",
+                "smooth (limited jerk)",
+                "with limited jerk, too",
+                _smooth,
+                _OF_THE_TOOL | {"joint_acceleration", "jerk"},
+            ),
+        )
+    }
+)
+"""The laws by name, in the order in which the page and the documentation list them."""

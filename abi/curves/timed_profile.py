@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 import scipy
@@ -24,14 +23,12 @@ class TimedProfile(ShortRepr):
     """Motion from rest to rest that never moves backwards.
 
     Attributes:
-        law: ``jerk_limited`` or ``time_optimal``.
         length: distance to travel, [unit].
         breaks: times between the pieces, from 0, increasing, shape (k + 1,), [s].
         coefficients: of the distance in each piece, from the third power of the time since its
             break down, shape (4, k), [unit/s³] to [unit].
     """
 
-    law: Literal["jerk_limited", "time_optimal"]
     length: float
     breaks: FloatArray
     coefficients: FloatArray
@@ -67,7 +64,7 @@ class TimedProfile(ShortRepr):
         """Slow the motion down, so that it takes ``factor`` times as long."""
         powers = factor ** np.array([-3.0, -2.0, -1.0, 0.0])[:, None]
         slower = read_only(self.coefficients * powers)
-        return TimedProfile(self.law, self.length, read_only(self.breaks * factor), slower)
+        return TimedProfile(self.length, read_only(self.breaks * factor), slower)
 
     def __call__(self, time: ArrayLike, order: int = 0) -> FloatArray:
         """Distance travelled, or its derivative by time.
@@ -125,7 +122,7 @@ def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) 
     a, v, d = rates[:, :-1]
     breaks = np.concatenate([[0.0], np.cumsum(durations)])
     coefficients = np.stack([jerks / 6, a / 2, v, d])
-    return TimedProfile("jerk_limited", length, read_only(breaks), read_only(coefficients))
+    return TimedProfile(length, read_only(breaks), read_only(coefficients))
 
 
 def _top_speed(length: float, speed: float, acceleration: float, jerk: float) -> float:
@@ -159,4 +156,4 @@ def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArra
     accelerations = np.diff(squared) / (2 * steps)
     breaks = np.concatenate([[0.0], np.cumsum(times)])
     coefficients = np.stack([np.zeros_like(steps), accelerations / 2, speeds[:-1], distances[:-1]])
-    return TimedProfile("time_optimal", length, read_only(breaks), read_only(coefficients))
+    return TimedProfile(length, read_only(breaks), read_only(coefficients))

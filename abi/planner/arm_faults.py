@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from abi.arm_planning.motion.trajectory import ArmMotion, Violation
+from abi.arm_planning.motion_law import LAWS
 from abi.length_text import with_minus
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
@@ -55,7 +56,7 @@ def limits_warning(plan: Plan) -> str:
     worst = _worst(passed)
     others = f" {len(passed)} limits are passed in all." if len(passed) > 1 else ""
     hint = "Lower motion.joint_acceleration or motion.speed."
-    if plan.scene.motion.law == "three_phase":
+    if not LAWS[plan.scene.motion.law].keeps_limits:
         hint = "motion.law: slowed keeps the joints' speeds and accelerations."
     return f"{limit_sentence(worst, plan.motion, plan.scene.unit)}{others} {hint}"
 

@@ -79,7 +79,7 @@ def compare(task: SearchTask) -> tuple[SearchComparison, ...]:
     """Run every search that can take the task's arcs, one after the other."""
     found = []
     for name, search in COMPARED.items():
-        if task.arcs.negative is None or search.one_way:
+        if task.arcs.negative is None or search.substitute is None:
             begin = time.thread_time()
             trace = search.find(task)
             ms = 1e3 * (time.thread_time() - begin)

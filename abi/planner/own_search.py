@@ -39,7 +39,7 @@ def plan_with(scene: Scene, own: OwnSearch) -> Plan:
         ArgumentError: what it returns is no path of the graph.
     """
     found: SearchFunction = partial(_searched, own)
-    searches = {**SEARCHES, scene.search.algorithm: found}
+    searches: dict[str, SearchFunction] = {**SEARCHES, scene.search.algorithm: found}
     return Planner(searches=searches)(scene.replace(arm={"avoid": False}))
 
 

@@ -39,6 +39,7 @@ MOST_SAMPLES = 20_000
 
 Elbow = Literal["up", "down"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
+Law = Literal["three_phase", "slowed", "time_optimal", "jerk_limited"]
 
 
 def _plain(value: object) -> object:
@@ -148,7 +149,7 @@ def _finest_pitch(lattice: Lattice, max_nodes: int, workspace: Workspace) -> flo
 
 
 class SearchSettings(Settings):
-    """Stage 3. All three algorithms run; later stages use the path of ``algorithm``.
+    """Stage 3. All algorithms run; later stages use the path of ``algorithm``.
 
     ``taut`` pulls that path taut before curves are fitted (stage 3½); the paper does not.
     """
@@ -186,7 +187,7 @@ class MotionSettings(Settings):
     acceleration: Rate = 6.0
     deceleration: Rate = 6.0
     curve: Literal["auto", "quadratic", "bspline"] = "auto"
-    law: Literal["three_phase", "slowed", "time_optimal", "jerk_limited"] = "three_phase"
+    law: Law = "three_phase"
     joint_acceleration: Rate = 8.0
     jerk: Rate = 40.0
     samples: Annotated[Count, Field(ge=3, le=MOST_SAMPLES)] | None = None

@@ -13,7 +13,7 @@ from abi.search.best_first_kernels import estimates
 from abi.search.graph import Graph
 from abi.search.heap_kernels import ArcRows
 from abi.search.heuristic import Weight, metric
-from abi.search.search import problem_of
+from abi.search.problem import problem_of
 from abi.search.search_kernels import LITTLE
 
 

@@ -1,7 +1,7 @@
 """Table of the searches that can be compared and stepped through, by name.
 
-They run on request, not in every plan. A new one is a function from a task to a trace, in a file
-beside this one unless it is as short as those here, and an entry.
+Those of every plan come first; the others run on request. A new one of these is a function from a
+task to a trace, in a file beside this one unless it is as short as those here, and an entry.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
 
+from abi.arrays import read_only
 from abi.search.bellman_ford_rounds import bellman_ford_rounds
 from abi.search.heap_kernels import best_first_order, bidirectional_order
 from abi.search.lazy_theta_star import lazy_theta_star
-from abi.search.search import order_of_expansion
+from abi.search.search import SEARCHES, PlannedSearch
 from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace, trace_of
 
@@ -27,14 +28,15 @@ class ComparedSearch:
         label: its name on the page.
         find: the search.
         exact: whether its path is always the cheapest of the graph.
-        one_way: whether it can handle arcs in one direction only, such as one of negative cost.
+        substitute: the search that takes its place where an arc leads in one direction only, such
+            as one of negative cost; None if it can handle them itself.
         any_angle: whether its path may leave the edges; it then minimises the length.
     """
 
     label: str
     find: Callable[[SearchTask], SearchTrace]
     exact: bool
-    one_way: bool
+    substitute: str | None = None
     any_angle: bool = False
 
 
@@ -70,40 +72,34 @@ def _bidirectional_dijkstra(task: SearchTask) -> SearchTrace:
     return trace_of(arcs, order, "best_first", sides=2, reopens=True)
 
 
-def _as_planned(algorithm: str, factors: tuple[float, float], task: SearchTask) -> SearchTrace:
-    """A* or Dijkstra as every plan runs them; as in the textbook where a cost is negative."""
+def _as_planned(search: PlannedSearch, task: SearchTask) -> SearchTrace:
+    """A search as every plan runs it; as in the textbook where a cost is negative."""
     if task.arcs.negative is not None:
-        return _best_first(factors, task)
-    order = order_of_expansion(algorithm, task.graph, task.weight)
-    return trace_of(task.arcs, order, "best_first", factors, reopens=True)
+        return _best_first(search.factors, task)
+    order = read_only(search.expand(task.graph, task.weight).order)
+    return trace_of(task.arcs, order, search.queue, search.factors, reopens=True)
 
 
-def _bellman_ford(task: SearchTask) -> SearchTrace:
-    """Bellman-Ford with a queue, as every plan runs it."""
-    order = order_of_expansion("bellman_ford", task.graph, task.weight)
-    return trace_of(task.arcs, order, "first_in", reopens=True)
+def _planned(search: PlannedSearch) -> ComparedSearch:
+    """The entry of a search of every plan."""
+    substitute = None if search.queue == "best_first" else "bellman_ford_rounds"
+    return ComparedSearch(search.label, partial(_as_planned, search), True, substitute)
 
 
 COMPARED: Mapping[str, ComparedSearch] = MappingProxyType(
-    {
-        "a_star": ComparedSearch("A*", partial(_as_planned, "a_star", (1.0, 1.0)), True, True),
-        "dijkstra": ComparedSearch(
-            "Dijkstra", partial(_as_planned, "dijkstra", (1.0, 0.0)), True, True
-        ),
-        "bellman_ford": ComparedSearch("Bellman-Ford (queue)", _bellman_ford, True, False),
-        "bellman_ford_rounds": ComparedSearch(
-            "Bellman-Ford, by rounds", bellman_ford_rounds, True, True
-        ),
-        "weighted_a_star": ComparedSearch("weighted A*", _weighted_a_star, False, True),
+    {name: _planned(one) for name, one in SEARCHES.items()}
+    | {
+        "bellman_ford_rounds": ComparedSearch("Bellman-Ford, by rounds", bellman_ford_rounds, True),
+        "weighted_a_star": ComparedSearch("weighted A*", _weighted_a_star, False),
         "greedy_best_first": ComparedSearch(
-            "greedy best-first", partial(_best_first, (0.0, 1.0)), False, True
+            "greedy best-first", partial(_best_first, (0.0, 1.0)), False
         ),
         "bidirectional_dijkstra": ComparedSearch(
-            "Dijkstra from both ends", _bidirectional_dijkstra, True, False
+            "Dijkstra from both ends", _bidirectional_dijkstra, True, "dijkstra"
         ),
         "lazy_theta_star": ComparedSearch(
-            "Lazy Theta*", lazy_theta_star, False, False, any_angle=True
+            "Lazy Theta*", lazy_theta_star, False, "dijkstra", any_angle=True
         ),
     }
 )
-"""The searches by name; the first three are those of every plan."""
+"""The searches by name; the first are those of every plan."""

@@ -161,7 +161,7 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     inertia = mass5 * radius5**2 + mass6 * radius6**2
     if settings.dynamics == "corrected":
         inertia = 2 * (mass5 + mass6)
-    if motion.law in ("time_optimal", "jerk_limited"):
+    if motion.law not in ("three_phase", "slowed"):
         duration = Fraction(finite("timing.duration", timing.get("duration")))
         return anywhere(start, start + force / inertia * duration**2)
     names = ("t1", "t2", "t3", "peak_speed")  # of three phases, slowed down or not

@@ -10,6 +10,16 @@ from app.cli.exit_code import INCOMPLETE
 from app.cli.given_scene import given_scene
 
 
+def _list_formats(context: click.Context, parameter: click.Parameter, asked: bool) -> None:
+    """Print the formats, and end."""
+    if asked and not context.resilient_parsing:
+        from abi.export.formats import FORMATS
+
+        for name, one in FORMATS.items():
+            click.echo(f"{name:{max(map(len, FORMATS))}}  {one.label}")
+        context.exit()
+
+
 @click.command(short_help="Write SCENE's motion, curves, obstacles or arm to a file.")
 @click.argument("scene", default="paper")
 @click.option(
@@ -20,15 +30,18 @@ from app.cli.given_scene import given_scene
     help="File to write; its ending gives the format.",
 )
 @click.option("--format", "format_name", help="Format, instead of the ending's.")
+@click.option(
+    "--formats",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_list_formats,
+    help="List the formats and exit.",
+)
 def export(scene: str, path: Path, format_name: str | None) -> None:
     """Plan SCENE and write its motion, curves, obstacles or arm to a file.
 
     SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input.
-
-    Formats: csv, json (the whole plan), ros and ros-json (JointTrajectory), spline (knots and
-    control points), moveit (the obstacles), mcap (for Foxglove), rosbag (for ROS 2), urscript
-    (where the arm is a UR), urdf (the arm), urdf-zip (the same with its meshes), html (one page
-    that plays stages, search and motion without a server).
 
     A motion whose arm touches something, is not proven clear, or passes a limit of its joints'
     speeds, accelerations or torques is written with a warning.

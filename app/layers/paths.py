@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import ClassVar
 
 import numpy as np
@@ -15,7 +16,7 @@ from app.ui.layout import Layout
 
 # Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
 _OFFSET = np.array([0.53, -0.80, 0.27])
-_OFFSET_FACTOR = {"a_star": 0.0, "dijkstra": 1.0, "bellman_ford": -1.0}
+_OFFSET_FACTORS = (0.0, 1.0, -1.0, 2.0, -2.0)
 
 
 class PathsLayer(Layer):
@@ -59,12 +60,14 @@ class PathsLayer(Layer):
     def _draw_searches(self, plan: Plan) -> None:
         longest = max(plan.scene.workspace.size)
         results = {result.algorithm: result for result in plan.searches}
-        for name, line in self._lines.items():
+        for (name, line), factor in zip(
+            self._lines.items(), itertools.cycle(_OFFSET_FACTORS), strict=False
+        ):
             line.thickness = 3.2 if plan.path and name == plan.path.algorithm else 1.8
             if name not in results:
                 line.points = NO_SEGMENTS
                 continue
-            points = results[name].points + _OFFSET_FACTOR[name] * 0.006 * longest * _OFFSET
+            points = results[name].points + factor * 0.006 * longest * _OFFSET
             line.points = _dashed(name, points, longest)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import viser
 
+from abi.arm_planning.motion_law import LAWS
 from abi.planner.arm_faults import limit_sentence, worst_limit
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
@@ -82,7 +83,7 @@ class ArmBanner:
                 buttons += button(self.follow, "Follow the B-spline")
         elif clearance is not None and not clearance.certified and not scene.arm.avoid:
             buttons += button(self.avoid, "Avoid with the whole arm")
-        elif _is_too_fast(plan) and scene.motion.law == "three_phase":
+        elif _is_too_fast(plan) and not LAWS[scene.motion.law].keeps_limits:
             buttons += button(self.slow, "Slow down for the joints")
         self._clearance = _kept_clearance(plan)
         if self._clearance > 0:

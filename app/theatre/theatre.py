@@ -9,8 +9,8 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
+from abi.search.search import SEARCHES
 from abi.search.trace import NO_NODES
-from app.ui import style
 from app.ui.numbers import format_length, with_minus
 
 _WRITTEN = {"yours": "Your search", "right": "The right one"}
@@ -126,9 +126,7 @@ def where(state: SearchState, node: int) -> str:
 
 def one_way_search(name: str) -> str:
     """The search itself where it takes one-way edges, else the nearest one that does."""
-    if COMPARED[name].one_way:
-        return name
-    return "bellman_ford_rounds" if name == "bellman_ford" else "dijkstra"
+    return COMPARED[name].substitute or name
 
 
 def label_of(name: str) -> str:
@@ -138,7 +136,7 @@ def label_of(name: str) -> str:
 
 def race_of(name: str) -> tuple[str, ...]:
     """The three searches that race: the chosen one among them."""
-    first = tuple(style.ALGORITHMS)
+    first = tuple(SEARCHES)[:3]
     return first if name in first else (name, *first[:2])
 
 

@@ -6,6 +6,7 @@ import html
 import math
 
 from abi.arm_planning.joint_search.search_joints import JointSearch
+from abi.arm_planning.motion_law import LAWS
 from abi.curves.timed_profile import TimedProfile
 from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
@@ -24,10 +25,6 @@ from app.ui.numbers import (
 _PIECES_SHOWN = 2
 _SPILLS = 60
 """Tilt of a liquid's level at which no cup holds it, [°]."""
-_LAWS = {
-    "time_optimal": "As fast as the joints may",
-    "jerk_limited": "Smooth (limited jerk)",
-}
 
 
 @once_a_plan
@@ -105,7 +102,8 @@ def _motion(plan: Plan) -> str:
         return ""
     profile, unit = plan.profile, f"{plan.scene.unit}/s"
     if isinstance(profile, TimedProfile):
-        text = f"{_LAWS[profile.law]}, up to {format_length(profile.peak_speed)} {unit}: "
+        label = LAWS[plan.scene.motion.law].label
+        text = f"{label[0].upper()}{label[1:]}, up to {format_length(profile.peak_speed)} {unit}: "
         return style.paragraph(f"{text}{profile.duration:.2f} s in all.{_tilt(plan)}")
     text = f"Speed up {profile.t1:.2f} s, cruise {profile.t2:.2f} s, brake {profile.t3:.2f} s."
     if profile.triangular:

@@ -6,11 +6,14 @@ near black; none carries a meaning alone (dashes, widths, signs and words go wit
 
 from __future__ import annotations
 
+from abi.search.search import SEARCHES
+
 Colour = tuple[int, int, int]
 
 A_STAR: Colour = (120, 139, 241)
 DIJKSTRA: Colour = (219, 167, 0)
 BELLMAN_FORD: Colour = (22, 118, 83)
+FOURTH_SEARCH: Colour = (168, 186, 141)
 BSPLINE: Colour = (241, 73, 176)
 QUADRATIC: Colour = (85, 65, 222)
 TAUT: Colour = (14, 189, 226)
@@ -44,10 +47,10 @@ GOOD: tuple[Colour, Colour] = ((10, 122, 90), (60, 196, 152))
 BAD: tuple[Colour, Colour] = ((201, 42, 42), (255, 135, 135))
 """Colours of ✗, likewise."""
 
+SEARCH_COLOURS = (A_STAR, DIJKSTRA, BELLMAN_FORD, FOURTH_SEARCH)
 ALGORITHMS: dict[str, tuple[str, Colour]] = {
-    "a_star": ("A*", A_STAR),
-    "dijkstra": ("Dijkstra", DIJKSTRA),
-    "bellman_ford": ("Bellman-Ford (queue)", BELLMAN_FORD),
+    name: (one.label, colour)
+    for (name, one), colour in zip(SEARCHES.items(), SEARCH_COLOURS, strict=False)
 }
 """The searches of every plan; all that can be compared are in :mod:`abi.search.compare`."""
 CURVES: dict[str, tuple[str, Colour]] = {

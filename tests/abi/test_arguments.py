@@ -156,7 +156,7 @@ def of_tet_mesh(**fields: Any) -> Any:
 
 def of_profile(**fields: Any) -> Any:
     powers = np.array([[0.0, 0], [1, 0], [0, 2], [0, 1]])
-    made = TimedProfile("time_optimal", 5.0, np.array([0.0, 1, 3]), powers)
+    made = TimedProfile(5.0, np.array([0.0, 1, 3]), powers)
     return replace(made, **fields)(np.array([0.0, 0.5, 2]))
 
 

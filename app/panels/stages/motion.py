@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from abi.arm_planning.motion_law import LAWS
 from abi.scene.scene import Scene
 from app.panels.length_step import length_step
 from app.panels.stages.fields import Fields
@@ -20,12 +21,6 @@ FOLLOWED = {
     "quadratic if it keeps clear": "auto",
     "quadratic": "quadratic",
     "B-spline": "bspline",
-}
-LAWS = {
-    "three phases": "three_phase",
-    "three phases, joints in limits": "slowed",
-    "as fast as joints allow": "time_optimal",
-    "smooth (limited jerk)": "jerk_limited",
 }
 _JERK_STEPS = 10
 """Steps of a length that are one of the jerk, which is a larger number."""
@@ -51,7 +46,7 @@ class MotionPanel:
         self.law = Choice(
             gui,
             "motion",
-            LAWS,
+            {one.label: name for name, one in LAWS.items()},
             "The paper's three phases heed only the tool tip. The others also keep the joints "
             "within their speeds and accelerations.",
         )
@@ -101,6 +96,7 @@ class MotionPanel:
         if (law := self.law.value) == self._shown:
             return
         self._shown = law
-        self.speed.visible = self.rates.visible = law != "time_optimal"
-        self.joint_acceleration.visible = law != "three_phase"
-        self.jerk.visible = law == "jerk_limited"
+        uses = LAWS[law].uses if law in LAWS else frozenset()
+        self.speed.visible, self.rates.visible = "speed" in uses, "acceleration" in uses
+        self.joint_acceleration.visible = "joint_acceleration" in uses
+        self.jerk.visible = "jerk" in uses

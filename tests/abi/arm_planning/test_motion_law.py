@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from abi.arm_planning.motion.liquid import tilts
 from abi.arm_planning.motion.trajectory import Trajectory
-from abi.arm_planning.motion_law import second_derivatives
+from abi.arm_planning.motion_law import LAWS, second_derivatives
 from abi.arm_planning.paper_arm_model import PaperArmJointPath
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import SpeedProfile
@@ -20,10 +21,11 @@ from abi.planner.planner import Planner
 from abi.robot.kinematics.inverse_dynamics import GRAVITY
 from abi.robot.paper_arm.paper_arm import JOINT_SPEED, PaperArm
 from abi.scene.scene import load_scene
+from abi.scene.settings import Law, MotionSettings
 from abi.verify.verify import verify
 
-LAWS = ("three_phase", "slowed", "jerk_limited", "time_optimal")
 PLANNER = Planner()
+LIMITED = [name for name, one in LAWS.items() if one.keeps_limits]
 
 
 def planned(scene: str, law: str, **motion: float) -> Plan:
@@ -48,9 +50,15 @@ def peaks(plan: Plan, samples: int = 3001) -> tuple[float, float]:
     return float(speed), float(np.abs(second_derivatives(positions, times[1])).max())
 
 
+def test_every_law_of_the_settings_is_in_the_table() -> None:
+    assert set(get_args(Law)) == set(LAWS), "a law is missing in LAWS, or in Law of settings.py"
+    for law in LAWS.values():
+        assert law.uses <= set(MotionSettings.model_fields), law.name
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("limit", [8.0, 1.5])
-@pytest.mark.parametrize("law", LAWS[1:])
+@pytest.mark.parametrize("law", LIMITED)
 @pytest.mark.parametrize("scene", ["paper", "two-boxes", "wall-with-window"])
 def test_joint_limits_hold(scene: str, law: str, limit: float) -> None:
     plan = planned(scene, law, joint_acceleration=limit)
@@ -68,7 +76,7 @@ def test_joint_limits_hold(scene: str, law: str, limit: float) -> None:
 
 
 @pytest.mark.parametrize("force", [0.05, 0.5, 2.0])
-@pytest.mark.parametrize("law", LAWS[1:])
+@pytest.mark.parametrize("law", LIMITED)
 def test_joint_limits_hold_while_q5_slides(law: str, force: float) -> None:
     motion = {"law": law, "joint_acceleration": 2.0}
     plan = PLANNER(load_scene("paper").replace(motion=motion, arm={"forces": (0.5, force, 0.6)}))
@@ -79,7 +87,10 @@ def test_joint_limits_hold_while_q5_slides(law: str, force: float) -> None:
 
 @pytest.mark.parametrize("scene", ["paper", "two-boxes"])
 def test_gentler_motions_take_longer(scene: str) -> None:
-    three, slowed, gentle, fast = (planned(scene, law, joint_acceleration=3.0) for law in LAWS)
+    three, slowed, gentle, fast = (
+        planned(scene, law, joint_acceleration=3.0)
+        for law in ("three_phase", "slowed", "jerk_limited", "time_optimal")
+    )
     durations = []
     for plan in (fast, three, slowed, gentle):
         assert plan.profile is not None

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise, permutations
-from typing import Any
+from typing import Any, get_args
 
 import networkx
 import numpy as np
@@ -16,7 +16,7 @@ from abi.errors import NoPath
 from abi.obstacles.obstacle_set import NO_OBSTACLES
 from abi.obstacles.primitives import Box
 from abi.scene.lattices import LATTICES, Lattice
-from abi.scene.settings import MeshSettings, Workspace
+from abi.scene.settings import Algorithm, MeshSettings, Workspace
 from abi.search import bellman_ford_kernels, best_first_kernels, heuristic
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
@@ -342,6 +342,8 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
 
 
 def test_searches_are_named_in_order() -> None:
-    assert list(SEARCHES) == ["a_star", "dijkstra", "bellman_ford"]
+    missing = "a search is missing in SEARCHES, or in Algorithm of settings.py"
+    assert set(SEARCHES) == set(get_args(Algorithm)), missing
+    assert list(SEARCHES)[:3] == ["a_star", "dijkstra", "bellman_ford"]
     graph = random_graph(1)
     assert [find(graph, "length").algorithm for find in SEARCHES.values()] == list(SEARCHES)

@@ -249,7 +249,7 @@ def test_what_takes_no_negative_edge_says_what_is_shown_instead(
     fake.set(panel.on, True)
     fake.set(panel.edges, "one")
     fake.set(panel.algorithm, COMPARED[name].label)
-    takes_it = COMPARED[name].one_way
+    takes_it = COMPARED[name].substitute is None
     until(
         lambda: (
             session.frame.theatre is not None

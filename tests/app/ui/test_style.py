@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from abi.search.search import SEARCHES
 from app.ui import style
 
 Colours = dict[str, style.Colour]
@@ -41,6 +42,7 @@ LINES: Colours = {
     "A*": style.A_STAR,
     "Dijkstra": style.DIJKSTRA,
     "Bellman-Ford": style.BELLMAN_FORD,
+    "a fourth search": style.FOURTH_SEARCH,
     "B-spline": style.BSPLINE,
     "quadratic": style.QUADRATIC,
     "shortcut": style.TAUT,
@@ -110,6 +112,10 @@ def test_thin_lines_of_plots_are_easily_seen_on_both_pages(colour: style.Colour)
 def test_signs_can_be_read_on_both_pages(signs: tuple[style.Colour, style.Colour]) -> None:
     for sign, ground in zip(signs, PAGES, strict=True):
         assert _contrast(sign, ground) >= 4.5
+
+
+def test_every_search_has_a_colour_of_its_own() -> None:
+    assert set(style.ALGORITHMS) == set(SEARCHES), "SEARCH_COLOURS has too few colours"
 
 
 def test_bluish_lines_that_are_seen_at_once_differ_in_more_than_their_colour() -> None:
