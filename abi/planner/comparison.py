@@ -1,4 +1,4 @@
-"""Comparison of further searches on a plan's graph, beside the three of every plan."""
+"""Comparison of further searches on a plan's graph, beside those of every plan."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ _COARSER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
 _MOST_HALVINGS = 40
 _FIRST_GUESS = 20_000
 _FAR_TOO_MANY = 2.5
-_ALL_SEARCHES = 5  # ratio of time of all three searches to that of one and all later stages
+_ALL_SEARCHES = 5  # ratio of time of all searches to that of one and all later stages
 
 
 class NodeBudget:
@@ -55,7 +55,7 @@ class NodeBudget:
         self._held = False
 
     def fits_all_searches(self, scene: Scene) -> bool:
-        """Check whether there is time for all three searches, two of which visit all nodes."""
+        """Check whether there is time for all searches, two of which visit all nodes."""
         most = max(self.nodes / _ALL_SEARCHES, LEAST_NODES)
         return scene.mesh.node_count(scene.workspace) <= most
 

@@ -1,6 +1,7 @@
 """Stage 3: shortest paths by A*, Dijkstra and Bellman-Ford (paper, section III and Table I).
 
-All three are exact: with weights that are not negative and a consistent heuristic they find paths
+A new search is a function like :func:`a_star`, in a file beside this one, and an entry in
+:data:`SEARCHES`. All are exact: with weights that are not negative and a consistent heuristic they find paths
 of the same cost. The paths themselves, and their lengths when hops are counted, may differ.
 """
 
@@ -10,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from abi.errors import NoPath
 from abi.scene.settings import Algorithm
 from abi.search.bellman_ford_kernels import bellman_ford
 from abi.search.best_first_kernels import best_first
+from abi.search.expansion import Expansion
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
 from abi.search.heuristic_kernels import NO_METRIC
@@ -53,22 +55,6 @@ class SearchResult(ShortRepr):
     expanded: int
     relaxed: int
     order: IntArray
-
-
-class Expansion(NamedTuple):
-    """What a search found out about the nodes.
-
-    Attributes:
-        costs: (n,) least cost from the start; inf where it was not reached.
-        parents: (n,) the node before; -1 where there is none.
-        order: (expanded,) node ids in the order of expansion.
-        relaxed: number of edges examined.
-    """
-
-    costs: FloatArray
-    parents: IntArray
-    order: IntArray
-    relaxed: int
 
 
 @dataclass(frozen=True)

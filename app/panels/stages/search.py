@@ -22,7 +22,7 @@ class SearchPanel:
             gui,
             "path used",
             ALGORITHMS,
-            "All three searches run each time; this one's path becomes the curve.",
+            "All searches run each time; this one's path becomes the curve.",
         )
         self.weight = Choice(
             gui,
