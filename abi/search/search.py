@@ -1,8 +1,9 @@
 """Stage 3: shortest paths by A*, Dijkstra and Bellman-Ford (paper, section III and Table I).
 
 A new search is a function like :func:`a_star`, in a file beside this one, and an entry in
-:data:`SEARCHES`. All are exact: with weights that are not negative and a consistent heuristic they find paths
-of the same cost. The paths themselves, and their lengths when hops are counted, may differ.
+:data:`SEARCHES`. All are exact: with weights that are not negative and a consistent heuristic they
+find paths of the same cost. The paths themselves, and their lengths when hops are counted, may
+differ.
 """
 
 from __future__ import annotations
