@@ -2,7 +2,8 @@
 
 Kernels that an earlier run has cached are loaded, which takes about a second. The others are
 compiled in separate processes, so that neither plans nor the end of the program have to wait, and
-are loaded one by one as they are ready. First come those that plans spend most time in.
+are loaded one by one as they are ready. First come those that plans spend most time in. These are
+compiled for the next program even if this one ends.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import atexit
 import gc
 import importlib
+import itertools
 import logging
 import math
 import os
@@ -42,6 +44,9 @@ _GRACE = 0.2
 
 _PATIENCE = 0.1
 """Seconds that a plan waits for kernels to be loaded even if they have hardly run as Python."""
+
+_WORTHWHILE = 1.0
+"""Seconds in Python after which the kernels that took them are compiled though the program ends."""
 
 _CHILD = "from abi.compiling import compile_named; compile_named({})"
 
@@ -87,6 +92,8 @@ class _Compilation:
         self.spare = _PROCESSORS - 1
         self._thread: threading.Thread | None = None
         self._missing: tuple[Kernel[..., Any], ...] = ()
+        self._waiting: list[Kernel[..., Any]] = []
+        self._children: list[subprocess.Popen[str]] = []
         self._begun = 0.0
         self._lock = threading.Lock()
         self._ending = False
@@ -108,7 +115,19 @@ class _Compilation:
         """
         self._ending = True
         self.wanted.set()
+        self._leave_the_rest()
         LOADING.acquire()  # and never released
+
+    def _leave_the_rest(self) -> None:
+        """Have other processes compile what this one has run as Python, if that took it long."""
+        with self._lock:
+            needed = [kernel for kernel in self._waiting if kernel.need]
+            if not self._children or sum(kernel.need for kernel in needed) < _WORTHWHILE:
+                return
+            needed.sort(key=_urgency, reverse=True)
+            for kernel, child in zip(needed, itertools.cycle(self._children), strict=False):
+                with suppress(OSError, ValueError):  # it has ended
+                    print(kernel.name, file=child.stdin, flush=True)
 
     def remaining(self) -> Remaining | None:
         """How far it is; None while nothing is being compiled."""
@@ -156,13 +175,13 @@ class _Compilation:
         """Let other processes compile missing kernels, and load each when it is cached."""
         undisturbed = max(_PROCESSORS - self.spare, 1)
         count = min(max(undisturbed, _UNASKED_PROCESSES), _PROCESSORS, _MOST_PROCESSES)
-        waiting = list(missing)
+        self._waiting = list(missing)
         events = [threading.Event() for _ in missing]
         for kernel, event in zip(missing, events, strict=True):
             kernel.elsewhere = event
         threads = [
-            threading.Thread(target=self._from_child, args=(waiting, k >= undisturbed), daemon=True)
-            for k in range(min(count, len(waiting)))
+            threading.Thread(target=self._from_child, args=(k >= undisturbed,), daemon=True)
+            for k in range(min(count, len(missing)))
         ]
         for thread in threads:
             thread.start()
@@ -171,34 +190,45 @@ class _Compilation:
         for event in events:  # of what no process has come to
             event.set()
 
-    def _from_child(self, waiting: list[Kernel[..., Any]], gives_way: bool) -> None:
+    def _from_child(self, gives_way: bool) -> None:
         """Let another process compile the kernels, one after the other, until none is left."""
         child = _start_child(gives_way)
         if child is None:
             return
-        assert child.stdin is not None
         assert child.stdout is not None
+        with self._lock:
+            self._children.append(child)
         # a killed child breaks the pipe twice: what it was not told is written again at the end
         with suppress(BrokenPipeError), child:
-            while (kernel := self._next(waiting)) is not None:
-                assert kernel.elsewhere is not None
+            while (kernel := self._tell_next(child)) is not None:
                 try:
-                    print(kernel.name, file=child.stdin, flush=True)
                     if child.stdout.readline().strip() != kernel.name:
                         return
                 finally:
-                    kernel.elsewhere.set()
+                    _let_be(kernel)
                 if not self._load(kernel):  # it could not be cached, nor could others
                     return
 
-    def _next(self, waiting: list[Kernel[..., Any]]) -> Kernel[..., Any] | None:
-        """Take the kernel that has run longest as Python for its size; None if none is left."""
+    def _tell_next(self, child: subprocess.Popen[str]) -> Kernel[..., Any] | None:
+        """Tell a process the kernel that comes next; None if none is left or this process ends."""
         with self._lock:
-            if not waiting:
+            if self._ending or not self._waiting:
                 return None
-            kernel = max(waiting, key=_urgency)
-            waiting.remove(kernel)
+            # the one that has run longest as Python for its size
+            kernel = max(self._waiting, key=_urgency)
+            self._waiting.remove(kernel)
+            try:
+                print(kernel.name, file=child.stdin, flush=True)
+            except BrokenPipeError:
+                _let_be(kernel)
+                raise
             return kernel
+
+
+def _let_be(kernel: Kernel[..., Any]) -> None:
+    """Let nobody wait any longer for the process that was to compile a kernel."""
+    assert kernel.elsewhere is not None
+    kernel.elsewhere.set()
 
 
 def _urgency(kernel: Kernel[..., Any]) -> float:
@@ -295,17 +325,27 @@ def compile_named(gives_way: bool) -> None:
     """Compile the kernels named on standard input, and print the name of each once it is cached.
 
     The main function of the other processes. When the one that started them ends, they end, too,
-    but not before the kernel that they are at is cached: else a program that is shorter than its
-    compilation would find nothing, however often it runs.
+    but not before the kernels that they were told are cached: else a program that is shorter than
+    its compilation would find nothing, however often it runs.
 
     Args:
         gives_way: whether to work only while nobody else needs the processor.
     """
-    if gives_way and hasattr(os, "nice"):
-        os.nice(19)
+    if gives_way:
+        _give_way()
     all_kernels()
     for kernel in compile_each(KERNELS[line.strip()] for line in sys.stdin):
-        print(kernel.name, flush=True)
+        try:
+            print(kernel.name, flush=True)
+        except OSError:  # nobody waits for it any more
+            sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+            _give_way()
+
+
+def _give_way() -> None:
+    """Work only while nobody else needs the processor."""
+    if hasattr(os, "nice"):
+        os.nice(19)
 
 
 def compile_each(kernels: Iterable[Kernel[..., Any]]) -> Iterator[Kernel[..., Any]]:

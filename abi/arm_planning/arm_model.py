@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, Protocol, Self
 
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
@@ -54,9 +54,18 @@ class JointPath(Protocol):
         """The motion by a profile, at uniform times."""
 
     def is_refuted(
-        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+        self,
+        profile: Callable[[], PathProfile],
+        collision_world: CollisionWorld,
+        required: float,
     ) -> bool:
-        """Check if a quick test shows that the arm is not clear; False if that would take long."""
+        """Check if a quick test shows that the arm is not clear; False if that would take long.
+
+        Args:
+            profile: makes the motion along it, which is asked for only where it counts.
+            collision_world: everything around the arm.
+            required: clearance that the links are to keep from obstacles, [unit].
+        """
 
     def clearance(
         self,

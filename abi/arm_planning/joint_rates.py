@@ -42,6 +42,8 @@ class JointRates(ShortRepr):
 def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRates:
     """Compute speeds and accelerations as differences of the samples, and the torques needed.
 
+    A motion whose rates are known brings them along.
+
     The paper gives masses only for its arm's last three drives, so that arm has no torques; the
     speed limit of its turning joints is nominal.
 
@@ -51,7 +53,9 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
         acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²].
     """
     step = float(motion.time[1] - motion.time[0])
-    if step > 0:
+    if motion.rates is not None:
+        speeds, growths = motion.rates
+    elif step > 0:
         speeds = np.gradient(motion.positions, step, axis=0)
         growths = second_derivatives(motion.positions, step)
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -77,19 +78,23 @@ class PaperArmJointPath:
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
     def is_refuted(
-        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+        self,
+        profile: Callable[[], PathProfile],
+        collision_world: CollisionWorld,
+        required: float,
     ) -> bool:
         """Check whether a few poses show that the arm is not clear.
 
         If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first;
         and nothing where only the duration bounds q5.
         """
-        slide = slide_bounds(self.curve, self.arc, profile, self.settings)
+        timed = profile()
+        slide = slide_bounds(self.curve, self.arc, timed, self.settings)
         elbow = self.settings.branches[0]
         table = self.arm.table(elbow)
         low, high = float(slide.low.min()), float(slide.high.max())
         if low < high:
-            if isinstance(profile, TimedProfile):
+            if isinstance(timed, TimedProfile):
                 return False
             tries = _TRIES_TO_REFUTE
             found = certify_arm(

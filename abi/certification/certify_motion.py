@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.certification.clearance_proof import (
     MOST_TRIES,
     MotionTask,
@@ -21,7 +21,7 @@ from abi.certification.clearance_proof import (
     separation,
     task_of,
 )
-from abi.certification.exact_contact import ContactFinder, ShapeContact
+from abi.certification.exact_contact import ContactFinder
 from abi.certification.joint_limits import joint_limits
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
@@ -30,9 +30,11 @@ from abi.scene.scene import Scene
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 """Parts of the least distance found that are tried to prove."""
-_POSES, _PAIRS = 32, 12
+_POSES, _PAIRS = 20, 12
 """Poses of a pair, and pairs, at most, at which exact shapes are tested."""
-_BISECTIONS = 24
+_DEPTHS = 4
+"""Poses of a contact, at most, at which its depth is measured."""
+_BISECTIONS = 18
 _FINEST = 1e-9
 """Distance below which shapes may touch or not by rounding, over the largest coordinate."""
 
@@ -152,18 +154,18 @@ def _decided(
     touches, doubts = [], []
     touching = np.zeros((0, 2))
     for link, obstacle in inside:
-        times = _times(task, 0.0, 0.0)
-        depth = finder.at(0.0, link, obstacle).depth
-        touches.append(Touch(times[0], link, obstacle, depth, times[0]))
+        first, last = _times(task, 0.0, float(len(task.motion.points)))
+        deep = finder.depth(0.0, link, obstacle)
+        touches.append(Touch(first, last, link, obstacle, deep, first))
         touching = np.array([[0.0, float(len(task.motion.points))]])
     for number, pair in enumerate(_pairs(task, proof)):
         step = max(1, math.ceil(len(pair.left) / _POSES))
-        tested = pair.left[::step] if number < _PAIRS else pair.left[:0]
-        contacts = [finder.at(float(at), pair.link, pair.other) for at in tested[:, 2]]
-        if any(one.touches for one in contacts):
-            touches.append(_touch(task, finder, pair, tested, contacts))
-            hit = np.array([one.touches for one in contacts])
-            nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(tested) - 1)
+        rows = np.arange(0, len(pair.left) if number < _PAIRS else 0, step, dtype=np.int32)
+        poses = pair.left[rows, 2].tolist()
+        hit = np.array([finder.touches(at, pair.link, pair.other) for at in poses], dtype=bool)
+        if hit.any():
+            touches += _touches(task, finder, pair, rows, hit)
+            nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(rows) - 1)
             touching = np.concatenate([touching, pair.left[hit[nearest_tested], :2]])
         else:
             doubts.append(_doubt(task, proof, pair, finder, clearance))
@@ -172,30 +174,49 @@ def _decided(
     return tuple(touches), tuple(doubts), _stretches(task, proof, touching)
 
 
-def _touch(
-    task: MotionTask,
-    finder: ContactFinder,
-    pair: _Pair,
-    tested: FloatArray,
-    contacts: list[ShapeContact],
-) -> Touch:
-    """The first time at which a pair touches, found by bisection, and the deepest place."""
-    first = next(k for k, one in enumerate(contacts) if one.touches)
-    high = float(tested[first, 2])
-    low = float(tested[first - 1, 2]) if first > 0 else float(pair.left[0, 0])
-    if first > 0 or not finder.at(low, pair.link, pair.other).touches:
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            if finder.at(middle, pair.link, pair.other).touches:
-                high = middle
-            else:
-                low = middle
-    else:
-        high = low
-    deepest = max(range(len(contacts)), key=lambda k: contacts[k].depth)
-    times = (task.motion.time_at(at) for at in (high, float(tested[deepest, 2])))
-    time, deep = times
-    return Touch(time, pair.link, pair.other, contacts[deepest].depth, deep)
+def _touches(
+    task: MotionTask, finder: ContactFinder, pair: _Pair, rows: IntArray, hit: BoolArray
+) -> list[Touch]:
+    """Contacts of a pair one after the other: each from its first time, found by bisection, on.
+
+    Args:
+        task: the motion.
+        finder: of contacts.
+        pair: the pair.
+        rows: numbers of its stretches that were tested, (k,).
+        hit: whether it touches on these, (k,).
+    """
+    ends = np.maximum.accumulate(pair.left[:, 1])
+    apart = np.concatenate([[0], np.cumsum(pair.left[1:, 0] > ends[:-1])])[rows]
+    begins = hit & np.concatenate([[True], ~hit[:-1] | (apart[1:] != apart[:-1])])
+    found = []
+    for number, first in enumerate(np.flatnonzero(begins).tolist()):
+        of_one = np.flatnonzero(hit & (np.cumsum(begins) == number + 1))
+        low = float(pair.left[rows[first], 0])
+        if first > 0 and apart[first - 1] == apart[first]:
+            low = float(pair.left[rows[first - 1], 2])
+        at = _first_contact(finder, pair, low, float(pair.left[rows[first], 2]))
+        few = of_one[:: math.ceil(len(of_one) / _DEPTHS)]
+        poses = pair.left[rows[few], 2].tolist()
+        depths = [finder.depth(pose, pair.link, pair.other) for pose in poses]
+        deepest = int(np.argmax(depths))
+        times = (at, float(ends[rows[of_one[-1]]]), poses[deepest])
+        time, last, deep = (task.motion.time_at(one) for one in times)
+        found.append(Touch(time, last, pair.link, pair.other, depths[deepest], deep))
+    return found
+
+
+def _first_contact(finder: ContactFinder, pair: _Pair, low: float, high: float) -> float:
+    """The first parameter from ``low`` on at which a pair touches, which it does at ``high``."""
+    if finder.touches(low, pair.link, pair.other):
+        return low
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if finder.touches(middle, pair.link, pair.other):
+            high = middle
+        else:
+            low = middle
+    return high
 
 
 def _doubt(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -77,6 +77,24 @@ class Motion(ReadOnlyCopies):
         if self.velocities is None:
             return "linear"
         return "cubic" if self.accelerations is None else "quintic"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The motion as plain data, as its own reader takes it."""
+        named = ("times", "positions", "velocities", "accelerations")
+        tables = {name: getattr(self, name) for name in named}
+        return {
+            "joints": list(self.joints),
+            "timed": self.timed,
+            **{name: None if one is None else one.tolist() for name, one in tables.items()},
+        }
+
+    def from_zero(self) -> Motion:
+        """The same motion with its first waypoint at 0 s; times may count from anywhere."""
+        first = float(self.times[0])
+        if first == 0:
+            return self
+        note = f"Times count from the first waypoint, which the file has at {first:.6g} s."
+        return replace(self, times=self.times - first, notes=(*self.notes, note))
 
     def _check(self, name: str, values: FloatArray) -> None:
         """Raise where values (m, n) of the joints are not finite numbers of that shape."""

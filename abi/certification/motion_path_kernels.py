@@ -29,7 +29,7 @@ PATH = Path(FLOATS, 2, 1)
 """Example of a motion."""
 
 
-class Stretch(NamedTuple):
+class PathStretch(NamedTuple):
     """Part of a motion: from a waypoint, or a place between two, to another."""
 
     start: float
@@ -64,7 +64,7 @@ def joints_at(path: Path, at: float, pose: HullPose) -> None:
 
 
 @jitable
-def ways_of(path: Path, stretch: Stretch, pose: HullPose) -> None:
+def ways_of(path: Path, stretch: PathStretch, pose: HullPose) -> None:
     """Write how far each coordinate gets from the pose: bounded by Bézier points."""
     first = int(stretch.start)
     last = max(first + 1, math.ceil(stretch.end))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
 
 from abi.certification.motion import Motion
@@ -16,13 +16,13 @@ MOST_BYTES = 20_000_000
 """Largest motion file; YAML and JSON have lower limits."""
 
 
-def read_motion(name: str, content: bytes, robot: Robot) -> Motion:
+def read_motion(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
     """Read a motion file.
 
     Args:
         name: of the file; its ending chooses the format: one of :data:`FORMATS`.
         content: of the file.
-        robot: the robot that moves.
+        slides: the robot's joints as :func:`own_joints` has them.
 
     Raises:
         MotionError: the format is unknown, or the file is wrong; names row, joint and unit.
@@ -34,7 +34,7 @@ def read_motion(name: str, content: bytes, robot: Robot) -> Motion:
         )
     if len(content) > MOST_BYTES:
         raise MotionError(f"{short(name)} is larger than {MOST_BYTES // 10**6} MB.")
-    return FORMATS[ending](name, content, robot)
+    return FORMATS[ending](name, content, slides)
 
 
 def load_motion(path: Path, robot: Robot) -> Motion:
@@ -49,23 +49,32 @@ def load_motion(path: Path, robot: Robot) -> Motion:
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "no path").lower()
         raise MotionError(f"{short(str(path))} cannot be read ({reason}).") from None
-    return read_motion(path.name, content, robot)
+    return read_motion(path.name, content, own_joints(robot))
+
+
+def own_joints(robot: Robot) -> dict[str, bool]:
+    """The joints of a robot that can move by themselves, from the root on, and which of them slide.
+
+    They are by their names.
+    """
+    own = (one for one in robot.joints if one.kind != "fixed" and one.mimic is None)
+    return {one.name: one.kind == "prismatic" for one in own}
 
 
 def joint_names(robot: Robot) -> tuple[str, ...]:
-    """Names of the joints of a robot that can move by themselves, from the root on."""
-    return tuple(one.name for one in robot.joints if one.kind != "fixed" and one.mimic is None)
+    """Names of these joints."""
+    return tuple(own_joints(robot))
 
 
-def _csv(name: str, content: bytes, robot: Robot) -> Motion:
+def _csv(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise MotionError(f"{short(name)} is no text in UTF-8.") from None
-    return read_csv(text, joint_names(robot))
+    return read_csv(text, slides.keys())
 
 
-def _mapping(name: str, content: bytes, robot: Robot) -> Motion:
+def _mapping(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
     # what ``ros2 topic echo`` prints ends with a line that begins another document
     if not name.lower().endswith(".json"):
         content = content.strip().removesuffix(b"---")
@@ -73,11 +82,10 @@ def _mapping(name: str, content: bytes, robot: Robot) -> Motion:
         data = parse_bytes(content, name)
     except SceneError as error:
         raise MotionError(f"{short(name)} cannot be read; expected {error.expected}.") from None
-    slides = [joint.name for joint in robot.joints if joint.kind == "prismatic"]
-    return read_message(data, slides)
+    return read_message(data, [joint for joint, is_slide in slides.items() if is_slide])
 
 
-FORMATS: dict[str, Callable[[str, bytes, Robot], Motion]] = {
+FORMATS: dict[str, Callable[[str, bytes, Mapping[str, bool]], Motion]] = {
     ".csv": _csv,
     ".yaml": _mapping,
     ".yml": _mapping,

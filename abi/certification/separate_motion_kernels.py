@@ -20,7 +20,7 @@ from abi.arm_planning.world.collision_world_kernels import (
 )
 from abi.arrays import FloatArray
 from abi.certification.hull_distance_kernels import from_row, radius_of
-from abi.certification.motion_path_kernels import PATH, Path, Stretch, joints_at, ways_of
+from abi.certification.motion_path_kernels import PATH, Path, PathStretch, joints_at, ways_of
 from abi.certification.posed_hulls_kernels import (
     HULLS,
     HullPose,
@@ -176,7 +176,7 @@ def separate_motion(
     candidates = _all_pairs(around, hulls)
     left = [(0.0, 0.0, 0.0, 0.0, 0.0)]
     left.clear()
-    pending, work, tries = [(Stretch(0.0, 1.0 * pieces, 0), 0, len(candidates))], [0], 0
+    pending, work, tries = [(PathStretch(0.0, 1.0 * pieces, 0), 0, len(candidates))], [0], 0
     while len(pending) > 0:
         stretch, lowest, highest = pending.pop()
         while len(candidates) > highest:
@@ -211,8 +211,8 @@ def separate_motion(
                 break
             continue
         deeper = 0 if run else stretch.halvings + 1
-        pending.append((Stretch(at, stretch.end, deeper), highest, len(candidates)))
-        pending.append((Stretch(stretch.start, at, deeper), highest, len(candidates)))
+        pending.append((PathStretch(at, stretch.end, deeper), highest, len(candidates)))
+        pending.append((PathStretch(stretch.start, at, deeper), highest, len(candidates)))
     rest = np.empty((len(left), 5))
     for i in range(len(left)):
         rest[i, 0], rest[i, 1], rest[i, 2], rest[i, 3], rest[i, 4] = left[i]

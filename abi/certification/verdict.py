@@ -35,6 +35,7 @@ class Touch(NamedTuple):
 
     Attributes:
         time: first time at which it touches, [s].
+        last: end of the stretch on which it does, [s], to a thousandth of the motion.
         link: name of the link.
         obstacle: number of an obstacle from 0, name of another link, or ``floor``.
         depth: largest depth found, at least, [unit].
@@ -42,6 +43,7 @@ class Touch(NamedTuple):
     """
 
     time: float
+    last: float
     link: str
     obstacle: int | str
     depth: float
@@ -158,16 +160,7 @@ class MotionVerdict(ShortRepr):
             "limits": self.limits.to_dict(),
             "allowed": [one._asdict() for one in self.task.bodies.allowed],
             "notes": list(self.task.motion.notes),
-            "motion": {
-                "joints": list(motion.joints),
-                "timed": motion.timed,
-                "times": motion.times.tolist(),
-                "positions": motion.positions.tolist(),
-                "velocities": None if motion.velocities is None else motion.velocities.tolist(),
-                "accelerations": (
-                    None if motion.accelerations is None else motion.accelerations.tolist()
-                ),
-            },
+            "motion": motion.to_dict(),
             "scene": self.scene.to_dict(),
             "certificate": None if self.proof is None else _certificate(self.task, self.proof),
         }

@@ -17,19 +17,34 @@ from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.errors import ArmNotClear
 from abi.planner.branch import BranchResults, ShortestPath
-from abi.planner.pipeline import find_path, follow_path
+from abi.planner.pipeline import find_path, follow_path, seek_path
 from abi.planner.planning_task import PlanningTask
 from abi.planner.whole_arm_branch import WholeArmBranch
+from abi.search.graph import Graph
 
+_NO_PATH = ("start", "goal", "path")
+"""Faults that there are before a path is found."""
 _PATIENCE = 20
 """Times as many tries to prove a segment clear where there is no path else."""
 
 
 class _Candidate(NamedTuple):
-    """A branch that has a path, and the results so far."""
+    """A branch, and what is known of its path; compared by cost.
 
+    Attributes:
+        cost: of its path, or a lower bound of that as long as there is none.
+        number: of the branch.
+        branch: the branch.
+        graph: in which the path is sought.
+        path: the path, None as long as it has not been sought.
+        results: the results so far.
+    """
+
+    cost: float
+    number: int
     branch: WholeArmBranch
-    path: ShortestPath
+    graph: Graph
+    path: ShortestPath | None
     results: BranchResults
 
 
@@ -57,19 +72,15 @@ class ArmAware:
         asked = BranchTask(task.scene, task.obstacles, collision_world, tool.free.mesh, slack)
         arm_branches = task.model.branches(asked)
         on = partial(self._branch, task, collision_world, tool)
-        faults: dict[str, ArmNotClear] = {}
-        candidates = _with_path([on(one, one.name) for one in arm_branches], tool, faults)
-        if not candidates:  # near the base axis, and along an obstacle, a proof may take more
+        found, faults = _shortest_motion([on(one, one.name) for one in arm_branches], tool)
+        if found is None and all(fault.where in _NO_PATH for fault in faults.values()):
+            # near the base axis, and along an obstacle, a proof may take more
             shut = [one for one in arm_branches if faults[one.name].where == "path"]
             patient = [on(one.scaled(tries=_PATIENCE), one.name) for one in shut]
-            candidates = _with_path(patient, tool, faults)
-        for branch, path, results in sorted(candidates, key=_cost):
-            try:
-                follow_path(branch, path, results)
-            except ArmNotClear as fault:
-                faults[branch.arm_branch.name] = fault
-            else:
-                return results
+            found, again = _shortest_motion(patient, tool)
+            faults |= again
+        if found is not None:
+            return found
         others = task.model.other_branches(asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others.branches))
         return _first_motion(branches, tool, [*faults.values()], others.note)
@@ -88,18 +99,48 @@ class ArmAware:
         return WholeArmBranch(task, collision_world, tool.free, tool.taut, arm_branch, exclude)
 
 
-def _with_path(
-    branches: Iterable[WholeArmBranch], tool: BranchResults, faults: dict[str, ArmNotClear]
-) -> list[_Candidate]:
-    """The branches that have a path; ``faults`` gets why the others have none."""
-    candidates = []
-    for branch in branches:
+def _shortest_motion(
+    branches: Sequence[WholeArmBranch], tool: BranchResults
+) -> tuple[BranchResults | None, dict[str, ArmNotClear]]:
+    """Results on the branch with the shortest path that leads to a motion; None without any.
+
+    Whether a path's edges are clear takes longest, so it is asked only of a branch whose path may
+    be the shortest, by the search on all its edges.
+
+    Returns:
+        The results, and why branches by their names lead to none: those without a path first.
+    """
+    shut: dict[int, ArmNotClear] = {}
+    failed: dict[str, ArmNotClear] = {}
+    waiting: list[_Candidate] = []
+    for number, branch in enumerate(branches):
         results = tool.for_arm()
         try:
-            candidates.append(_Candidate(branch, find_path(branch, results), results))
+            results.free = branch.free_mesh()
+            graph = results.graph = branch.graph(results.free)
+            cost = branch.least_cost(graph)
         except ArmNotClear as fault:
-            faults[branch.arm_branch.name] = fault
-    return candidates
+            shut[number] = fault
+        else:
+            waiting.append(_Candidate(cost, number, branch, graph, None, results))
+    found = None
+    while waiting and found is None:
+        best = min(waiting, key=_order)
+        waiting.remove(best)
+        try:
+            if best.path is None:
+                path = seek_path(best.branch, best.graph, best.results)
+                waiting.append(best._replace(cost=path.path.cost, path=path))
+            else:
+                follow_path(best.branch, best.path, best.results)
+                found = best.results
+        except ArmNotClear as fault:
+            if best.path is None:
+                shut[best.number] = fault
+            else:
+                failed[best.branch.arm_branch.name] = fault
+    names = [one.arm_branch.name for one in branches]
+    return found, {names[number]: shut[number] for number in sorted(shut)} | failed
 
 
 def _first_motion(
@@ -131,5 +172,6 @@ def _first_motion(
     raise ArmNotClear.of_all(faults, found, note)
 
 
-def _cost(candidate: _Candidate) -> float:
-    return candidate.path.path.cost
+def _order(candidate: _Candidate) -> tuple[float, int]:
+    """Shorter paths first, and of equally short ones that of the first branch."""
+    return candidate.cost, candidate.number

@@ -14,6 +14,7 @@ from abi.planner.branch import (
     SplineOnPath,
     TimedMotion,
 )
+from abi.search.graph import Graph
 
 
 def find_path(branch: Branch, results: BranchResults) -> ShortestPath:
@@ -24,7 +25,16 @@ def find_path(branch: Branch, results: BranchResults) -> ShortestPath:
     """
     results.free = branch.free_mesh()
     results.graph = branch.graph(results.free)
-    found = branch.shortest(results.graph)
+    return seek_path(branch, results.graph, results)
+
+
+def seek_path(branch: Branch, graph: Graph, results: BranchResults) -> ShortestPath:
+    """Stage 3: the shortest path in the graph.
+
+    Raises:
+        StageError: there is no path; ``results`` has what was reached.
+    """
+    found = branch.shortest(graph)
     results.graph, results.path, results.path_clearance = found
     return found
 

@@ -6,7 +6,7 @@ import operator
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from abi import progress
@@ -209,9 +209,10 @@ class ToolBranch:
         Only then need the motion along it not be sampled and measured, which takes longer.
         """
         required, collision_world = self.task.scene.arm.clearance, self.collision_world
+        joint_paths = self._joint_paths(followed)
         refuted = all(
-            joint_path.is_refuted(profile, collision_world, required)
-            for joint_path, profile in self._joint_paths(followed)
+            joint_path.is_refuted(partial(self._profile, joint_paths, k), collision_world, required)
+            for k, joint_path in enumerate(joint_paths)
         )
         if refuted:  # stages that do not run take no time
             for stage in self.stages.along_joint_paths:
@@ -220,7 +221,11 @@ class ToolBranch:
 
     def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
         """Stage 6: the motion on the last joint_path that is clear, or else on the first."""
-        moved = [self._moved(k, *path) for k, path in enumerate(self._joint_paths(followed))]
+        joint_paths = self._joint_paths(followed)
+        moved = [
+            self._moved(k, joint_path, self._profile(joint_paths, k))
+            for k, joint_path in enumerate(joint_paths)
+        ]
         return next((one for one in reversed(moved) if one.is_clear), moved[0])
 
     def _moved(self, number: int, joint_path: JointPath, profile: PathProfile) -> TimedMotion:
@@ -241,19 +246,18 @@ class ToolBranch:
             self.task.model.collision_world, self.task.obstacles, lowest
         )
 
-    def _joint_paths(
-        self, followed: SplineOnPath | QuadraticOnSpline
-    ) -> list[tuple[JointPath, PathProfile]]:
-        """Joints along the curve on each of the ways to follow it, and the motion along each."""
+    def _joint_paths(self, followed: SplineOnPath | QuadraticOnSpline) -> Sequence[JointPath]:
+        """Joints along the curve on each of the ways to follow it."""
         progress.tell("moving the arm")
         task, curve = self.task, followed.fit.curve
-        joint_paths = self.stages.joint_paths(
+        return self.stages.joint_paths(
             *(task.model.joint_paths, curve, followed.arc, task.scene.arm, task.obstacles),
             self.collision_world,
         )
-        return [
-            *zip(joint_paths, self.stages.profiles(joint_paths, task.scene.motion), strict=True)
-        ]
+
+    def _profile(self, joint_paths: Sequence[JointPath], number: int) -> PathProfile:
+        """Motion along one of the joint_paths."""
+        return self.stages.profiles(joint_paths, self.task.scene.motion)[number]
 
 
 def _profiles(joint_paths: Sequence[JointPath], asked: MotionSettings) -> tuple[PathProfile, ...]:

@@ -78,16 +78,25 @@ class WholeArmBranch:
         scene, obstacles, margin = self.task.scene, self.task.obstacles, self.task.margin
         return build_graph(free, obstacles, margin, scene.start, scene.goal, scene.spline.clearance)
 
+    def least_cost(self, graph: Graph) -> float:
+        """Lower bound of the cost of the shortest path: that of edges that may not be clear.
+
+        Raises:
+            ArmNotClear: there is no path at all.
+        """
+        try:
+            return self._search(graph).cost
+        except NoPath:
+            raise self._not_clear("path") from None
+
     def shortest(self, graph: Graph) -> ShortestPath:
         """Stage 3: the shortest path whose edges are all clear for the arm.
 
         Raises:
             ArmNotClear: there is none.
         """
-        chosen = self.task.scene.search
-        find = partial(search, chosen.algorithm, weight=chosen.weight)
         try:
-            found = search_clear(graph, self.arm_branch, find)
+            found = search_clear(graph, self.arm_branch, self._search)
         except NoPath:
             found = None
         if found is None:
@@ -174,6 +183,12 @@ class WholeArmBranch:
     def _refutation(self) -> Callable[[Quadratic], ArmRefutation | None]:
         """Where the arm is not clear along a curve; those asked about already are remembered."""
         return lru_cache(self.arm_branch.refutation)
+
+    @cached_property
+    def _search(self) -> Callable[[Graph], SearchResult]:
+        """The search that the scene chooses; its last result is remembered."""
+        chosen = self.task.scene.search
+        return lru_cache(maxsize=1)(partial(search, chosen.algorithm, weight=chosen.weight))
 
     def _not_clear(
         self,

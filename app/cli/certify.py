@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from app.cli.exit_code import INCOMPLETE, UNDECIDED
 from app.cli.given_scene import STANDARD, given_scene
 from app.cli.output import print_text, write_text
-
-if TYPE_CHECKING:
-    from abi.certification.verdict import MotionVerdict
 
 
 @click.command(short_help="Prove that a motion from elsewhere keeps a robot clear.")
@@ -50,6 +46,7 @@ def certify(
     from abi.certification.clearance_proof import MOST_TRIES
     from abi.certification.read_motion import load_motion
     from abi.certification.robot_scene import robot_scene
+    from abi.certification.verdict_words import remarks
 
     place = robot_scene(robot, None if scene is None else given_scene(scene))
     verdict = certify_motion(
@@ -63,7 +60,11 @@ def certify(
     text = json.dumps(verdict.to_dict(), allow_nan=False) if out or as_json else ""
     if out is not None and str(out) != STANDARD:
         write_text(out, text)
-    print_text(text if as_json or str(out) == STANDARD else _told(verdict))
+    print_text(
+        text
+        if as_json or str(out) == STANDARD
+        else "\n".join([verdict.sentence, *remarks(verdict)])
+    )
     if verdict.state != "clear":
         raise SystemExit(INCOMPLETE if verdict.state == "touches" else UNDECIDED)
 
@@ -80,22 +81,3 @@ def _state(text: str) -> dict[str, float]:
         if not sign:
             raise click.UsageError(f"--start: {part.strip()!r} is not NAME=VALUE, as elbow=1.57.")
     return state
-
-
-def _told(verdict: MotionVerdict) -> str:
-    """The verdict as a few lines."""
-    lines = [verdict.sentence, f"Assumed: {verdict.assumed}."]
-    lines += verdict.task.motion.notes
-    lines += [
-        f"{one.joint} passes its limit of {one.quantity}: {one.value:.4g} at "
-        f"{verdict.at(one.time)}, limit {one.limit:.4g}."
-        for one in verdict.limits.passed
-    ]
-    if not verdict.limits.passed:
-        lines.append("Limits of the joints hold.")
-    unknown = [name for name, peak in verdict.limits.peaks.items() if peak is None]
-    if unknown:
-        lines.append(f"Not judged, as the motion or the robot does not say: {', '.join(unknown)}.")
-    others = [one for one in verdict.task.bodies.allowed if one.reason in ("srdf", "always")]
-    lines += [f"{one.link} and {one.other} may touch ({one.reason})." for one in others]
-    return "\n".join(lines)

@@ -12,6 +12,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 from app.panels.files.bug_report import BugReportButton
+from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.exports import ExportPanel
 from app.panels.files.files import FilesPanel
 from app.panels.files.history import History, HistoryStep
@@ -84,13 +85,15 @@ class AllPanels:
             self.share = SharePanel(client, self.layout.overlay, wake)
             self.exports = ExportPanel(client, wake)
             self.bug_report = BugReportButton(client, wake)
+        with self.layout.plots:
+            self.check = CheckMotionPanel(client, scene, wake)
         self.history = History(client.gui, self.step(scene), wake)
         with self.layout.learn:
             self.lessons = LessonPanel(client, library, wake)
             self.practice = PracticePanel(client.gui, wake)
             self.figures = FiguresPanel(client.gui, wake)
         mark = LessonMark(self.layout, self.lessons)
-        self.messages = Messages(self.layout, self.stages.bases, mark, self.share, wake)
+        self.messages = Messages(self.layout, self.stages.bases, mark, self.share, self.check, wake)
         self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
         self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")
         self.tour = Tour(self.layout, wake)
@@ -116,6 +119,7 @@ class AllPanels:
             self.control,
             self.obstacles,
             self.files,
+            self.check,
             self.editor,
             self.layer_switches,
             self.comparison,
@@ -130,8 +134,9 @@ class AllPanels:
 
     def close(self) -> None:
         """Read no more of the tab's files."""
-        for uploads in (self.files.uploads, self.editor.uploads, self.stages.arm.model.uploads):
-            uploads.close()
+        arms = self.stages.arm.model
+        for panel in (self.files, self.check, self.editor, arms):
+            panel.uploads.close()
 
     @property
     def held(self) -> bool:

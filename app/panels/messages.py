@@ -14,6 +14,7 @@ from abi.planner.reason import Reason
 from abi.scene.scene import Scene
 from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import BaseOffer
+from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
 from app.panels.stages.find_base import FindBasePanel
 from app.panels.teach.lesson_mark import LessonMark
@@ -44,9 +45,10 @@ class Messages:
         bases: FindBasePanel,
         lesson: LessonMark,
         share: SharePanel,
+        check: CheckMotionPanel,
         wake: Wake,
     ) -> None:
-        self._lesson, self._share = lesson, share
+        self._lesson, self._share, self._check = lesson, share, check
         self._base = BaseOffer(bases)
         self._overlay = layout.overlay
         gui = layout.client.gui
@@ -80,6 +82,8 @@ class Messages:
             content = _error(
                 "Not changed. " + sentence(frame.refused), kept(frame.refused, frame.plan.scene)
             )
+        elif frame.checked is not None:
+            content = self._check.card(frame.checked)
         elif frame.outdated and frame.plan.mesh is None:
             content = _planning("Planning this scene")
         elif frame.plan.error is not None:
@@ -94,8 +98,12 @@ class Messages:
 
     def tell(self, doing: str) -> None:
         """Tell what the plan does that is being made, until the next frame."""
+        self.wait(f"Planning: {doing}")
+
+    def wait(self, what: str) -> None:
+        """Tell what is done, until the next frame."""
         self._drawn = ()
-        self._overlay.show("message", self._lesson.html + _planning(f"Planning: {doing}"))
+        self._overlay.show("message", self._lesson.html + _planning(what))
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The change of the scene whose button was pressed since the last call."""

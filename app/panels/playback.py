@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import viser
 
 from abi.arm_planning.motion.arm_clearance import ArmClearance
+from abi.certification.verdict import TimeStretch
 from app.panels.widgets import Wake, hidden_button
-from app.ui import style
 from app.ui.overlay import Overlay, button, slider
+from app.ui.time_bar import bar_style
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 _PAUSE_AT_END = 0.8
@@ -113,10 +114,17 @@ class PlaybackPanel:
         ahead = min((moment - self._time) % period or period for moment in moments)
         return ahead / self._rate - (time.monotonic() - self._advanced)
 
-    def mark(self, clearance: ArmClearance | None, duration: float, seen: bool = True) -> None:
+    def mark(
+        self,
+        clearance: ArmClearance | None,
+        duration: float,
+        seen: bool = True,
+        checked: Sequence[TimeStretch] = (),
+    ) -> None:
         """Colour the times at which the arm touches something; no player without a motion.
 
-        Nor is there one, nor a speed to choose, while the arm is not to be ``seen``.
+        Nor is there one, nor a speed to choose, while the arm is not to be ``seen``. Of a motion
+        that was ``checked`` each stretch has a colour.
         """
         moves = duration > 0 and seen
         self.speed.visible = seen
@@ -124,8 +132,8 @@ class PlaybackPanel:
             return
         self._marked, self._moves = clearance, moves
         contacts = () if clearance is None else clearance.contacts
-        stretches = [(one.first, one.last) for one in contacts]
-        self._overlay.show("marks", _player_style(stretches, duration if moves else 0.0))
+        stretches = checked or [TimeStretch(one.first, one.last, "touches") for one in contacts]
+        self._overlay.show("marks", bar_style(stretches, duration if moves else 0.0))
 
     def _toggle(self, event: object) -> None:
         self._presses += 1
@@ -134,24 +142,3 @@ class PlaybackPanel:
     def _scrub(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
         self._scrubbed |= event.client is not None
         self._wake(event)
-
-
-def _player_style(stretches: Iterable[tuple[float, float]], end: float) -> str:
-    """Style sheet that makes stretches of the player's slider red, which runs from 0 to ``end``.
-
-    A short one is made as wide as can be seen. The player of no motion is hidden.
-    """
-    if end == 0:
-        return "<style>#abi-overlay .abi-player{visibility:hidden}</style>"
-    stops, reached = [], 0.0
-    for first, last in sorted(stretches):
-        low, high = max(100 * first / end - 0.5, reached), min(100 * last / end + 0.5, 100.0)
-        if high > low:
-            stops += [f"transparent {reached:.2f}% {low:.2f}%"]
-            stops += [f"{style.css(style.VIOLATION)} {low:.2f}% {high:.2f}%"]
-            reached = high
-    if not stops:
-        return ""
-    stops.append(f"transparent {reached:.2f}% 100%")
-    fill = f"linear-gradient(90deg,{','.join(stops)})"
-    return f"<style>#abi-overlay .abi-track{{background:{fill} 0 100%/100% 4px no-repeat}}</style>"

@@ -13,7 +13,8 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 
-from abi.errors import SceneError
+from abi.certification.motion import Motion
+from abi.errors import MotionError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.robot import Robot
@@ -125,6 +126,29 @@ class Reader:
         answer = self.read(Job("scene", name, content), stopped, delayed)
         surfaces = {file: one.surface() for file, one in answer.surfaces.items()}
         return json.loads(answer.data), {**answer.archives, **surfaces}
+
+    def motion(
+        self,
+        content: bytes,
+        name: str,
+        slides: dict[str, bool],
+        stopped: Stopped | None = None,
+        delayed: Delayed = _ignore,
+    ) -> Motion:
+        """The motion of a file; ``slides``: the robot's joints, and whether each slides.
+
+        The other arguments are those of :meth:`mesh`.
+
+        Raises:
+            MotionError: what it holds is no motion; names row, joint and unit.
+            SceneError: it took too long or too much.
+            StoppedError: ``stopped`` was set.
+        """
+        answer = self.read(Job("motion", name, content, slides), stopped, delayed)
+        if answer.wrong is not None:
+            raise MotionError(*answer.wrong)
+        data = json.loads(answer.data)
+        return Motion(**{**data, "joints": tuple(data["joints"]), "notes": tuple(data["notes"])})
 
     def read(
         self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore

@@ -14,7 +14,8 @@ import msgspec
 import numpy as np
 
 from abi.arrays import read_only
-from abi.errors import SceneError
+from abi.certification.read_motion import read_motion
+from abi.errors import MotionError, SceneError
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -25,7 +26,7 @@ from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 from app.reading import sample_meshes
 
-Kind = Literal["mesh", "arm", "scene"]
+Kind = Literal["mesh", "arm", "scene", "motion"]
 
 
 class Job(msgspec.Struct):
@@ -35,11 +36,13 @@ class Job(msgspec.Struct):
         kind: what it is to be.
         name: its name; the ending tells the format.
         content: its bytes.
+        slides: joints of the robot of a motion, and whether each slides.
     """
 
     kind: Kind
     name: str
     content: bytes
+    slides: dict[str, bool] = {}
 
 
 class SurfaceBytes(msgspec.Struct):
@@ -79,14 +82,16 @@ class ReadingResult(msgspec.Struct):
 
     Attributes:
         refusal: why it is not taken; None where it is.
+        wrong: what is wrong with a motion, and what would work; None where it is taken.
         fault: name of an error that no reader should have raised; empty otherwise.
-        data: plain data of a scene, as JSON.
+        data: plain data of a scene or a motion, as JSON.
         surfaces: repaired meshes, by their names.
         archives: arms with their meshes as zips, by their names.
         choices: URDF files of an archive with several, of which one is to be named.
     """
 
     refusal: Refusal | None = None
+    wrong: tuple[str, str] | None = None
     fault: str = ""
     data: bytes = b""
     surfaces: dict[str, SurfaceBytes] = {}
@@ -97,14 +102,18 @@ class ReadingResult(msgspec.Struct):
 def read(job: Job) -> ReadingResult:
     """Read a file; whatever is wrong with it is in the answer."""
     try:
+        if job.kind == "motion":
+            return _motion(job)
         return _READERS[job.kind](job.name, job.content)
     except SceneError as error:
         return ReadingResult(_refusal(error))
+    except MotionError as error:
+        return ReadingResult(wrong=(_plain(error.message), _plain(error.hint)))
     except MemoryError:
         return ReadingResult(Refusal("file", job.name, "one that takes less memory to read"))
     except Exception as error:  # it stays in this process
         refusal = Refusal("file", job.name, "a file that can be read")
-        return ReadingResult(refusal, f"{type(error).__name__}: {error}"[:300])
+        return ReadingResult(refusal, fault=f"{type(error).__name__}: {error}"[:300])
     finally:
         link_bodies.cache_clear()
 
@@ -125,6 +134,7 @@ def rehearse() -> None:
         files += [Job("mesh", f"a{suffix}", mesh), Job("mesh", f"a{suffix}", mesh[:200])]
     for kind, name in (("scene", "a.zip"), ("arm", "a.zip")):
         files.append(Job(kind, name, b"PK\x03\x04"))  # type: ignore[arg-type]
+    files.append(Job("motion", "a.csv", b"time,a\n0,0\n1,1\n", {"a": False}))
     for job in files:
         read(job)
 
@@ -165,6 +175,12 @@ def _scene(name: str, content: bytes) -> ReadingResult:
     return answer
 
 
+def _motion(job: Job) -> ReadingResult:
+    motion = read_motion(job.name, job.content, job.slides)
+    data = {**motion.to_dict(), "notes": list(motion.notes)}
+    return ReadingResult(data=json.dumps(data).encode())
+
+
 def _srdf_of(data: object) -> str | None:
     """Name of the SRDF in a scene that is not checked yet."""
     arm = data.get("arm") if isinstance(data, dict) else None
@@ -203,11 +219,12 @@ def _refusal(error: SceneError) -> Refusal:
         msgspec.msgpack.encode(value)
     except (TypeError, ValueError, OverflowError):
         value = repr(value)[:200]
-    # half of a pair of surrogates is no text
-    field, expected = (
-        text.encode(errors="replace").decode() for text in (error.field, error.expected)
-    )
-    return Refusal(field, value, expected)
+    return Refusal(_plain(error.field), value, _plain(error.expected))
+
+
+def _plain(text: str) -> str:
+    """The text without halves of pairs of surrogates, which are no text."""
+    return text.encode(errors="replace").decode()
 
 
 _READERS = {"mesh": _mesh, "arm": _arm, "scene": _scene}

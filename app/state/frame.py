@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
+from abi.certification.verdict import MotionVerdict
 from abi.errors import AbiError
 from abi.planner.base_map import BaseMap
 from abi.planner.plan import Plan
@@ -40,6 +41,8 @@ class Frame:
 
     Attributes:
         plan: the last one.
+        checked: the verdict on a motion from elsewhere, which is then the plan's; None for a plan
+            of the tab's own.
         reason: diagnosis of its error.
         refused: error in the last input, which the plan leaves out.
         coarse: whether the plan's mesh is coarser than the scene's, while the input changes.
@@ -65,6 +68,7 @@ class Frame:
     """
 
     plan: Plan
+    checked: MotionVerdict | None = None
     reason: Reason | None = None
     refused: AbiError | None = None
     coarse: bool = False

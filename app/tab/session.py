@@ -261,7 +261,10 @@ class Session:
             self._draw(replace(self.panels.apply_switches(self.frame), refused=error))
         else:
             self.frame = replace(self.frame, refused=self.panels.refused)
-            if self.plans == 0 or restored or self._unplanned or scene != self._scene:
+            if restored:
+                self.panels.check.leave()
+            changed = self.panels.check.changed(scene)
+            if self.plans == 0 or restored or changed or self._unplanned or scene != self._scene:
                 self._show(self._replan(scene), interactive=True)
             else:
                 self._show(self.frame.plan, interactive=True)
@@ -273,6 +276,10 @@ class Session:
 
     def _export(self) -> None:
         """Send the plan as a file, in full."""
+        if self.frame.checked is not None:
+            reason = "The motion that is checked is a file already. Go back to your own plan first."
+            notices.notify_refusal(self.client, "Not exported", reason)
+            return
         if self._planner.live.partial:
             self._show(self._planner.finish(self._scene, self._shared))
         self.panels.exports.send(self.frame.plan)
@@ -383,6 +390,8 @@ class Session:
         self._scene = scene
         if self.plans == 0:
             self._first = scene
+        if (checked := self._check(scene)) is not None:
+            return checked
         shared = self._shared
         if shared is not None and (made := self._planner.take(scene, shared)) is not None:
             return made
@@ -394,6 +403,14 @@ class Session:
             self._draw(replace(self.frame, outdated=True))
         return self._planner(scene, shared)
 
+    def _check(self, scene: Scene) -> Plan | None:
+        """The motion that is checked in place of a plan; None for the tab's own plan."""
+        if self.panels.check.has_motion:
+            self._planner.live.adopt(scene)
+            if self.frame.checked is None:
+                self.panels.messages.wait("Checking the motion")
+        return self.panels.check.plan(scene)
+
     def _tell(self, doing: str) -> None:
         """Show what the plan does that is being made."""
         self.panels.messages.tell(doing)
@@ -403,7 +420,7 @@ class Session:
         self._unplanned = False
         frame = self.panels.apply_switches(self.frame)
         if plan is not frame.plan:
-            frame = replace(frame, plan=plan, reason=None)
+            frame = replace(frame, plan=plan, reason=None, checked=self.panels.check.verdict)
         live = self._planner.live
         self._view.face(plan)
         frame = replace(frame, coarse=live.coarse, partial=live.partial, interactive=interactive)

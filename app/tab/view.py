@@ -161,7 +161,8 @@ class TabView:
         theatre = self.panels.theatre.advance(frame)
         told = frame.lecture or frame.lesson  # what is shown is chosen for the student
         hidden = theatre is not None or (told and "arm" not in frame.shown)
-        self.playback.mark(frame.plan.arm_clearance, frame.duration, seen=not hidden)
+        stretches = () if frame.checked is None else frame.checked.stretches
+        self.playback.mark(frame.plan.arm_clearance, frame.duration, not hidden, stretches)
         bases = self.panels.stages.bases.found(frame.plan.scene)
         return replace(frame, theatre=theatre, bases=bases)
 

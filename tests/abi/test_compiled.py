@@ -10,7 +10,9 @@ import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from io import StringIO
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar, NamedTuple
 
 import numba
@@ -358,7 +360,9 @@ def test_a_compiling_process_that_is_gone_ends_its_thread_in_silence(
         return child
 
     monkeypatch.setattr(compiling, "_start_child", gone)
-    compiling._Compilation()._from_child([waiting_kernel(kernel)], gives_way=False)
+    compilation = compiling._Compilation()
+    compilation._waiting = [waiting_kernel(kernel)]
+    compilation._from_child(gives_way=False)
     assert kernel.elsewhere is not None
     assert kernel.elsewhere.is_set()
 
@@ -367,11 +371,39 @@ def test_the_kernel_that_has_run_longest_for_its_size_is_compiled_next(
     kernel: Kernel[..., float],
 ) -> None:
     others = [compiled(example=(FLOATS, NEW_FLOATS))(doubled) for _ in range(3)]
-    compilation, waiting = compiling._Compilation(), [*others[:2], kernel, others[2]]
+    compilation, child = compiling._Compilation(), a_child()
+    compilation._waiting = [*others[:2], kernel, others[2]]
     kernel.interpret(np.ones(9), np.zeros(9))
-    assert compilation._next(waiting) is kernel
+    assert compilation._tell_next(child) is kernel
     # without a need in the order of their modules, which share what they call
-    assert [compilation._next(waiting) for _ in range(4)] == [*others, None]
+    assert [compilation._tell_next(child) for _ in range(4)] == [*others, None]
+    assert told(child) == [one.name for one in (kernel, *others)]
+
+
+def a_child() -> Any:
+    """A process that hears what it is told, and does nothing."""
+    return SimpleNamespace(stdin=StringIO())
+
+
+def told(child: Any) -> list[str]:
+    """Names of the kernels that a process was told to compile."""
+    heard: str = child.stdin.getvalue()
+    return heard.split()
+
+
+@pytest.mark.parametrize(("seconds", "left"), [(0.7, 2), (0.3, 0)])
+def test_what_a_long_program_has_run_as_python_is_compiled_for_the_next(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch, seconds: float, left: int
+) -> None:
+    kernels = [kernel, *(compiled(example=(FLOATS, NEW_FLOATS))(doubled) for _ in range(2))]
+    compilation, children = compiling._Compilation(), [a_child(), a_child()]
+    compilation._waiting, compilation._children = kernels, children
+    for needed in kernels[:2]:
+        needed._interpreted = seconds
+    monkeypatch.setattr(compiling, "LOADING", threading.Lock())
+    compilation.end()
+    assert sum(len(told(child)) for child in children) == left
+    assert compilation._tell_next(children[0]) is None
 
 
 def test_the_need_of_a_kernel_grows_while_it_runs() -> None:
@@ -406,7 +438,7 @@ def test_who_needs_a_kernel_waits_for_the_process_that_compiles_it(
 
 
 @pytest.mark.slow
-def test_a_compiling_process_outlives_its_parent_by_the_kernel_it_is_at(
+def test_a_compiling_process_outlives_its_parent_by_the_kernels_it_was_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
@@ -414,8 +446,10 @@ def test_a_compiling_process_outlives_its_parent_by_the_kernel_it_is_at(
     assert child is not None
     assert child.stdin is not None
     assert child.stdout is not None
-    print("abi.tet_mesh.exclusion_kernels.mark", file=child.stdin, flush=True)
+    for name in ("tet_mesh.exclusion_kernels.mark", "obstacles.obstacle_set_kernels.nearest"):
+        print(f"abi.{name}", file=child.stdin, flush=True)
     for pipe in (child.stdin, child.stdout):
         pipe.close()
     child.wait()
     assert list(tmp_path.rglob("*mark*.nbi"))
+    assert list(tmp_path.rglob("*nearest*.nbi"))

@@ -1,4 +1,4 @@
-"""Every lesson, walked through as a student does: first the wrong answers, then the right one."""
+"""Lessons, walked through as a student does: first the wrong answers, then the right one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _KEPT = "() => localStorage.getItem('abi-lessons')"
 
 @pytest.fixture(scope="module")
 def student(chromium: Browser, server: Server) -> Iterator[tuple[Page, Session]]:
-    """A tab of its own for all lessons, one after the other, as in a class."""
+    """A tab of its own for these lessons, one after the other, as in a class."""
     tabs = Tabs(chromium, server)
     page = tabs()
     page.click("Pause")
@@ -29,8 +29,9 @@ def student(chromium: Browser, server: Server) -> Iterator[tuple[Page, Session]]
     tabs.close()
 
 
+# those between are gone through without a browser, in tests/app/teach
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LESSONS)
+@pytest.mark.parametrize("name", list(LESSONS)[::4])
 def test_a_student_walks_through(name: str, student: tuple[Page, Session]) -> None:
     page, session = student
     lesson = LESSONS[name][0]

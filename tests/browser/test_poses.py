@@ -18,13 +18,13 @@ _ORDERS: dict[str, list[Step]] = {
     "another unit": [("arm", "UR5e"), _KITCHEN, ("scene", "paper"), ("arm", "UR5e")],
     "another arm, and back": [("arm", "Franka Panda"), ("arm", "UR5e"), ("button", "undo")],
     "under way": [_KITCHEN, ("play", ""), ("arm", "xArm7"), ("play", ""), ("arm", "UR5e")],
-    "again": [("arm", "UR5e"), _KITCHEN, ("reload", ""), ("arm", "UR5e")],
+    "again": [("scene", "paper"), ("arm", "UR5e"), _KITCHEN, ("reload", ""), ("arm", "UR5e")],
 }
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def walker(chromium: Browser, server: Server) -> Iterator[Walker]:
-    """A tab of a server of its own, so that it can tell its sessions apart."""
+    """A tab for all orders, of a server of its own, so that it can tell its sessions apart."""
     own = start(
         Address(port=0), scene="paper", look=PLAIN
     )  # after the shared one, which has all compiled

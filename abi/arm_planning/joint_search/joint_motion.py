@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -95,7 +96,10 @@ class JointPassage(ShortRepr):
         )
 
     def is_refuted(
-        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+        self,
+        profile: Callable[[], PathProfile],
+        collision_world: CollisionWorld,
+        required: float,
     ) -> bool:
         """Check whether some of the poses on the way show that the arm is not clear."""
         return self.joint_path.is_refuted(profile, collision_world, required)

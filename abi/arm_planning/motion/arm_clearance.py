@@ -73,6 +73,8 @@ class ArmClearance(ShortRepr):
         contacts: what touches what, the deepest first.
         certificate: proof of ``distance``, and that nothing else is touched; None if there is none.
         allowed: contacts of a URDF arm that count for nothing.
+        has_verdict: whether ``distance`` is proven by a verdict on the motion, which has its own
+            certificate.
     """
 
     distances: FloatArray
@@ -84,10 +86,13 @@ class ArmClearance(ShortRepr):
     contacts: tuple[Contact, ...]
     certificate: ArmCertificate | None
     allowed: tuple[AllowedContact, ...] = ()
+    has_verdict: bool = False
 
     @property
     def certified(self) -> bool:
         """Whether the whole arm is proven to keep the required distance at all times."""
+        if self.has_verdict:
+            return self.distance >= self.required
         return self.certificate is not None and self.certificate.margin >= self.required
 
     @property

@@ -156,6 +156,8 @@ class ArmMotion(ShortRepr):
         peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
         joints: names of the joints.
         slides: which of them slide, so that their positions are lengths.
+        rates: speeds and accelerations of the joints at the samples, (m, n) each, where they are
+            known better than by differences; else None.
     """
 
     curve: Curve
@@ -171,6 +173,7 @@ class ArmMotion(ShortRepr):
     peak_joint_speed: FloatArray
     joints: tuple[str, ...] = JOINTS
     slides: tuple[bool, ...] = SLIDES
+    rates: tuple[FloatArray, FloatArray] | None = None
 
     @property
     def reachable(self) -> bool:

@@ -6,6 +6,7 @@ The joints start from a chosen or a given pose, and move straight from sample to
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -124,7 +125,10 @@ class ChainJointPath:
         )
 
     def is_refuted(
-        self, profile: PathProfile, collision_world: CollisionWorld, required: float
+        self,
+        profile: Callable[[], PathProfile],
+        collision_world: CollisionWorld,
+        required: float,
     ) -> bool:
         """Check whether some of the poses on the joint_path show that the arm is not clear."""
         poses = self.positions[::_EVERY]
@@ -184,27 +188,32 @@ def chain_joint_path(
         collision_world: the same, with the floor.
     """
     few = curve(arc.parameter(np.linspace(0.0, arc.length, _FEW)))
-    best, least = arm.first_poses(few[0]), (np.inf, np.inf, np.inf)
-    chosen = best[0]
-    reach = arm.chain.table.reach / arm.metres
-    for pose in best:
-        positions, missed = arm.follow(pose, few)
-        poses, enough = Poses.of(arm, positions), _ENOUGH * reach
-        of_capsules = obstacle_distances(
-            arm, obstacles, poses.ends, enough, collision_world.allowed
-        )
-        gaps = (
-            hull_distances_to(arm, poses, collision_world, of_capsules, enough)[0],
-            own_distances(arm, poses),
-            floor_distances(arm, collision_world.floor, poses),
-        )
-        gap = min(float(gap.min(initial=np.inf)) for gap in gaps)
+    firsts = arm.first_poses(few[0])
+    followed = [arm.follow(pose, few) for pose in firsts]
+    gaps = _gaps(arm, np.stack([joints for joints, _ in followed]), obstacles, collision_world)
+    chosen, least = firsts[0], (np.inf, np.inf, np.inf)
+    for pose, (positions, missed), gap in zip(firsts, followed, gaps.tolist(), strict=True):
         travel = float(np.abs(np.diff(positions / arm.scales, axis=0)).sum())
         far = float(missed.max())
-        rank = (far if far > REACHED * reach else 0.0, -min(gap, _ENOUGH * reach), travel)
+        rank = (far if far > REACHED * arm.reach else 0.0, -min(gap, _ENOUGH * arm.reach), travel)
         if rank < least:
             chosen, least = pose, rank
     return joint_path_from(chosen, curve, arc, arm)
+
+
+def _gaps(
+    arm: UrdfArm, positions: FloatArray, obstacles: ObstacleSet, collision_world: CollisionWorld
+) -> FloatArray:
+    """Least distances (p,) of an arm at joint positions (p, k, n), exact where below enough."""
+    poses, enough = Poses.of(arm, positions.reshape(-1, positions.shape[2])), _ENOUGH * arm.reach
+    of_capsules = obstacle_distances(arm, obstacles, poses.ends, enough, collision_world.allowed)
+    distances = (
+        hull_distances_to(arm, poses, collision_world, of_capsules, enough)[0],
+        own_distances(arm, poses),
+        floor_distances(arm, collision_world.floor, poses),
+    )
+    least = np.min([one.min(axis=1, initial=np.inf) for one in distances], axis=0)
+    return np.asarray(least.reshape(positions.shape[:2]).min(axis=1))
 
 
 def joint_path_from(

@@ -36,6 +36,7 @@ class _Look:
     tip: str
     unit: str
     held: frozenset[tuple[str, float]]
+    joints: tuple[str, ...]
     arm: UrdfArm = field(compare=False)
 
 
@@ -85,7 +86,8 @@ def bodies(arm: AnyArm) -> dict[int, tuple[bytes, bytes]]:
 
 def _look_of(arm: AnyArm) -> _Look:
     assert isinstance(arm, UrdfArm)
-    return _Look(arm.chain.robot, arm.tip, arm.unit, frozenset(arm.held.items()), arm)
+    held = frozenset(arm.held.items())
+    return _Look(arm.chain.robot, arm.tip, arm.unit, held, arm.joints, arm)
 
 
 @computed_once(_KEPT)

@@ -32,5 +32,6 @@ class HeadlineLayer(Layer):
 def headline(plan: Plan) -> str:
     """The three numbers as HTML: of the curve, or of the arm where this follows none."""
     if plan.followed is None:
-        return blocks(stage_numbers(plan, "arm")) if plan.joint_search is not None else ""
+        alone = plan.joint_search is not None or plan.path is None  # nothing but a motion
+        return blocks(stage_numbers(plan, "arm")) if alone else ""
     return blocks(curve_numbers(plan, plan.followed))

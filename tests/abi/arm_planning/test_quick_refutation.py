@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -45,12 +47,12 @@ def test_what_a_few_poses_refute_is_never_proven_clear(name: str) -> None:
             made.motion.curve, arc, moved.arm, obstacles, collision_world
         ):
             settings = moved.motion.model_copy(update={"law": LAWS[trial % len(LAWS)]})
-            profile = motion_law(joint_path, settings)
-            motion = joint_path.motion(profile, SAMPLES)
+            make_profile = partial(motion_law, joint_path, settings)
+            motion = joint_path.motion(make_profile(), SAMPLES)
             clear = is_clear(
                 motion, joint_path.clearance(motion, obstacles, collision_world, required)
             )
-            refuted = joint_path.is_refuted(profile, collision_world, required)
+            refuted = joint_path.is_refuted(make_profile, collision_world, required)
             assert not (refuted and clear)
             seen.add((refuted, clear))
     assert {(True, False), (False, True)} <= seen

@@ -71,8 +71,8 @@ def test_a_plate_that_a_thousand_samples_miss_is_found(degree: int) -> None:
     finder = ContactFinder(verdict.task)
     just, before = verdict.task.motion, first.time - 1e-4
     assert just.time_at(0.5) == 1.0
-    assert finder.at(first.time / 2 + 1e-7, first.link, 0).touches
-    assert not finder.at(before / 2, first.link, 0).touches
+    assert finder.touches(first.time / 2 + 1e-7, first.link, 0)
+    assert not finder.touches(before / 2, first.link, 0)
 
 
 def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:

@@ -60,9 +60,9 @@ def test_samples_agree_with_the_verdict(seed: int) -> None:
         return
     for one in verdict.touches:
         at = np.interp(one.time, motion.times, np.arange(len(motion.times)))
-        assert finder.at(
+        assert finder.touches(
             float(at) + 1e-7 * (one.time < motion.times[-1]), one.link, one.obstacle
-        ).touches
+        )
     # what is called proven does not touch: at samples inside, the exact shapes are apart
     touched = {(one.link, one.obstacle) for one in verdict.touches}
     for stretch in verdict.stretches:
@@ -71,7 +71,7 @@ def test_samples_agree_with_the_verdict(seed: int) -> None:
                 (stretch.first + stretch.last) / 2, motion.times, range(len(motion.times))
             )
             for link, other in touched:
-                assert not finder.at(float(middle), link, other).touches
+                assert not finder.touches(float(middle), link, other)
 
 
 TWO_ARMS = """<robot name="two"><link name="base"/>{arms}</robot>"""

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.certification.motion import Motion
-from abi.certification.read_motion import read_motion
+from abi.certification.read_motion import own_joints, read_motion
 from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.errors import MotionError
@@ -66,7 +66,7 @@ def written() -> dict[str, bytes]:
 
 @pytest.mark.parametrize("name", list(written()))
 def test_every_form_gives_the_same_motion(name: str) -> None:
-    motion = read_motion(name, written()[name], ROBOT)
+    motion = read_motion(name, written()[name], own_joints(ROBOT))
     assert motion.joints == JOINTS
     np.testing.assert_allclose(motion.times, TIMES, atol=1e-12)
     np.testing.assert_allclose(motion.positions, TABLE, atol=1e-12)
@@ -75,7 +75,7 @@ def test_every_form_gives_the_same_motion(name: str) -> None:
 
 def test_waypoints_without_times_are_numbered() -> None:
     text = "\n".join([",".join(JOINTS), *(",".join(map(str, row)) for row in TABLE)])
-    motion = read_motion("a.csv", text.encode(), ROBOT)
+    motion = read_motion("a.csv", text.encode(), own_joints(ROBOT))
     assert not motion.timed
     assert motion.times.tolist() == [0, 1, 2]
 
@@ -109,7 +109,7 @@ def rows_with(row: int, column: int, value: object) -> list[list[object]]:
 )
 def test_wrong_input_is_one_sentence(name: str, content: bytes, words: list[str]) -> None:
     with pytest.raises(MotionError) as caught:
-        robot_motion(read_motion(name, content, ROBOT), SCENE)
+        robot_motion(read_motion(name, content, own_joints(ROBOT)), SCENE)
     said = f"{caught.value.message} {caught.value.hint}"
     assert all(word in said for word in words), said
     assert "\n" not in said
@@ -119,7 +119,7 @@ def test_velocities_in_some_rows_only_are_refused() -> None:
     data = message()
     data["points"][1]["velocities"] = []
     with pytest.raises(MotionError, match="Row 2 has 0 velocities for 6 joints"):
-        read_motion("a.json", json.dumps(data).encode(), ROBOT)
+        read_motion("a.json", json.dumps(data).encode(), own_joints(ROBOT))
 
 
 def test_a_first_waypoint_far_from_the_start_state_is_refused() -> None:

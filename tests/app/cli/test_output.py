@@ -56,16 +56,15 @@ def test_a_file_s_name_that_is_no_text_comes_out_as_it_went_in() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
-def test_the_paper_s_table_is_printed_in_other_encodings(encoding: str) -> None:
+def test_the_paper_s_table_is_printed_in_another_encoding() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "app", "reproduce"],
-        env={**os.environ, "PYTHONIOENCODING": encoding},
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
         capture_output=True,
         check=False,
     )
     assert done.returncode == 0
     assert done.stderr == b""
-    table = done.stdout.decode(encoding)
+    table = done.stdout.decode("ascii")
     for word in ("+ holds", "~ depends on the mesh", "x does not hold", "Dijkstra"):
         assert word in table

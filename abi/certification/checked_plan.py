@@ -1,0 +1,137 @@
+"""A motion from elsewhere as a plan that has nothing but stage 6, to be shown as plans are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
+from abi.arm_planning.motion.arm_clearance import ArmClearance, Contact
+from abi.arm_planning.motion.trajectory import ArmMotion, Violation
+from abi.arrays import FloatArray, read_only
+from abi.certification.clearance_proof import nearest
+from abi.certification.verdict import MotionVerdict
+from abi.curves.bspline import clamped
+from abi.curves.timed_profile import TimedProfile
+from abi.planner.plan import Plan
+from abi.robot.bodies.chain_capsules import chain_capsules
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
+from abi.scene.scene import Scene
+
+SAMPLES = 401
+"""Moments at which the motion is shown."""
+_MEASURED = 5
+"""Samples from one at which distances are measured to the next."""
+
+
+def checked_plan(verdict: MotionVerdict) -> Plan:
+    """The plan of a motion that was checked: the arm, its motion and its clearance alone.
+
+    Args:
+        verdict: on the motion, whose first waypoint is at 0 s.
+    """
+    arm = _arm(verdict)
+    motion = _motion(verdict, arm)
+    duration = float(motion.time[-1])
+    # the time itself is the distance: nothing else is known of how it was timed
+    pace = read_only(np.array([[0.0], [0.0], [1.0], [0.0]]))
+    profile = TimedProfile("time_optimal", duration, read_only(np.array([0.0, duration])), pace)
+    clearance = _clearance(verdict, motion)
+    return Plan(verdict.scene, profile=profile, arm=arm, motion=motion, arm_clearance=clearance)
+
+
+def _arm(verdict: MotionVerdict) -> UrdfArm:
+    """The scene's arm, with all joints that the motion moves: a second arm's, too."""
+    scene: Scene = verdict.scene
+    settings, chain = scene.arm, verdict.task.motion.chain
+    stands = settings.base, settings.axis, scene.unit, settings.base_wxyz
+    arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper, settings.allowed)
+    if {*chain.names} <= {*arm.joints}:
+        return arm
+    scales = np.where(np.array(chain.slides), 1 / arm.metres, 1.0)
+    return replace(
+        arm,
+        chain=chain,
+        limits=read_only(chain.limits * scales[:, None]),
+        capsules=chain_capsules(chain),
+        held=chain.held,
+    )
+
+
+def _motion(verdict: MotionVerdict, arm: UrdfArm) -> ArmMotion:
+    """The motion at equal times."""
+    moved = verdict.task.motion
+    times = moved.motion.times
+    time = np.linspace(0.0, float(times[-1]), SAMPLES)
+    at = np.interp(time, times, np.arange(float(len(times))))
+    values = [_of_arm(values, verdict, arm) for values in moved.rates_at(at)]
+    positions, speeds, growths = values
+    tool = _tool(verdict, positions, arm)
+    points, nothing = read_only(tool), read_only(np.zeros(2))
+    limits = [
+        Violation(one.joint, one.time, one.value, one.limit, one.time)
+        for one in verdict.limits.passed
+        if one.quantity == "position" and one.joint in arm.joints
+    ]
+    return ArmMotion(
+        curve=clamped(points, 1),
+        elbow="up",
+        slide=Slide(nothing, nothing, nothing),
+        time=read_only(time),
+        positions=read_only(positions),
+        target=points,
+        tool=points,
+        tool_velocity=read_only(np.gradient(tool, time, axis=0)),
+        unreachable=(),
+        limit_violations=tuple(limits),
+        peak_joint_speed=read_only(np.abs(speeds).max(axis=0)),
+        joints=arm.joints,
+        slides=arm.chain.slides,
+        rates=(read_only(speeds), read_only(growths)),
+    )
+
+
+def _of_arm(values: FloatArray, verdict: MotionVerdict, arm: UrdfArm) -> FloatArray:
+    """Columns (k, n) of the joints of an arm, in its unit; 0 of those that are not named."""
+    names = verdict.task.motion.chain.names
+    found = np.zeros((len(values), len(arm.joints)))
+    for column, name in enumerate(arm.joints):
+        if name in names:
+            found[:, column] = values[:, names.index(name)]
+    return np.asarray(found * arm.scales)
+
+
+def _tool(verdict: MotionVerdict, positions: FloatArray, arm: UrdfArm) -> FloatArray:
+    """Places of the tip (k, 3), [unit], world."""
+    chain = arm.chain
+    carried = next(one for one in chain.carried if one.link == arm.tip)
+    if carried.frame < 0:
+        return np.tile(carried.pose[:3, 3] / arm.metres, (len(positions), 1))
+    frames = chain.poses(positions / arm.scales)[:, carried.frame]
+    places = frames[:, :, :3] @ carried.pose[:3, 3] + frames[:, :, 3]
+    return np.asarray(places / arm.metres)
+
+
+def _clearance(verdict: MotionVerdict, motion: ArmMotion) -> ArmClearance:
+    """What the verdict says of the distance, and distances at samples."""
+    times = verdict.task.motion.motion.times
+    at = np.interp(motion.time[::_MEASURED], times, np.arange(float(len(times))))
+    few = [nearest(verdict.task, at[k : k + 1]).distance for k in range(len(at))]
+    distances = np.interp(motion.time, motion.time[::_MEASURED], few)
+    link, obstacle, time = verdict.nearest or ("", -1, 0.0)
+    contacts = [
+        Contact(one.link, one.obstacle, one.time, one.last, one.deepest, one.depth)
+        for one in verdict.touches
+    ]
+    return ArmClearance(
+        distances=read_only(distances),
+        required=0.0,
+        distance=verdict.clearance,
+        time=time,
+        link=link,
+        obstacle=obstacle,
+        contacts=tuple(sorted(contacts, key=lambda one: -one.depth)),
+        certificate=None,
+        has_verdict=verdict.state == "clear",
+    )

@@ -1,0 +1,198 @@
+"""Check of a motion that was planned elsewhere: its upload, its verdict, and its repair.
+
+The robot and the scene are those of the tab. While a motion is checked it is shown in place of the
+tab's own plan, and checked again whenever the scene changes.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+from dataclasses import dataclass
+
+import viser
+
+from abi.certification.certify_motion import certify_motion
+from abi.certification.checked_plan import checked_plan
+from abi.certification.motion import Motion
+from abi.certification.read_motion import FORMATS, own_joints
+from abi.certification.repair import repair
+from abi.certification.verdict import MotionVerdict
+from abi.certification.verdict_words import limit_sentences
+from abi.errors import AbiError, MotionError
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
+from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob, shown_name
+from app.panels.widgets import Wake, hidden_button, pressed
+from app.reading.reader import READER
+from app.state.frame import Frame
+from app.ui import notices
+from app.ui.overlay import button
+from app.ui.time_bar import legend
+
+_SIGNS = {"clear": "✓", "touches": "✗", "undecided": "?"}
+
+
+@dataclass(frozen=True, eq=False)
+class _Checked:
+    """A motion, the scene in which it was checked, and what came of it."""
+
+    scene: Scene
+    verdict: MotionVerdict
+    plan: Plan
+
+
+class CheckMotionPanel:
+    """Widgets to check a motion; the worker asks what they were used for.
+
+    Attributes:
+        upload: the button for a file.
+    """
+
+    def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
+        self._client, self._scene = client, scene
+        gui = client.gui
+        self.upload = gui.add_upload_button(
+            "Check a motion…",
+            mime_type=",".join(FORMATS),
+            hint="A trajectory that another planner made for this arm: is it clear at all times? "
+            "ROS 2 JointTrajectory, CSV with joint names, or JSON.",
+        )
+        self.uploads = FileUploads(gui, self.upload, FileKind(self._deal, shown_name), wake)
+        self.save = gui.add_button(
+            "Save the verdict",
+            color="gray",
+            visible=False,
+            hint="Downloads it as JSON, with its certificate: abi verify checks that again.",
+        )
+        self.save.on_click(wake)
+        self.repair = hidden_button(gui, "Repair", wake)
+        self.back = hidden_button(gui, "Back to your own plan", wake)
+        self._motion: Motion | None = None
+        self._name = self._repaired = ""
+        self._checked: _Checked | None = None
+        self._last: MotionVerdict | None = None
+
+    @property
+    def verdict(self) -> MotionVerdict | None:
+        """The verdict on the motion that is shown; None while the tab shows its own plan."""
+        return None if self._checked is None else self._checked.verdict
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether there is a motion to be checked."""
+        return self._motion is not None
+
+    def leave(self) -> None:
+        """Show the tab's own plan."""
+        self._motion = self._checked = None
+
+    def changed(self, scene: Scene) -> bool:
+        """Take files and buttons into account; whether there is something else to show.
+
+        Args:
+            scene: the tab's.
+        """
+        self._scene = scene
+        before = self._motion
+        for one in self.uploads.news():
+            if isinstance(one.result, Motion):
+                self._motion, self._name = one.result.from_zero(), one.name
+                self._checked, self._repaired = None, ""
+            elif one.result is not None:
+                self._refuse(one.name, one.result)
+        if pressed(self.back):
+            self.leave()
+        if pressed(self.repair) and self.verdict is not None:
+            self._mend(self.verdict)
+        if pressed(self.save) and self.verdict is not None:
+            content = json.dumps(self.verdict.to_dict(), allow_nan=False).encode()
+            self._client.send_file_download("verdict.json", content, save_immediately=True)
+        return self._motion is not before
+
+    def plan(self, scene: Scene) -> Plan | None:
+        """The motion in a scene, checked, as a plan; None where there is none to be checked."""
+        if self._motion is None:
+            return None
+        if self._checked is None or self._checked.scene != scene:
+            try:
+                verdict = certify_motion(self._motion, _with_robot(scene))
+            except AbiError as error:
+                self._refuse(self._name, error)
+                self.leave()
+                return None
+            self._checked = _Checked(scene, verdict, checked_plan(verdict))
+        return self._checked.plan
+
+    def draw(self, frame: Frame) -> None:
+        """Offer to save the verdict while there is one."""
+        self.save.visible = frame.checked is not None
+
+    def card(self, verdict: MotionVerdict) -> str:
+        """The verdict with its legend and buttons, as HTML over the scene."""
+        sign, motion = _SIGNS[verdict.state], verdict.task.motion.motion
+        sentence = f"<b>{sign} {html.escape(verdict.sentence)}</b>"
+        more = len(verdict.touches) + len(verdict.doubts) - 1
+        words = [self._name, self._repaired]
+        if verdict.state != "clear" and more > 0:
+            words.append(f"{more} more place{'s' * (more > 1)} like this.")
+        if not motion.timed:
+            words.append("Without times: a waypoint a second.")
+        limits = limit_sentences(verdict)
+        words += [f"✗ {limits[0]}" if verdict.limits.passed else limits[0]]
+        buttons = ""
+        if verdict.state != "clear":
+            buttons = button(
+                self.repair, "Repair", hint="Plan anew what is not proven, by another way."
+            )
+        buttons += button(self.back, "Back to your own plan")
+        look = "abi-card abi-error" if verdict.state == "touches" else "abi-card"
+        text = html.escape(" · ".join(filter(None, words)))
+        return (
+            f'<div class="{look}" role="status">{sentence} {text}'
+            f"{legend(verdict.stretches)}</div>"
+            f'<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
+        )
+
+    def _mend(self, verdict: MotionVerdict) -> None:
+        """Take a repaired motion in place of the one that is checked."""
+        try:
+            found = repair(verdict)
+        except MotionError as error:
+            notices.notify_refusal(self._client, "Not repaired", _sentence(error))
+            return
+        self._motion = found.verdict.task.motion.motion
+        parts = [f"{verdict.at(first)} to {verdict.at(last)}" for first, last in found.stretches]
+        longer = f"{100 * found.farther:+.0f} % of way in the joints"
+        if self._motion.timed:
+            longer = f"{found.longer:+.2f} s, {longer}"
+        self._repaired = f"Repaired from {', '.join(parts)}: {longer}."
+        self._checked = _Checked(found.verdict.scene, found.verdict, checked_plan(found.verdict))
+
+    def _refuse(self, name: str, error: AbiError) -> None:
+        notices.notify_refused_file(self._client, f"{name} is not checked", _sentence(error))
+
+    def _deal(
+        self, content: bytes, dealing: UploadJob[Motion | MotionError]
+    ) -> Motion | MotionError:
+        """Read a motion's file for the robot that the tab has now."""
+        dealing.step("reading", 0.5)
+        try:
+            robot = _with_robot(self._scene).arm.robot
+            name, slides = dealing.name, own_joints(robot)
+            return READER.motion(content, name, slides, dealing.stopped, dealing.wait)
+        except MotionError as error:
+            return error
+
+
+def _with_robot(scene: Scene) -> Scene:
+    """The scene, if its arm is a robot."""
+    if scene.arm.model != "urdf":
+        raise MotionError(
+            "The paper's arm has no shapes to check.", "Choose a robot in stage 6 first."
+        )
+    return scene
+
+
+def _sentence(error: AbiError) -> str:
+    return f"{error.message} {error.hint}".strip()

@@ -1,0 +1,84 @@
+"""The time bar of a motion in colours: what is proven clear, undecided and touching, and in words.
+
+None is told by its colour alone: touching is thick, undecided is striped, proven is thin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from abi.certification.verdict import State, TimeStretch
+from app.ui import style
+
+_UNDECIDED: style.Colour = (214, 140, 0)
+_LEAST = 1.0
+"""Width of the shortest stretch, as a percentage of the bar."""
+_MOST = 200
+"""Stretches that are drawn."""
+
+
+class _BarLook(NamedTuple):
+    """Words for a state, its image in CSS, and its height, [px]."""
+
+    words: str
+    image: str
+    height: int
+
+
+def _plain(colour: style.Colour) -> str:
+    return f"linear-gradient({style.css(colour)},{style.css(colour)})"
+
+
+def _striped(colour: style.Colour) -> str:
+    stripes = f"{style.css(colour)} 0 3px,transparent 3px 6px"
+    return f"repeating-linear-gradient(90deg,{stripes})"
+
+
+_LOOKS: dict[State, _BarLook] = {
+    "clear": _BarLook("proven clear", _plain(style.GOOD[0]), 3),
+    "undecided": _BarLook("not decided", _striped(_UNDECIDED), 6),
+    "touches": _BarLook("touching", _plain(style.VIOLATION), 6),
+}
+
+
+def bar_style(stretches: Sequence[TimeStretch], end: float) -> str:
+    """Style sheet that draws stretches on the player's slider, which runs from 0 to ``end``, [s].
+
+    A short one is made as wide as can be seen. The player of no motion is hidden.
+    """
+    if end == 0:
+        return "<style>#abi-overlay .abi-player{visibility:hidden}</style>"
+    # what touches lies above what is undecided, and that above what is proven
+    order = ("touches", "undecided", "clear")
+    shown = sorted(stretches[:_MOST], key=lambda one: order.index(one.state))
+    layers = [_layer(one, end) for one in shown if one.last >= one.first]
+    if not layers:
+        return ""
+    return f"<style>#abi-overlay .abi-track{{background:{','.join(layers)}}}</style>"
+
+
+def legend(stretches: Sequence[TimeStretch]) -> str:
+    """What the bar's colours mean, and how much of the motion each state takes, as HTML."""
+    whole = sum(one.last - one.first for one in stretches) or 1.0
+    parts = []
+    for state, (words, image, height) in _LOOKS.items():
+        share = sum(one.last - one.first for one in stretches if one.state == state) / whole
+        mark = (
+            '<span style="display:inline-block;width:18px;margin-right:5px;vertical-align:middle;'
+            f'height:{height}px;background:{image}"></span>'
+        )
+        per_cent = "0" if share == 0 else "< 1" if share < 0.01 else f"{100 * share:.0f}"
+        parts.append(f'<span style="white-space:nowrap">{mark}{words} {per_cent} %</span>')
+    return f'<div style="display:flex;flex-wrap:wrap;gap:2px 14px">{"".join(parts)}</div>'
+
+
+def _layer(one: TimeStretch, end: float) -> str:
+    """Background of a stretch in CSS."""
+    low, high = 100 * one.first / end, 100 * one.last / end
+    width = min(max(high - low, _LEAST), 100.0)
+    low = min(max((low + high - width) / 2, 0.0), 100 - width)
+    # a percentage places as much of the image as of the bar
+    place = 100 * low / (100 - width) if width < 100 else 0.0
+    _, image, height = _LOOKS[one.state]
+    return f"{image} {place:.2f}% 100%/{width:.2f}% {height}px no-repeat"

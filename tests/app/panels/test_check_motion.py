@@ -1,0 +1,70 @@
+"""A motion from elsewhere on the page: its verdict takes the plan's place, and can be left."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from app.tab.session import Session
+from tests.app.fake_tab import FakeTab, notified, send_file, until
+
+pytestmark = pytest.mark.slow
+JOINTS = (
+    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
+)
+
+
+def csv(*rows: tuple[float, ...]) -> bytes:
+    lines = [",".join(("time", *JOINTS)), *(",".join(map(str, row)) for row in rows)]
+    return "\n".join(lines).encode()
+
+
+SWING = csv((0, 2.0, -1.6, 1.2, -1.2, -1.57, 0), (2, 0.8, -1.6, 1.2, -1.2, -1.57, 0))
+
+
+def press(fake: FakeTab, button: Any) -> None:
+    fake.set(button, True)
+
+
+def test_a_verdict_is_shown_in_place_of_the_plan(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    check = session.panels.check
+    told = notified(monkeypatch, session)
+    send_file(session, check.upload, "swing.csv", SWING)
+    until(lambda: bool(told))
+    assert "Choose a robot" in told[-1][1]
+
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: session.frame.plan.scene.arm.model == "urdf" and session.resting)
+    own = session.frame.plan
+    wrong = SWING.replace(b"\n2,0.8", b"\n2,80")
+    send_file(session, check.upload, "wrong.csv", wrong)
+    until(lambda: len(told) > 1)
+    assert "row 2" in told[-1][1]
+    assert "shoulder_pan_joint" in told[-1][1]
+    assert "degrees" in told[-1][1]
+    assert session.frame.checked is None
+
+    send_file(session, check.upload, "swing.csv", SWING)
+    until(lambda: session.frame.checked is not None)
+    verdict, plan = session.frame.checked, session.frame.plan
+    assert verdict is not None
+    assert verdict.state == "touches"
+    assert plan.motion is not None
+    assert plan.motion.joints == JOINTS
+    assert session.frame.duration == 2.0
+    overlay = session.panels.layout.overlay.shown
+    assert verdict.touches[0].link in overlay["message"]
+    assert "touching" in overlay["message"]
+    assert "linear-gradient" in overlay["marks"]
+
+    # without obstacles it is clear, at once
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    press(fake, check.back)
+    until(lambda: session.frame.checked is None and session.resting)
+    assert session.frame.plan.path is not None
+    assert own.scene == session.frame.plan.scene
