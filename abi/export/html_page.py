@@ -44,14 +44,23 @@ def write(plan: Plan, name: str) -> bytes:
     """
     if plan.free is None:
         raise ExportError("A plan without a mesh cannot be shown.", "See its error.")
+    return page_of("page.html", page_data(plan))
+
+
+def page_of(template: str, data: dict[str, Any]) -> bytes:
+    """A page of data and of the script that draws it, from a template in ``assets/export``."""
     # what could end the script's element is written as an escape
-    data = json.dumps(_data(plan), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    template = assets.path("export", "page.html").read_text(encoding="utf-8")
-    return template.replace("/*PLAN*/", data).encode()
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    page = _asset(template).replace("/*DRAWING*/", _asset("drawing.js"))
+    return page.replace("/*PLAN*/", text).encode()
 
 
-def _data(plan: Plan) -> dict[str, Any]:
-    """Numbers of the drawing, and words beside it."""
+def _asset(name: str) -> str:
+    return assets.path("export", name).read_text(encoding="utf-8")
+
+
+def page_data(plan: Plan) -> dict[str, Any]:
+    """Numbers of the drawing, and words beside it; the plan has a mesh."""
     assert plan.free is not None
     scene = plan.scene
     near = np.array([scene.start]) if plan.path is None else plan.path.points
@@ -63,16 +72,16 @@ def _data(plan: Plan) -> dict[str, Any]:
         "box": [corners.min(axis=0).tolist(), corners.max(axis=0).tolist()],
         "start": list(scene.start),
         "goal": list(scene.goal),
-        "faces": _rounded(_faces(scene.obstacles)),
-        "nodes": _rounded(part.points),
+        "faces": rounded(_faces(scene.obstacles)),
+        "nodes": rounded(part.points),
         "edges": part.edges.tolist(),
-        "removed": _rounded(part.excluded[:: max(1, len(part.excluded) // 500)]),
-        "order": _rounded(order),
+        "removed": rounded(part.excluded[:: max(1, len(part.excluded) // 500)]),
+        "order": rounded(order),
         "expanded": 0 if plan.path is None else plan.path.expanded,
-        "path": [] if plan.path is None else _rounded(plan.path.points),
-        "taut": [] if plan.taut is None else _rounded(plan.taut.points),
+        "path": [] if plan.path is None else rounded(plan.path.points),
+        "taut": [] if plan.taut is None else rounded(plan.taut.points),
         "bspline": [] if plan.bspline is None else _sampled(plan.bspline.curve),
-        "control": [] if plan.bspline is None else _rounded(plan.bspline.curve.control_points),
+        "control": [] if plan.bspline is None else rounded(plan.bspline.curve.control_points),
         "quadratic": [] if plan.quadratic is None else _sampled(plan.quadratic.curve),
         "arm": _arm(plan),
         "steps": _steps(plan),
@@ -184,10 +193,10 @@ def _arm(plan: Plan) -> dict[str, Any]:
     poses = np.stack([capsule.ends for capsule in capsules], axis=1)
     touching = [frozenset() if clearance is None else clearance.touching(one) for one in time]
     return {
-        "time": _rounded(time),
-        "links": _rounded(poses),
+        "time": rounded(time),
+        "links": rounded(poses),
         "radii": [_round(capsule.radius) for capsule in capsules],
-        "tool": _rounded(plan.motion.tool[chosen]),
+        "tool": rounded(plan.motion.tool[chosen]),
         "touching": [
             [row for row, capsule in enumerate(capsules) if capsule.link in links]
             for links in touching
@@ -196,7 +205,7 @@ def _arm(plan: Plan) -> dict[str, Any]:
 
 
 def _sampled(curve: Curve) -> Any:
-    return _rounded(curve(np.linspace(*curve.interval, _CURVE)))
+    return rounded(curve(np.linspace(*curve.interval, _CURVE)))
 
 
 def _faces(obstacles: Obstacles) -> FloatArray:
@@ -206,7 +215,7 @@ def _faces(obstacles: Obstacles) -> FloatArray:
     return np.concatenate([np.zeros((0, 3, 3)), *shown])
 
 
-def _rounded(array: FloatArray) -> Any:
+def rounded(array: FloatArray) -> Any:
     """The numbers as lists, to as many digits as a drawing shows."""
     largest = float(np.abs(array).max(initial=0.0))
     digits = _DIGITS - (math.floor(math.log10(largest)) + 1 if largest > 0 else 0)

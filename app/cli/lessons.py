@@ -1,4 +1,4 @@
-"""``abi lessons``: lessons are checked before a class sees them."""
+"""``abi lessons``: lessons are checked before a class sees them, and taken home."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from pathlib import Path
 import click
 
 from app.cli.exit_code import INCOMPLETE
-from app.cli.output import print_text
+from app.cli.output import cause, print_text
 
 
-@click.group(short_help="Check lessons of your own.")
+@click.group(short_help="Check lessons of your own, and take lessons home.")
 def lessons() -> None:
-    """Work with lessons of your own."""
+    """Check lessons of your own, and take lessons home."""
 
 
 @lessons.command(short_help="Find everything wrong in a folder of lessons.")
@@ -33,3 +33,38 @@ def check(folder: Path) -> None:
     print_text("\n".join([*map(str, faults), f"{wrong} {'fault' if wrong == 1 else 'faults'}."]))
     if wrong:
         raise SystemExit(INCOMPLETE)
+
+
+@lessons.command(short_help="Write a lesson as a page or for a learning platform.")
+@click.argument("name")
+@click.option(
+    "--to",
+    "path",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File to write: .html for one page, .zip for SCORM 1.2.",
+)
+def export(name: str, path: Path) -> None:
+    """Write the lesson NAME so that it works without this server, its quiz included.
+
+    NAME is that of a shipped lesson, such as 03-search, or a lesson file of your own. A page opens
+    from a file; a SCORM 1.2 package is what learning platforms import, with the score in percent.
+    """
+    from abi.atomic_file import replace_file
+    from app.teach.lesson_file import lesson_named
+    from app.teach.take_home.lesson_page import lesson_page
+    from app.teach.take_home.scorm import scorm_package
+
+    ending = path.suffix.lower()
+    if ending not in (".html", ".zip"):
+        raise click.UsageError(f"--to is {str(path)!r}; expected a file ending in .html or .zip.")
+    lesson, file = lesson_named(name)
+    content = lesson_page(file.stem, lesson, file.parent)
+    if ending == ".zip":
+        content = scorm_package(file.stem, lesson.title, content)
+    try:
+        replace_file(path, content)
+    except OSError as error:
+        why = cause(error, "not writable")
+        raise click.ClickException(f"{str(path)!r} cannot be written ({why}).") from None
+    click.echo(f"{path}: {lesson.title}, {len(content):,} bytes")

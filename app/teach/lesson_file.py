@@ -72,6 +72,23 @@ def _read_all(files: Sequence[Path]) -> dict[str, tuple[Lesson, Path]]:
     return found
 
 
+def lesson_named(name: str) -> tuple[Lesson, Path]:
+    """A shipped lesson by its name, or that of a file; and its file.
+
+    Raises:
+        LessonError: there is none, or it is wrong.
+    """
+    shipped = {file.stem: file for file in assets.path("lessons").glob("*.yaml")}
+    file = shipped.get(name, Path(name))
+    if not file.is_file():
+        known = ", ".join(sorted(shipped))
+        raise LessonError(f"There is no lesson {name!r}; expected a file, or one of {known}.")
+    lesson, faults = read_lesson(file)
+    if lesson is None:
+        raise LessonError(str(faults[0]))
+    return lesson, file
+
+
 def library(folder: Path, layers: Collection[str]) -> Library:
     """The shipped lessons and those of a folder, which is checked at once.
 

@@ -1,13 +1,19 @@
-"""The exported page, played from a file, without a server."""
+"""Exported pages, played without our server: plans and lessons."""
 
 from __future__ import annotations
 
+import io
+import re
+import zipfile
 from pathlib import Path
 
 from playwright.sync_api import Browser
 
 from abi import load_scene, plan
 from abi.export import formats
+from app.teach.lesson_file import lesson_named
+from app.teach.take_home.lesson_page import lesson_page
+from app.teach.take_home.scorm import scorm_package
 
 
 def test_the_page_plays_without_a_server(chromium: Browser, tmp_path: Path) -> None:
@@ -50,5 +56,63 @@ def test_the_page_plays_without_a_server(chromium: Browser, tmp_path: Path) -> N
     tab.mouse.move(460, 310)
     tab.mouse.up()
     assert tab.evaluate("abiPage.turn") != turn
+    assert errors == []
+    context.close()
+
+
+_PLATFORM = """<!doctype html><title>platform</title><script>
+const values = {}, calls = [];
+window.API = {
+  LMSInitialize(text) { calls.push("initialize"); return "true"; },
+  LMSGetValue(name) { return values[name] || ""; },
+  LMSSetValue(name, value) { values[name] = value; return "true"; },
+  LMSCommit(text) { calls.push("commit"); return "true"; },
+  LMSFinish(text) { calls.push("finish"); return "true"; },
+  LMSGetLastError() { return "0"; },
+};
+</script><iframe src="index.html" style="width: 1000px; height: 600px"></iframe>"""
+
+
+def test_a_lesson_tells_the_platform_its_score(chromium: Browser) -> None:
+    lesson, file = lesson_named("05-quadratic")
+    content = scorm_package(file.stem, lesson.title, lesson_page(file.stem, lesson, file.parent))
+    with zipfile.ZipFile(io.BytesIO(content)) as package:
+        page = package.read("index.html")
+    errors: list[str] = []
+    context = chromium.new_context(viewport={"width": 1100, "height": 700})
+    tab = context.new_page()
+    tab.on("pageerror", lambda error: errors.append(str(error)))
+    tab.route("**/*", lambda route: route.abort())  # but for these, nothing is asked for
+    tab.route("**/index.html", lambda route: route.fulfill(body=page, content_type="text/html"))
+    tab.route("**/", lambda route: route.fulfill(body=_PLATFORM, content_type="text/html"))
+    tab.goto("http://platform.test/")
+    frame = tab.frame_locator("iframe")
+    frame.get_by_text("1 of 3").wait_for()
+    assert frame.locator("#next").is_disabled()
+    assert "too near" not in frame.locator("main").inner_text()
+    for number, step in enumerate(lesson.steps):
+        if step.question is not None:
+            right = [one.right for one in step.question.choices].index(True)
+            if number == 0:
+                frame.locator("#choices button").nth(right - 1).click()
+                frame.get_by_text("✗ No.").wait_for()
+                assert frame.locator("#next").is_disabled()
+            frame.locator("#choices button").nth(right).click()
+            frame.get_by_text("✓ Right.").wait_for()
+        else:
+            frame.locator("#do").click()
+        assert tab.frames[1].evaluate("abiPage.drawn") > 12
+        status = "completed" if number + 1 == len(lesson.steps) else "incomplete"
+        assert tab.evaluate("values['cmi.core.lesson_status']") == status
+        if number + 1 < len(lesson.steps):
+            frame.locator("#next").click()
+            frame.get_by_text(f"{number + 2} of {len(lesson.steps)}").wait_for()
+    assert tab.evaluate("values['cmi.core.score.raw']") == "50"  # the first answer counts
+    assert tab.evaluate("calls[0]") == "initialize"
+    # whoever comes back goes on at the last page
+    tab.evaluate("document.querySelector('iframe').contentWindow.location.reload()")
+    frame.get_by_text(f"{len(lesson.steps)} of {len(lesson.steps)}").wait_for()
+    assert "finish" in tab.evaluate("calls")
+    assert re.fullmatch(r"\d{4}:\d\d:\d\d", tab.evaluate("values['cmi.core.session_time']"))
     assert errors == []
     context.close()

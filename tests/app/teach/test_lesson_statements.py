@@ -146,7 +146,7 @@ def the_force_gives_the_acceleration_q_by_i() -> bool:
 
 def a_mirrored_y_is_the_same_only_at_0() -> bool:
     y = np.linspace(-2, 2, 41)
-    return y[y == -y].tolist() == [0.0]
+    return bool(y[y == -y].tolist() == [0.0])
 
 
 STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
