@@ -52,6 +52,17 @@ def first_of_distinct_rows(rows: NDArray[Any]) -> NDArray[np.int64]:
     return np.sort(order[is_first])
 
 
+def in_rows(rows: NDArray[Any], others: NDArray[Any]) -> BoolArray:
+    """Mask (n,) of the rows (n, m) that are among others (k, m)."""
+    both = np.concatenate([others, rows]).astype(np.int64)
+    order, is_first = _groups(both)
+    # equal rows stay in their order, so that one of the others comes first
+    leader = order[is_first][np.cumsum(is_first) - 1]
+    found = np.empty(len(both), dtype=np.bool_)
+    found[order] = leader < len(others)
+    return found[len(others) :]
+
+
 def _groups(rows: NDArray[Any]) -> tuple[NDArray[np.int64], BoolArray]:
     """Groups of equal rows; see :func:`in_groups`."""
     for multiplier in _MULTIPLIERS:

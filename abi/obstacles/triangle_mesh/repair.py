@@ -6,27 +6,31 @@ lightweight approach to repairing digitized polygon meshes, The Visual Computer 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from abi import arguments
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh.distinct_rows import (
-    distinct_rows,
-    first_of_distinct_rows,
-    in_groups,
-)
+from abi.obstacles.triangle_mesh.distinct_rows import in_rows
+from abi.obstacles.triangle_mesh.shells import Shells, areas_of, shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.union import united
+from abi.obstacles.triangle_mesh.welding import (
+    compact,
+    faces_in_order,
+    in_order,
+    weld,
+    weld_nearby,
+    without_duplicates,
+)
 
 _WELD = 1e-6
 """Corners this near, as a part of the mesh's size, are joined where that closes the surface."""
 
-_FLAT = 1e-9
-"""A shell whose volume is below this part of its area to the power 3/2 has no inside."""
+_MOST = 500_000
+"""Triangles of a surface that is solid in parts: no more than can be read again from a file."""
 
 
 def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
@@ -34,8 +38,10 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
 
     Equal corners are welded; triangles without area and duplicates are dropped. In each shell whose
     edges all have two sides, all triangles are made to face outward. Overlapping, touching and
-    nested shells are united, which fills cavities, since nothing could get into them. If a shell
-    stays open, the whole surface counts as an open one that nothing may cross, without an inside.
+    nested shells are united, which fills cavities, since nothing could get into them. What stays
+    open, such as a fin at a solid, counts as a thin sheet that nothing may cross, without an
+    inside. In a surface that has solid parts, too, it is there with both its sides, which wind
+    around nothing.
 
     Args:
         vertices: (n, 3) finite coordinates.
@@ -47,178 +53,64 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     """
     vertices = arguments.points("vertices", vertices)
     faces = arguments.ids("faces", faces, (-1, 3), len(vertices))
-    notes: list[str] = []
-    vertices, faces = _weld(vertices, faces, 0.0)
-    faces = _without_duplicates(faces, notes)
+    vertices, faces = weld(vertices, faces, 0.0)
     size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
-    if size == 0 or not _areas(vertices, faces).any():
+    if size == 0 or not areas_of(vertices, faces).any():
         raise SceneError("file", name, "a mesh, but none of its triangles has an area")
-    shells = _shells(vertices, faces)
-    if not shells.closed.all():
-        welded, welded_faces = _weld(vertices, faces, _WELD * size)
-        welded_faces = _without_duplicates(welded_faces, [])
-        retried = _shells(welded, welded_faces) if len(welded_faces) else shells
-        if retried.closed.all():
-            vertices, shells = welded, retried
-            notes.append("Small gaps between its triangles were closed.")
-    notes += shells.notes
-    faces, closed = shells.faces, bool(shells.closed.all())
-    if closed and len(shells.closed) > 1:
-        merged = united(vertices, faces, shells.label)
+    vertices, shells, notes = _split(vertices, faces, size)
+    is_solid = shells.is_solid
+    faces, sheets = shells.faces[is_solid], shells.faces[~is_solid]
+    if (parts := int(shells.closed.sum())) > 1:
+        merged = united(vertices, faces, shells.label[is_solid])
         if merged is not None:
-            vertices, faces = _in_order(*merged)
-            faces = _faces_in_order(faces)
-            notes.append(f"Its {len(shells.closed)} parts count as one solid.")
-    if not closed:
-        notes.append("The surface has holes: it is treated as a thin shell, without an inside.")
-    vertices, faces = _in_order(*_compact(vertices, faces[_areas(vertices, faces) > 0]))
-    return Surface(read_only(vertices), read_only(faces), closed, tuple(notes))
+            notes = (*notes, f"Its {parts} parts count as one solid.")
+            corners, faces = in_order(*merged)
+            faces, sheets = faces_in_order(faces), sheets + len(corners)
+            vertices = np.concatenate([corners, vertices])
+    sheets, _ = without_duplicates(sheets)
+    if len(sheets) and len(faces) + 2 * len(sheets) <= _MOST * (parts > 0):
+        count = "1 triangle is" if len(sheets) == 1 else f"{len(sheets):,} triangles are"
+        notes = (*notes, f"{count} no part of a solid: a thin shell, without an inside.")
+        faces = faces_in_order(np.concatenate([faces, sheets, sheets[:, ::-1]]))
+    elif len(sheets):
+        whole = "The surface has holes: it is treated as a thin shell, without an inside."
+        faces, parts, notes = np.concatenate([faces, sheets]), 0, (*notes, whole)
+    vertices, faces = in_order(*compact(vertices, faces[areas_of(vertices, faces) > 0]))
+    return Surface(read_only(vertices), read_only(faces), parts > 0, notes)
 
 
-@dataclass(frozen=True, eq=False)
-class _Shells:
-    """Faces (m, 3) turned outward, the shell (m,) of each, which shells are closed (k,)."""
+class _Split(NamedTuple):
+    """A mesh in shells, and notes on its repair."""
 
-    faces: IntArray
-    label: IntArray
-    closed: BoolArray
+    vertices: FloatArray
+    shells: Shells
     notes: tuple[str, ...]
 
 
-def _shells(vertices: FloatArray, faces: IntArray) -> _Shells:
-    """Split the faces where they share no edge, and turn each closed shell outward."""
-    edges = _Edges.of(faces)
-    faces, notes = faces.copy(), []
-    flipped = edges.flipped()
-    if flipped.any():
-        faces[flipped] = faces[flipped, ::-1]
-        edges = _Edges.of(faces)
-        notes.append(f"{flipped.sum()} triangles were inside out and have been turned.")
-    paired = np.flatnonzero(edges.edge[1:] == edges.edge[:-1])
-    count, label = _components(edges.face[paired], edges.face[paired + 1], len(faces))
-    # a shell without a boundary winds a whole number of times around every point
-    loose = edges.balance != 0
-    closed = np.bincount(label[edges.face[loose[edges.edge]]], minlength=count) == 0
-    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    a, b, c = (vertices[faces[:, corner]] - middle for corner in range(3))
-    volume = np.bincount(label, np.einsum("ij,ij->i", np.cross(a, b), c) / 6, count)
-    area = np.bincount(label, _areas(vertices, faces), count)
-    closed &= np.abs(volume) > _FLAT * area**1.5
-    inward = closed & (volume < 0)
-    if inward.any():
-        turned = inward[label]
-        faces[turned] = faces[turned, ::-1]
-        what = "The surface was" if count == 1 else f"{inward.sum()} of its {count} parts were"
-        notes.append(f"{what} inside out and turned. Hollows inside count as solid.")
-    return _Shells(faces, label.astype(np.int32), closed, tuple(notes))
+def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
+    """Split a mesh into shells; nearby corners are joined where more of it bounds solids then."""
+    split = _split_as_it_is(vertices, faces)
+    if split.shells.closed.all():
+        return split
+    joined = _split_as_it_is(*weld_nearby(vertices, faces, _WELD * size))
+    if joined.shells.is_solid.sum() <= split.shells.is_solid.sum():
+        return split
+    return joined._replace(notes=("Small gaps between its triangles were closed.", *joined.notes))
 
 
-@dataclass(frozen=True, eq=False)
-class _Edges:
-    """The sides of the faces, grouped into undirected edges.
+def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> _Split:
+    """Split a mesh into shells.
 
-    Attributes:
-        face: (3m,) face of each side, in the order of ``edge``.
-        edge: (3m,) edge of each side, ascending.
-        forward: (3m,) whether the side runs from the lower to the higher vertex.
-        balance: (e,) sides of the edge that run forward less those that run back.
-        first: (e,) the edge's first side.
-        sides: (e,) number of sides.
-        faces: number of faces.
+    Solids that touch in a face have its triangles twice, once from each side, as surfaces have
+    that are to be seen from both. So both sides are kept only where one does not bound a solid.
     """
-
-    face: IntArray
-    edge: IntArray
-    forward: BoolArray
-    balance: IntArray
-    first: IntArray
-    sides: IntArray
-    faces: int
-
-    @classmethod
-    def of(cls, faces: IntArray) -> _Edges:
-        tail = faces.ravel().astype(np.int64)
-        head = faces[:, [1, 2, 0]].ravel().astype(np.int64)
-        keys = np.minimum(tail, head) * (int(faces.max()) + 1) + np.maximum(tail, head)
-        order, is_first = in_groups(keys)
-        first = np.flatnonzero(is_first).astype(np.int32)
-        sides = np.diff(first, append=np.int32(len(keys)))
-        edge = np.cumsum(is_first, dtype=np.int32) - np.int32(1)
-        forward = (tail < head)[order]
-        balance = np.add.reduceat(np.where(forward, np.int32(1), np.int32(-1)), first)
-        face = (order // 3).astype(np.int32)
-        return cls(face, edge, forward, balance, first, sides, len(faces))
-
-    def flipped(self) -> BoolArray:
-        """Faces (m,) to turn so that neighbours agree over every edge of two sides.
-
-        Each face is there twice, as it is and turned, and joined to those it agrees with: an
-        orientable patch falls into two mirrored halves, of which the one that turns fewer faces
-        is taken. One that is not, like Möbius's, is left as it is.
-        """
-        first = self.first[self.sides == 2]
-        a, b = self.face[first], self.face[first + 1]
-        disagree = self.forward[first] == self.forward[first + 1]
-        m = self.faces
-        if not disagree.any():
-            return np.zeros(m, dtype=np.bool_)
-        tails = np.concatenate([a, a + m])
-        heads = np.concatenate([b + m * disagree, b + m * ~disagree])
-        count, half = _components(tails, heads, 2 * m)
-        kept = np.bincount(half[:m], minlength=count)
-        as_is, turned = kept[half[:m]], kept[half[m:]]
-        # on a tie the half of the patch's first face stays
-        return np.asarray((turned > as_is) | ((turned == as_is) & (half[m:] < half[:m])))
-
-
-def _components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:
-    """Connected components of ``count`` nodes with edges from a to b: their number, and labels."""
-    edges = scipy.sparse.coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(count, count))
-    number, label = scipy.sparse.csgraph.connected_components(edges, directed=False)
-    return number, label
-
-
-def _weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
-    """Join equal vertices, or those in the same cube of side ``size``; drop degenerate faces."""
-    keys = (np.round(vertices / size) if size else vertices) + 0.0  # -0.0 is 0.0
-    first, ids = distinct_rows(keys)
-    welded = ids[faces]
-    a, b, c = welded.T
-    welded = welded[(a != b) & (b != c) & (c != a)]
-    return _compact(vertices[first], welded.astype(np.int32))
-
-
-def _without_duplicates(faces: IntArray, notes: list[str]) -> IntArray:
-    """Each triangle once, whichever way it faces, in the order of the file."""
-    first = first_of_distinct_rows(np.sort(faces, axis=1).astype(np.int64))
-    if len(first) < len(faces):
-        notes.append(f"{len(faces) - len(first)} triangles were there twice and count once.")
-    return faces[first]
-
-
-def _compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Leave out the vertices that no face uses."""
-    is_used = np.zeros(len(vertices), dtype=np.bool_)
-    is_used[faces] = True
-    ids = np.cumsum(is_used, dtype=np.int32) - np.int32(1)
-    return np.ascontiguousarray(vertices[is_used]), ids[faces]
-
-
-def _in_order(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """The vertices as welding orders them, so that a surface read again is the same."""
-    order = np.lexsort(vertices.T[::-1])
-    number = np.empty(len(order), dtype=np.int32)
-    number[order] = np.arange(len(order), dtype=np.int32)
-    return vertices[order], number[faces]
-
-
-def _faces_in_order(faces: IntArray) -> IntArray:
-    """The faces by their corners, the lowest first, whatever order a union has given them."""
-    first = faces.argmin(axis=1)[:, None]
-    turned = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
-    return turned[np.lexsort(turned.T[::-1])]
-
-
-def _areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+    kept, other_sides = without_duplicates(faces)
+    shells = shells_of(vertices, kept)
+    if len(other_sides) and not shells.closed.all():
+        sheets = np.sort(kept[~shells.is_solid & ~shells.has_border], axis=1)
+        of_sheet = in_rows(np.sort(other_sides, axis=1), sheets)
+        kept = faces_in_order(np.concatenate([kept, other_sides[of_sheet]]))
+        shells = shells_of(vertices, kept)
+    dropped = len(faces) - len(kept)
+    twice = (f"{dropped} triangles were there twice and count once.",) if dropped else ()
+    return _Split(vertices, shells, (*twice, *shells.notes))

@@ -18,7 +18,7 @@ def united(
     Args:
         vertices: (n, 3).
         faces: (m, 3) ids of the corners.
-        label: (m,) the shell of each face.
+        label: (m,) the shell of each face, any numbers.
 
     Returns:
         The union; None if the library refuses a shell, or if the result is smaller than the input.
@@ -27,11 +27,12 @@ def united(
     import manifold3d
 
     shells = []
-    count = int(label.max()) + 1
+    _, number = np.unique(label, return_inverse=True)
+    count = int(number.max()) + 1
     if count > _MOST_SHELLS:
         return None
-    order = np.argsort(label, kind="stable")
-    for rows in np.split(order, np.cumsum(np.bincount(label, minlength=count))[:-1]):
+    order = np.argsort(number, kind="stable")
+    for rows in np.split(order, np.cumsum(np.bincount(number, minlength=count))[:-1]):
         used, ids = np.unique(faces[rows], return_inverse=True)
         corners = np.ascontiguousarray(vertices[used])
         triangles = ids.reshape(-1, 3).astype(np.uint64)
@@ -44,10 +45,11 @@ def united(
         return None
     mesh = union.to_mesh64()
     points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
-    size = np.ptp(vertices, axis=0).max()
+    given = vertices[np.unique(faces)]
+    size = np.ptp(given, axis=0).max()
     shift = max(
-        np.abs(points.min(axis=0) - vertices.min(axis=0)).max(),
-        np.abs(points.max(axis=0) - vertices.max(axis=0)).max(),
+        np.abs(points.min(axis=0) - given.min(axis=0)).max(),
+        np.abs(points.max(axis=0) - given.max(axis=0)).max(),
     )
     largest = max(shell.volume() for shell in shells)
     if shift > _ROUNDING * size or union.volume() < largest * (1 - _ROUNDING):

@@ -1,0 +1,72 @@
+"""Joining of a triangle mesh's corners, and the order of what is left."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray
+from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows
+
+
+def weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
+    """Join equal vertices, or those in the same cube of side ``size``; drop degenerate faces."""
+    keys = (np.round(vertices / size) if size else vertices) + 0.0  # -0.0 is 0.0
+    first, ids = distinct_rows(keys)
+    welded = ids[faces]
+    a, b, c = welded.T
+    welded = welded[(a != b) & (b != c) & (c != a)]
+    return compact(vertices[first], welded.astype(np.int32))
+
+
+def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
+    """The same for a size above 0; faces that would vanish without a trace keep their corners."""
+    _, ids = distinct_rows(np.round(vertices / size) + 0.0)
+    corners = ids[faces].astype(np.int64)
+    sides = np.sort(np.stack([corners, corners[:, [1, 2, 0]]], axis=-1), axis=-1)
+    keys = sides[..., 0] * (len(vertices) + 1) + sides[..., 1]
+    is_side = sides[..., 0] != sides[..., 1]
+    stays = is_side.all(axis=1)
+    # of a needle that vanishes its longest side has to be a side of another face
+    seen = ~is_side | np.isin(keys, keys[stays])
+    seen &= np.isin(corners, corners[stays])
+    lost = ~stays & ~seen.all(axis=1)
+    welded, kept = weld(vertices, faces[~lost], size)
+    both = np.concatenate([kept, faces[lost] + np.int32(len(welded))])
+    return weld(np.concatenate([welded, vertices]), both, 0.0)
+
+
+def without_duplicates(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Each triangle once, in the order of the file, and the other sides of those with two."""
+    first = first_of_distinct_rows(np.sort(faces, axis=1).astype(np.int64))
+    if len(first) == len(faces):
+        return faces, faces[:0]
+    sides = first_of_distinct_rows(_turned(faces).astype(np.int64))
+    return faces[first], faces[np.setdiff1d(sides, first)]
+
+
+def compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """Leave out the vertices that no face uses."""
+    is_used = np.zeros(len(vertices), dtype=np.bool_)
+    is_used[faces] = True
+    ids = np.cumsum(is_used, dtype=np.int32) - np.int32(1)
+    return np.ascontiguousarray(vertices[is_used]), ids[faces]
+
+
+def in_order(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """The vertices as welding orders them, so that a surface read again is the same."""
+    order = np.lexsort(vertices.T[::-1])
+    number = np.empty(len(order), dtype=np.int32)
+    number[order] = np.arange(len(order), dtype=np.int32)
+    return vertices[order], number[faces]
+
+
+def faces_in_order(faces: IntArray) -> IntArray:
+    """The faces by their corners, the lowest first, whatever order a union has given them."""
+    turned = _turned(faces)
+    return turned[np.lexsort(turned.T[::-1])]
+
+
+def _turned(faces: IntArray) -> IntArray:
+    """The faces with their lowest corner first, seen from the same side."""
+    first = faces.argmin(axis=1)[:, None]
+    return np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
