@@ -41,7 +41,9 @@ from abi.robot.urdf.urdf_reader import read_urdf
 from benchmarks import mesh_readers, robot_readers
 from benchmarks.report import Row, table
 
-_STATES = 3
+_STATES = 100
+_HELD_STATES = 3
+"""States at which the joints beside a tip are held, too, as planning does."""
 _NEAR = 1e-9
 """Difference of a pose that counts as none, over the largest coordinate and 1 m."""
 _NEAR_MESH = 1e-6
@@ -91,10 +93,19 @@ def compare_robot(file: Path, folder: Path, states: int = _STATES) -> Outcome:
         return Outcome(name, kind, "refused", why=error.message)
     # none of the others reads zeros after the end of a text, or what xacro left of a variable
     content = _VARIABLE.sub(rb"\1", file.read_bytes().rstrip(b"\0"))
+    random = np.random.default_rng(len(robot.links))
+    positions = {
+        one.name: random.uniform(one.low, one.high, states)
+        for one in robot.joints
+        if one.kind != "fixed" and one.mimic is None
+    }
+    ours = robot_readers.poses_of(robot, positions)
+    if (gap := _gap_with_tip(robot, positions, ours)) > _NEAR:
+        return Outcome(name, kind, "different", why=f"poses with a tip differ by {gap:.2g}")
     same, told = [], []
     for by, opened in robot_readers.READERS.items():
         try:
-            gap = _largest_gap(robot, opened(content), states)
+            gap = _largest_gap(ours, opened(content)(positions))
         except Exception as error:  # whatever another library raises
             told.append(f"{by}: {type(error).__name__}")
             continue
@@ -106,16 +117,21 @@ def compare_robot(file: Path, folder: Path, states: int = _STATES) -> Outcome:
     return Outcome(name, kind, outcome, tuple(same), ", ".join(told))
 
 
-def _largest_gap(robot: Robot, other: robot_readers.PosesAt, states: int) -> float:
-    """Largest difference of any link's pose at random states, over the largest coordinate."""
-    random, worst = np.random.default_rng(len(robot.links)), 0.0
-    free = [one for one in robot.joints if one.kind != "fixed" and one.mimic is None]
-    for _ in range(states if free else 1):
-        state = {one.name: float(random.uniform(one.low, one.high)) for one in free}
-        ours, theirs = robot_readers.poses_of(robot, state), other(state)
-        size = max(1.0, *(float(np.abs(pose).max()) for pose in ours.values()))
-        gaps = (float(np.abs(pose - theirs[link]).max()) for link, pose in ours.items())
-        worst = max(worst, max(gaps) / size)
+def _largest_gap(ours: robot_readers.Poses, theirs: robot_readers.Poses) -> float:
+    """Largest difference of any link's poses, over the largest coordinate and 1 m."""
+    size = max(1.0, *(float(np.abs(poses).max()) for poses in ours.values()))
+    return max(float(np.abs(poses - theirs[link]).max()) for link, poses in ours.items()) / size
+
+
+def _gap_with_tip(
+    robot: Robot, positions: robot_readers.States, ours: robot_readers.Poses
+) -> float:
+    """The same at the first states, between all joints planned and some of them held."""
+    worst = 0.0
+    for number in range(_HELD_STATES if positions else 0):
+        state = {name: float(at[number]) for name, at in positions.items()}
+        here = {link: poses[number : number + 1] for link, poses in ours.items()}
+        worst = max(worst, _largest_gap(robot_readers.poses_with_tip(robot, state), here))
     return worst
 
 

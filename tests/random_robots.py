@@ -155,12 +155,15 @@ def _numbers(xml: ElementTree.Element | None, name: str, default: str) -> FloatA
     return np.array(text.replace(", ", " ").split()[:3], dtype=float)
 
 
-def link_poses(robot: RandomRobot, state: Mapping[str, float]) -> dict[str, FloatArray]:
-    """Pose of every link in the root, (4, 4), by name.
+def link_poses(
+    robot: RandomRobot, states: Mapping[str, float] | Mapping[str, FloatArray]
+) -> dict[str, FloatArray]:
+    """Pose of every link in the root by name: (4, 4), or (k, 4, 4) at k states.
 
     Args:
         robot: the robot.
-        state: positions of all joints that move and follow no other, [rad] or [m].
+        states: positions of all joints that move and follow no other, or (k,) of each, [rad] or
+            [m].
     """
     by_name = {one.name: one for one in robot.joints}
     found = {robot.root: np.eye(4)}
@@ -169,38 +172,45 @@ def link_poses(robot: RandomRobot, state: Mapping[str, float]) -> dict[str, Floa
         own = np.eye(4)
         own[:3, :3] = _turn((0, 0, z)) @ _turn((0, y, 0)) @ _turn((x, 0, 0))
         own[:3, 3] = joint.xyz
-        moved, position = np.eye(4), _position(by_name, joint, state)
-        axis = joint.axis / max(float(np.linalg.norm(joint.axis)), 1e-300)
+        way = np.multiply.outer(_position(by_name, joint, states), _unit(joint.axis))
+        moved = np.zeros((*way.shape[:-1], 4, 4)) + np.eye(4)
         if joint.kind == "prismatic":
-            moved[:3, 3] = position * axis
+            moved[..., :3, 3] = way
         elif joint.kind != "fixed":
-            moved[:3, :3] = _turn(position * axis)
+            moved[..., :3, :3] = _turn(way)
         found[joint.child] = found[joint.parent] @ own @ moved
     return found
 
 
 def _position(
-    joints: Mapping[str, RandomJoint], joint: RandomJoint, state: Mapping[str, float]
-) -> float:
+    joints: Mapping[str, RandomJoint],
+    joint: RandomJoint,
+    states: Mapping[str, float] | Mapping[str, FloatArray],
+) -> float | FloatArray:
     if joint.kind == "fixed":
         return 0.0
     if joint.mimic is None:
-        return state[joint.name]
-    return (
-        joint.mimic.factor * _position(joints, joints[joint.mimic.joint], state)
-        + joint.mimic.offset
-    )
+        return states[joint.name]
+    followed = _position(joints, joints[joint.mimic.joint], states)
+    return joint.mimic.factor * followed + joint.mimic.offset
 
 
-def _turn(vector: object) -> FloatArray:
-    """Rotation by the length of a vector about it, (3, 3), by the matrix of its quaternion."""
-    way = np.asarray(vector, dtype=float)
-    angle = float(np.sqrt(way @ way))
-    x, y, z = way * (np.sin(angle / 2) / angle if angle > 0 else 0.0)
-    w = np.cos(angle / 2)
+def _unit(axis: FloatArray) -> FloatArray:
+    """The direction of an axis; an axis of zeros, which fixed joints may have, stays it."""
+    return np.asarray(axis / max(float(np.linalg.norm(axis)), 1e-300))
+
+
+def _turn(vectors: object) -> FloatArray:
+    """Rotation by each vector's length about it, (..., 3, 3), by the matrix of its quaternion."""
+    way = np.asarray(vectors, dtype=float)
+    angle = np.linalg.norm(way, axis=-1, keepdims=True)
+    # sin(a / 2) / a, which is 1 / 2 at 0
+    x, y, z = np.moveaxis(way * np.sinc(angle / (2 * np.pi)) / 2, -1, 0)
+    w = np.cos(angle[..., 0] / 2)
     left = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
     right = np.array([[w, x, y, z], [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
-    return np.asarray((left @ right)[1:, 1:])
+    turns = np.moveaxis(left, (0, 1), (-2, -1)) @ np.moveaxis(right, (0, 1), (-2, -1))
+    return np.asarray(turns[..., 1:, 1:])
 
 
 def _words(numbers: FloatArray) -> str:
