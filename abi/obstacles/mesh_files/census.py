@@ -59,7 +59,7 @@ def _obj(data: bytes) -> int:
     text = re.sub(_OBJ_TEXT, b"", data)
     text = re.sub(rb"\\(\r\n|\r|\n)", b" ", text)
     faces = re.finditer(rb"(?:^|[\r\n])[ \t]*fo?[ \t]([^\r\n]*)", text)
-    return sum(max(len(face[1].split()) - 2, 0) for face in faces)
+    return sum(max(len(face[1].partition(b"#")[0].split()) - 2, 0) for face in faces)
 
 
 def _off(data: bytes) -> int:

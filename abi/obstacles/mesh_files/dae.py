@@ -79,9 +79,10 @@ class _Document:
 
     def up(self) -> str:
         """Axis that points up in the file: y where it says nothing."""
-        asset = child(self.root, "asset")
-        axis = None if asset is None else child(asset, "up_axis")
-        up = "Y_UP" if axis is None else "".join(axis.itertext()).strip()
+        axes = {"".join(one.itertext()).strip() for one in self.root.iter("{*}up_axis")}
+        if len(axes) > 1:
+            raise ValueError("a DAE of one up_axis, its parts have several")
+        up = axes.pop() if axes else "Y_UP"
         if up not in _AXES:
             raise ValueError(f"a DAE whose up_axis is X_UP, Y_UP or Z_UP, not {shown(up)}")
         return _AXES[up]

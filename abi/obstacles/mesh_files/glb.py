@@ -89,6 +89,11 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
     return document, binary
 
 
+def _weigh(weights: object) -> bool:
+    """Check whether weights of morph targets, where they are given, do not all vanish."""
+    return any(weights) if isinstance(weights, list) else weights is not None
+
+
 def _refuse(constant: str) -> None:
     raise ValueError(constant)
 
@@ -131,7 +136,7 @@ class _File:
             self._check_extensions(primitive, f"meshes[{index}]")
             if primitive.get("targets"):
                 self._morphs = True
-                if any(weights if isinstance(weights, list) else mesh.get("weights", [])):
+                if _weigh(weights) or (not weights and _weigh(mesh.get("weights"))):
                     raise ValueError(
                         f"a GLB whose morph targets have no weight, those of meshes[{index}] "
                         "have: apply them in the program that wrote it"

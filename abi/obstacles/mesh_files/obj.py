@@ -5,6 +5,7 @@ Names of groups, objects, materials and their libraries are text of any kind tha
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 
@@ -20,6 +21,8 @@ _USUAL_FACE = re.compile("f" + 3 * r"\s+([0-9]{1,9})(?:/\S*)?" + r"\s*").fullmat
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _UNIT = re.compile(r"# abi unit (\S{1,40})")
 """First line of a file that this package has written, of a mesh whose own file gives a unit."""
+_LONGEST_UNIT = 1e4
+"""[m]"""
 _CURVED = {"surf", "bzp", "bsp", "cdp"}
 """Statements of free-form surfaces, the last three from old versions of the format."""
 _TEXT = re.compile(r"\s*(?:#|(?:[gos]|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)\s)").match
@@ -82,8 +85,10 @@ def read(data: bytes, most_faces: int) -> MeshFile:
                 continue
         words = line.split()
         kind = words[0] if words else ""
+        if kind in ("v", "f", "fo") and "#" in line:
+            words = line.partition("#")[0].split()
         if kind == "v":
-            vertices.append(_numbers(words[1:4], number))
+            vertices.append(_numbers(words[1:], number))
         elif kind in ("f", "fo"):
             polygon = [_corner(word, len(vertices), number) for word in words[1:]]
             if len(polygon) < 3:
@@ -138,15 +143,17 @@ def _lines(text: str) -> Iterator[tuple[int, str]]:
 def _unit(text: str) -> float | None:
     found = _UNIT.match(text)
     try:
-        return float(found[1]) if found else None
+        metres = float(found[1]) if found else math.nan
     except ValueError:
         return None
+    return metres if 0 < metres <= _LONGEST_UNIT else None
 
 
 def _numbers(words: list[str], line: int) -> list[float]:
+    """Coordinates of a vertex, behind which may be its weight or its colour."""
     try:
-        if len(words) == 3 and max(map(len, words)) <= 40:
-            return [float(word) for word in words]
+        if 3 <= len(words) <= 7 and max(map(len, words)) <= 40:
+            return [float(word) for word in words][:3]
     except ValueError:
         pass
     raise ValueError(f"vertices of three numbers, line {line} has {shown(' '.join(words))}")

@@ -84,6 +84,15 @@ def controller(kind: str) -> bytes:
         ("a.glb", glb(skin=0), "skeleton, nodes[0]"),
         ("a.glb", glb(extensions={"EXT_mesh_gpu_instancing": {}}), "EXT_mesh_gpu_instancing"),
         ("a.glb", glb(primitive(targets=[{"POSITION": 0}]), weights=[0.5]), "morph targets"),
+        ("a.glb", glb(primitive(targets=[{"POSITION": 0}]), weights=5), "morph targets"),
+        (
+            "a.dae",
+            dae("<mesh>", "<asset><up_axis>X_UP</up_axis></asset><mesh>").replace(
+                b"<asset/>", b"<asset><up_axis>Y_UP</up_axis></asset>"
+            ),
+            "one up_axis",
+        ),
+        ("a.obj", OBJ + b"v 0 0 0 f 1 2 3\n", "three numbers, line 123 has '0 0 0 f"),
         ("a.obj", OBJ + b"surf 0 1 0 1 1 2 3 4\n", "curved surface (surf)"),
         ("a.off", b"OFF BINARY\n", "as text, or as PLY"),
         ("a.ply", b"ply\nformat ascii 2.0 x\nend_header\n", "line 2"),
@@ -122,6 +131,7 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
         ("a.glb", glb({"animations": [{}]}), "animations are left out"),
         ("a.glb", glb(extensions={"ACME_lod": {}}), "'ACME_lod'"),
         ("a.obj", OBJ + b"f 1 2\nl 1 2 3\n", "2 lines are left out"),
+        ("a.obj", OBJ + b"f 1 2 # no face\n", "1 line is left out"),
         ("a.obj", OBJ + b"p 1\n", "1 point is left out"),
         ("a.obj", OBJ + b"v 0 0 0\n", "1 point is left out"),
     ],

@@ -133,8 +133,9 @@ def test_solids_stay_solid_and_sheets_stay_beside_them(
 ) -> None:
     boxes = meshes.joined(*(touching_box(x, y) for x, y in sorted(places)))
     if shaken:
-        vertices, faces = boxes[0][boxes[1]].reshape(-1, 3), np.arange(3 * len(boxes[1]))
-        boxes = vertices + RNG.uniform(-1e-9, 1e-9, vertices.shape), faces.reshape(-1, 3)
+        vertices = boxes[0][boxes[1]].reshape(-1, 3)
+        faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
+        boxes = vertices + RNG.uniform(-1e-9, 1e-9, vertices.shape), faces
     sheets = [(np.array(SHEETS[name]), np.array([[0, 1, 2]])) for name in sorted(names)]
     twice = [meshes.inverted(sheet) for sheet in sheets if two_sides]
 
