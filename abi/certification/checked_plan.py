@@ -36,7 +36,7 @@ def checked_plan(verdict: MotionVerdict) -> Plan:
     duration = float(motion.time[-1])
     # the time itself is the distance: nothing else is known of how it was timed
     pace = read_only(np.array([[0.0], [0.0], [1.0], [0.0]]))
-    profile = TimedProfile("time_optimal", duration, read_only(np.array([0.0, duration])), pace)
+    profile = TimedProfile(duration, read_only(np.array([0.0, duration])), pace)
     clearance = _clearance(verdict, motion)
     return Plan(verdict.scene, profile=profile, arm=arm, motion=motion, arm_clearance=clearance)
 
