@@ -107,7 +107,7 @@ def measure(lattice, nodes):
 abi.compile()
 # in a process each: a mesh finds no room that another has left
 with multiprocessing.get_context("fork").Pool(1, maxtasksperchild=1) as pool:
-    sizes = ("bcc", 400_000), ("kuhn", 400_000), ("delaunay", 25_000)
+    sizes = ("bcc", 150_000), ("kuhn", 150_000), ("delaunay", 25_000)
     print(json.dumps(dict(pool.starmap(measure, sizes, chunksize=1))))
 """
 
