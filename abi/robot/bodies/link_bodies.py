@@ -28,7 +28,9 @@ _PARTS = 6
 _MOST = 12
 """Shapes of a link that are pieces of their own, at most; of more all are one."""
 _WORTH = 0.9
-"""A piece is cut where the hulls of both halves are smaller together than this part of its own."""
+"""A piece is cut where the hulls of both halves are smaller together than this part of its own, ..."""
+_MUCH = 0.05
+"""... or where that saves this part of the whole volume."""
 _SHARES = (0.2, 0.4, 0.6, 0.8)
 """Places of cuts that are tried, over the length of a piece."""
 _CORNERS = 64
@@ -141,7 +143,7 @@ def _parts(triangles: FloatArray) -> list[FloatArray]:
     leaves it through a triangle, so that the parts' hulls hold what is inside, too.
     """
     parts = [_HulledPart(triangles, _volume(triangles.reshape(-1, 3)))]
-    if _filled(triangles) > _WORTH * parts[0].volume:
+    if _filled(triangles) > (1 - _MUCH) * parts[0].volume:
         return [triangles.reshape(-1, 3)]
     axes, whole = principal_axes(triangles.reshape(-1, 3))[:2], parts[0].volume
     halves = [_halves(parts[0], axes)]
@@ -151,7 +153,8 @@ def _parts(triangles: FloatArray) -> list[FloatArray]:
             for one, both in zip(parts, halves, strict=True)
         ]
         best = int(np.argmax(gains))
-        if gains[best] <= max((1 - _WORTH) * parts[best].volume, _LEAST * whole):
+        enough = min((1 - _WORTH) * parts[best].volume, _MUCH * whole)
+        if gains[best] <= max(enough, _LEAST * whole):
             break
         both = halves[best]
         parts[best : best + 1] = both
