@@ -16,6 +16,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray, read_only
+from abi.robot.bodies import body_store, bounding_capsules
 from abi.robot.bodies.bounding_capsules import BoundingCapsule, principal_axes, smallest_capsule
 from abi.robot.urdf.robot import Link, LinkShape
 
@@ -28,7 +29,7 @@ _PARTS = 6
 _MOST = 12
 """Shapes of a link that are pieces of their own, at most; of more all are one."""
 _WORTH = 0.9
-"""A piece is cut where the hulls of both halves are smaller together than this part of its own, ..."""
+"""A piece is cut where the hulls of both halves are smaller together than this part of its, ..."""
 _MUCH = 0.05
 """... or where that saves this part of the whole volume."""
 _SHARES = (0.2, 0.4, 0.6, 0.8)
@@ -62,7 +63,34 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=512)
 def link_bodies(link: Link) -> tuple[Body, ...]:
-    """Bodies whose union contains a link's collision shapes; none for a frame."""
+    """Bodies whose union contains a link's collision shapes; none for a frame.
+
+    All but spheres take long to make, and are kept from one start to the next.
+    """
+    if all(shape.kind == "sphere" for shape in link.shapes):
+        return _fitted(link)
+    key = body_store.key_of(link.shapes, (__file__, bounding_capsules.__file__))
+    kept = body_store.find(key)
+    if kept is not None:
+        return tuple(map(_unpacked, kept))
+    bodies = _fitted(link)
+    body_store.keep(key, [_packed(one) for one in bodies])
+    return bodies
+
+
+def _packed(body: Body) -> FloatArray:
+    """A body as numbers (8 + 3 k,)."""
+    low, high, radius = body.capsule
+    return np.concatenate([low, high, [radius, body.rounding], body.points.ravel()])
+
+
+def _unpacked(numbers: FloatArray) -> Body:
+    """The body that numbers (8 + 3 k,) say."""
+    low, high, points = numbers[:3], numbers[3:6], numbers[8:].reshape(-1, 3)
+    return Body(BoundingCapsule(low, high, float(numbers[6])), points, float(numbers[7]))
+
+
+def _fitted(link: Link) -> tuple[Body, ...]:
     groups = [[shape] for shape in link.shapes]
     if len(groups) > _MOST:
         groups = [list(link.shapes)]
