@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
 
 from abi.certification.motion import Motion
+from abi.certification.read_bag import read_bag
 from abi.certification.read_csv import read_csv
 from abi.certification.read_message import read_message
 from abi.errors import MotionError, SceneError, short
@@ -16,40 +17,64 @@ MOST_BYTES = 20_000_000
 """Largest motion file; YAML and JSON have lower limits."""
 
 
-def read_motion(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
+def read_motion(
+    name: str, content: bytes, slides: Mapping[str, bool], topic: str | None = None
+) -> Motion:
     """Read a motion file.
 
     Args:
         name: of the file; its ending chooses the format: one of :data:`FORMATS`.
         content: of the file.
         slides: the robot's joints as :func:`own_joints` has them.
+        topic: of a trajectory in a bag, see :func:`abi.certification.read_bag.read_bag`.
 
     Raises:
         MotionError: the format is unknown, or the file is wrong; names row, joint and unit.
     """
     ending = PurePosixPath(name).suffix.lower()
+    if ending in BAGS:
+        return _from_plain(read_bag(_within(name, content), topic), slides)
+    if topic is not None:
+        raise MotionError(f"{short(name)} is no bag, so it has no topic {short(topic)}.")
     if ending not in FORMATS:
         raise MotionError(
-            f"{short(name)} is no motion file.", f"Use one that ends in {', '.join(FORMATS)}."
+            f"{short(name)} is no motion file.",
+            f"Use one that ends in {', '.join((*FORMATS, *BAGS))}.",
         )
+    return FORMATS[ending](name, _within(name, content), slides)
+
+
+def _within(name: str, content: bytes) -> bytes:
+    """The content of a file that is not too large."""
     if len(content) > MOST_BYTES:
         raise MotionError(f"{short(name)} is larger than {MOST_BYTES // 10**6} MB.")
-    return FORMATS[ending](name, content, slides)
+    return content
 
 
-def load_motion(path: Path, robot: Robot) -> Motion:
-    """Read the motion file at ``path``.
+def load_motion(path: Path, robot: Robot, topic: str | None = None) -> Motion:
+    """Read the motion file at ``path``, or the only bag in that folder.
 
     Raises:
         MotionError: it cannot be read, or :func:`read_motion` refuses it.
     """
     try:
+        if path.is_dir():
+            path = _bag_in(path)
         with path.open("rb") as file:
             content = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "no path").lower()
         raise MotionError(f"{short(str(path))} cannot be read ({reason}).") from None
-    return read_motion(path.name, content, own_joints(robot))
+    return read_motion(path.name, content, own_joints(robot), topic)
+
+
+def _bag_in(folder: Path) -> Path:
+    """The only bag in a folder, as ROS 2 records it."""
+    bags = sorted(one for one in folder.iterdir() if one.suffix in BAGS)
+    if len(bags) != 1:
+        names = ", ".join(short(one.name) for one in bags[:6]) or "none"
+        raise MotionError(f"The folder has not one bag: {names}.", "Name the file.")
+    return bags[0]
 
 
 def own_joints(robot: Robot) -> dict[str, bool]:
@@ -82,6 +107,11 @@ def _mapping(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
         data = parse_bytes(content, name)
     except SceneError as error:
         raise MotionError(f"{short(name)} cannot be read; expected {error.expected}.") from None
+    return _from_plain(data, slides)
+
+
+def _from_plain(data: object, slides: Mapping[str, bool]) -> Motion:
+    """The motion of a message."""
     return read_message(data, [joint for joint, is_slide in slides.items() if is_slide])
 
 
@@ -92,3 +122,5 @@ FORMATS: dict[str, Callable[[str, bytes, Mapping[str, bool]], Motion]] = {
     ".json": _mapping,
 }
 """Reader of each ending."""
+BAGS = (".mcap", ".db3")
+"""Endings of bags of ROS 2."""

@@ -19,6 +19,7 @@ from app.cli.output import print_text, write_text
 @click.option("--clearance", type=float, default=0.0, help="Distance to keep from obstacles.")
 @click.option("--start", help="State in which the robot stands: NAME=VALUE,NAME=VALUE.")
 @click.option("--acceleration", type=float, help="Limit of each joint, rad/s² or m/s².")
+@click.option("--topic", help="Of a trajectory in a bag: TOPIC, or TOPIC:NUMBER.")
 @click.option("--budget", type=click.IntRange(1_000), help="Pairs to try at most.")
 @click.option(
     "--out", type=click.Path(dir_okay=False, path_type=Path), help="Write JSON to a file."
@@ -31,14 +32,15 @@ def certify(
     clearance: float,
     start: str | None,
     acceleration: float | None,
+    topic: str | None,
     budget: int | None,
     out: Path | None,
     as_json: bool,
 ) -> None:
     """Prove that the motion in a file keeps a robot clear at all times, or find where it touches.
 
-    MOTION is a ROS 2 JointTrajectory (YAML or JSON), a CSV with the joints' names in its first row,
-    a plan of abi plan, or JSON with joints, times and positions.
+    MOTION is a ROS 2 JointTrajectory (YAML, JSON, or in a bag, .mcap or .db3), a CSV with the
+    joints' names in its first row, a plan of abi plan, or JSON with joints, times and positions.
 
     Exit code 0: proven clear; 3: it touches something; 4: not decided; 2: bad input.
     """
@@ -50,7 +52,7 @@ def certify(
 
     place = robot_scene(robot, None if scene is None else given_scene(scene))
     verdict = certify_motion(
-        load_motion(motion, place.arm.robot),
+        load_motion(motion, place.arm.robot, topic),
         place,
         None if start is None else _state(start),
         clearance,

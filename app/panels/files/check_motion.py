@@ -15,7 +15,7 @@ import viser
 from abi.certification.certify_motion import certify_motion
 from abi.certification.checked_plan import checked_plan
 from abi.certification.motion import Motion
-from abi.certification.read_motion import FORMATS, own_joints
+from abi.certification.read_motion import BAGS, FORMATS, own_joints
 from abi.certification.repair import repair
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import limit_sentences
@@ -54,9 +54,9 @@ class CheckMotionPanel:
         gui = client.gui
         self.upload = gui.add_upload_button(
             "Check a motion…",
-            mime_type=",".join(FORMATS),
+            mime_type=",".join((*FORMATS, *BAGS)),
             hint="A trajectory that another planner made for this arm: is it clear at all times? "
-            "ROS 2 JointTrajectory, CSV with joint names, or JSON.",
+            "ROS 2 JointTrajectory, bag, CSV with joint names, or JSON.",
         )
         self.uploads = FileUploads(gui, self.upload, FileKind(self._deal, shown_name), wake)
         self.save = gui.add_button(

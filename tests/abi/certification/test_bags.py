@@ -1,0 +1,119 @@
+"""Bags of ROS 2: MCAP and SQLite, written by two other libraries, and damaged ones."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap_ros2.writer import Writer
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as BagWriter
+from rosbags.typesys import Stores, get_typestore
+
+from abi.certification.read_bag import _JOINT_TRAJECTORY
+from abi.certification.read_motion import load_motion, own_joints, read_motion
+from abi.certification.robot_scene import robot_scene
+from abi.errors import MotionError
+
+pytestmark = pytest.mark.slow
+ROBOT = robot_scene("ur5e").arm.robot
+JOINTS = tuple(own_joints(ROBOT))
+KIND = "trajectory_msgs/msg/JointTrajectory"
+POSITIONS = np.random.default_rng(0).uniform(-1, 1, (3, 6))
+TIMES = (0.0, 0.5, 1.25)
+
+
+def stamp(time: float) -> dict[str, int]:
+    return {"sec": int(time), "nanosec": round(time % 1 * 1e9)}
+
+
+def message(first: float = 0.0) -> dict[str, Any]:
+    rows = zip(TIMES, (POSITIONS + first).tolist(), strict=True)
+    empty: list[float] = []
+    return {
+        "header": {"stamp": stamp(0), "frame_id": "base"},
+        "joint_names": list(JOINTS),
+        "points": [
+            {
+                "positions": row,
+                "velocities": [0.1] * 6,
+                "accelerations": empty,
+                "effort": empty,
+                "time_from_start": stamp(time),
+            }
+            for time, row in rows
+        ],
+    }
+
+
+def mcap(*topics: str) -> bytes:
+    """A bag with a trajectory on each topic, the k-th of which begins k rad farther."""
+    file = io.BytesIO()
+    writer = Writer(file)
+    schema = writer.register_msgdef(KIND, _JOINT_TRAJECTORY)
+    for number, topic in enumerate(topics):
+        writer.write_message(topic, schema, message(number), number)
+    writer.finish()  # type: ignore[no-untyped-call]
+    return file.getvalue()
+
+
+def sqlite(folder: Path) -> Path:
+    """A bag as ROS 2 Humble records it: a folder with an SQLite file without definitions."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    kinds = store.types
+    header, time = kinds["std_msgs/msg/Header"], kinds["builtin_interfaces/msg/Time"]
+    duration = kinds["builtin_interfaces/msg/Duration"]
+    point = kinds["trajectory_msgs/msg/JointTrajectoryPoint"]
+    none = np.zeros(0)
+    points = [
+        point(row, np.full(6, 0.1), none, none, duration(**stamp(time)))
+        for time, row in zip(TIMES, POSITIONS, strict=True)
+    ]
+    sent = kinds[KIND](header(time(0, 0), "base"), list(JOINTS), points)
+    with BagWriter(folder, version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        connection = writer.add_connection("/plan", KIND, typestore=store)
+        writer.write(connection, 0, store.serialize_cdr(sent, KIND))
+    return folder
+
+
+def test_bags_of_both_kinds_hold_the_motion(tmp_path: Path) -> None:
+    file = tmp_path / "a.mcap"
+    file.write_bytes(mcap("/plan"))
+    for path in (file, sqlite(tmp_path / "bag")):
+        motion = load_motion(path, ROBOT)
+        assert motion.joints == JOINTS
+        assert motion.interpolation == "cubic"
+        np.testing.assert_allclose(motion.times, TIMES, atol=1e-9)
+        np.testing.assert_array_equal(motion.positions, POSITIONS)
+
+
+def test_one_of_several_is_chosen_by_topic_and_number() -> None:
+    content, joints = mcap("/plan", "/plan", "/other"), own_joints(ROBOT)
+    with pytest.raises(MotionError, match="3 trajectories") as caught:
+        read_motion("a.mcap", content, joints)
+    assert "/plan:1 to /plan:2, /other" in caught.value.hint
+    for topic, shift in (("/plan:1", 0), ("/plan:2", 1), ("/other", 2)):
+        motion = read_motion("a.mcap", content, joints, topic)
+        np.testing.assert_array_equal(motion.positions, POSITIONS + shift)
+    with pytest.raises(MotionError, match="no trajectory '/none'"):
+        read_motion("a.mcap", content, joints, "/none")
+    with pytest.raises(MotionError, match="no bag"):
+        read_motion("a.csv", b"", joints, "/plan")
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_a_damaged_bag_is_refused_or_read(data: st.DataObject) -> None:
+    whole = bytearray(mcap("/plan"))
+    place = data.draw(st.integers(0, len(whole) - 1))
+    whole[place] ^= data.draw(st.integers(1, 255))
+    cut = data.draw(st.sampled_from([len(whole), place]))
+    for name in ("a.mcap", "a.db3"):
+        with contextlib.suppress(MotionError):
+            read_motion(name, bytes(whole[:cut]), own_joints(ROBOT))
