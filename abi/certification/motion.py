@@ -89,7 +89,7 @@ class Motion(ReadOnlyCopies):
         }
 
     def from_zero(self) -> Motion:
-        """The same motion with its first waypoint at 0 s; times may count from anywhere."""
+        """The motion with its first waypoint at 0 s, wherever its times count from."""
         first = float(self.times[0])
         if first == 0:
             return self
