@@ -13,6 +13,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
 from abi.errors import MotionError
+from abi.robot.bodies.allowed_contacts import AllowedContact, Reason
 from abi.robot.bodies.chain_capsules import lever, meeting
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.kinematics.chain import Chain
@@ -37,22 +38,6 @@ class ConvexBody(NamedTuple):
     radius: float
 
 
-class Allowed(NamedTuple):
-    """Two links that may touch, or a link that may touch obstacles.
-
-    Attributes:
-        link: name of a link.
-        other: name of another link, ``floor`` or ``obstacles``.
-        reason: ``adjacent``: at most one joint moves one beside the other; ``srdf``: the robot's
-            SRDF says so; ``always``: they overlap in nearly all random poses; ``mount``: the link
-            stands still, so that no motion of the robot changes what it touches.
-    """
-
-    link: str
-    other: str
-    reason: str
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class RobotBodies(ShortRepr):
     """Convex bodies of a robot whose joints move with a chain.
@@ -68,36 +53,36 @@ class RobotBodies(ShortRepr):
     metres: float
 
     @cached_property
-    def pairs(self) -> tuple[IntArray, tuple[Allowed, ...]]:
+    def pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
         """Numbers of two bodies that must keep apart, (p, 2), and links that may touch."""
         held = tuple(sorted(self.chain.held.items()))
         return _pairs(self.chain.robot, self.chain.names, held)
 
-    def find_pairs(self) -> tuple[IntArray, tuple[Allowed, ...]]:
+    def find_pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
         """Find these pairs, which takes some hundred random poses."""
         numbers: dict[str, list[int]] = {}
         for number, body in enumerate(self.bodies):
             numbers.setdefault(body.link, []).append(number)
         apart: list[tuple[int, int]] = []
-        allowed: list[Allowed] = []
+        allowed: list[AllowedContact] = []
         for first, second in itertools.combinations(numbers, 2):
             pairs = [*itertools.product(numbers[first], numbers[second])]
             reason = self._reason(first, second, pairs)
-            if reason:
-                allowed.append(Allowed(first, second, reason))
+            if reason is not None:
+                allowed.append(AllowedContact(first, second, reason))
             else:
                 apart += pairs
         return read_only(np.array(apart, dtype=np.int32).reshape(-1, 2)), tuple(allowed)
 
     @property
-    def allowed(self) -> tuple[Allowed, ...]:
+    def allowed(self) -> tuple[AllowedContact, ...]:
         """What may touch: pairs of links, and what stands still."""
         still = dict.fromkeys(body.link for body in self.bodies if body.frame < 0)
         first = dict.fromkeys(body.link for body in self.bodies if body.frame == 0)
         return (
             *self.pairs[1],
-            *(Allowed(link, "obstacles", "mount") for link in still),
-            *(Allowed(link, "floor", "mount") for link in (*still, *first)),
+            *(AllowedContact(link, "obstacles", "mount") for link in still),
+            *(AllowedContact(link, "floor", "mount") for link in (*still, *first)),
         )
 
     @cached_property
@@ -119,8 +104,11 @@ class RobotBodies(ShortRepr):
         levers = (lever(self.chain, one.frame, one.points, common) for one in (first, second))
         return np.asarray(sum(levers))
 
-    def _reason(self, first: str, second: str, pairs: Sequence[tuple[int, int]]) -> str:
-        """Reason for which two links may touch; empty if they must not."""
+    def _reason(self, first: str, second: str, pairs: Sequence[tuple[int, int]]) -> Reason | None:
+        """Reason for which two links may touch; None if they must not.
+
+        ``always`` means that they overlap in nearly all random poses.
+        """
         chain, robot = self.chain, self.chain.robot
         frames = (self.bodies[number].frame for number in pairs[0])
         one, other = ({*chain.behind(frame)} for frame in frames)
@@ -133,13 +121,13 @@ class RobotBodies(ShortRepr):
         few = flat(np.array(pairs, dtype=float)).astype(np.int32)
         hulls = _hulls(self.bodies, self.metres)._replace(pairs=read_only(few))
         touching = hulls_touch(chain.table, hulls, flat(poses), len(low))
-        return "always" if touching >= _ALWAYS * _SAMPLES else ""
+        return "always" if touching >= _ALWAYS * _SAMPLES else None
 
 
 @lru_cache(maxsize=32)
 def _pairs(
     robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...]
-) -> tuple[IntArray, tuple[Allowed, ...]]:
+) -> tuple[IntArray, tuple[AllowedContact, ...]]:
     """Pairs of bodies of a robot, wherever it stands."""
     free = {joint.name for joint in robot.joints if joint.mimic is None}
     still = {name: at for name, at in held if name in free}

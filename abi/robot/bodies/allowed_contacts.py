@@ -32,7 +32,8 @@ class AllowedContact(NamedTuple):
 
     Attributes:
         link: name of a link.
-        other: name of another link, ``floor``, or number of an obstacle from 0.
+        other: name of another link, ``floor``, number of an obstacle from 0, or ``obstacles`` for
+            all of them.
         reason: ``adjacent``: at most one joint moves one beside the other; ``always``: their bodies
             overlap in every random pose; ``srdf``: the robot's SRDF says so; ``mount``: the
             link stands still on it; ``asked``: the scene's ``arm.allowed`` says so; ``grasp``: it
