@@ -288,7 +288,9 @@ class ArmNotClear(StageError):
             if why:
                 fault = f"the arm {why} at the {where}"
             if obstacle is not None:
-                fault = f"the {link.replace('_', ' ')} touches {name} at the {where}"
+                # bodies of other arms than the paper's are a little larger than their links
+                touches = "touches" if has_elbow else "may touch"
+                fault = f"the {link.replace('_', ' ')} {touches} {name} at the {where}"
             message = f"{branch}, {fault}."
         other = "let the elbow be auto" if has_elbow else "leave the direction of the gripper free"
         super().__init__(
@@ -375,7 +377,7 @@ class NoJointMotion(StageError):
         elif message is None:
             tried = "In the first of the" if poses > 1 else "In the"
             poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
-            touched = f"the {link.replace('_', ' ')} touches {name}"
+            touched = f"the {link.replace('_', ' ')} may touch {name}"
             message = f"{tried} {poses_there} at the {where} {touched}."
         hint = "Move an obstacle or the arm's base, or ask for another start or goal."
         super().__init__("arm", "no_joint_motion", message, hint)

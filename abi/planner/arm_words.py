@@ -28,7 +28,8 @@ def arm_result(plan: Plan) -> str:
     if not motion.reachable:
         return "out of reach ✗"
     if clearance.contacts:
-        return f"{link_label(clearance.contacts[0].link)} collides ✗"
+        worst = clearance.contacts[0]
+        return f"{link_label(worst.link)} {'collides' if worst.certain else 'may collide'} ✗"
     if plan.followed_curve is not None and not plan.followed_curve.holds:
         return "curve not clear ✗"
     if plan.limits_passed:
@@ -44,11 +45,12 @@ def link_label(link: str) -> str:
 
 
 def contact_sentence(contact: Contact, unit: str) -> str:
-    """Sentence on what touches what, when and how deep."""
+    """Sentence on what touches what, or may, when and how deep."""
     other = contact.obstacle
     name = f"obstacle {other + 1}" if isinstance(other, int) else f"the {link_label(other)}"
     depth = f"{format_length(contact.depth)} {unit}"
-    return f"The {link_label(contact.link)} goes {depth} into {name} at {contact.time:.2f} s"
+    goes = f"goes {depth}" if contact.certain else f"may go up to {depth}"
+    return f"The {link_label(contact.link)} {goes} into {name} at {contact.time:.2f} s"
 
 
 def allowed_sentences(plan: Plan) -> tuple[str, ...]:

@@ -82,6 +82,10 @@ class AnyArm(Protocol):
     def has_elbow(self) -> bool:
         """Whether its branches are the two sides of its elbow."""
 
+    @property
+    def has_exact_bodies(self) -> bool:
+        """Whether a link touches what its body overlaps, and not only may."""
+
     def rate_limits(self, acceleration: float) -> RateLimits:
         """Largest rates of its joints, for an acceleration in [rad/s²], of sliding ones [m/s²]."""
 

@@ -183,6 +183,11 @@ class UrdfArm(ShortRepr):
         """Whether it has an elbow: False, its branches are poses with the tool at the start."""
         return False
 
+    @property
+    def has_exact_bodies(self) -> bool:
+        """Whether its bodies are its links: False, they contain them and are a little larger."""
+        return False
+
     def rate_limits(self, acceleration: float) -> RateLimits:
         """Largest rates of its joints, speeds and torques as its URDF has them.
 

@@ -45,6 +45,8 @@ class Contact(NamedTuple):
         last: time of the last sample, [s].
         time: time at which it is deepest, [s].
         depth: how far the link's capsule is in it then, [unit].
+        certain: whether the link touches it indeed: the bodies of a URDF arm contain its links and
+            are a little larger, so that one that overlaps something says that the link may touch.
     """
 
     link: str
@@ -53,6 +55,7 @@ class Contact(NamedTuple):
     last: float
     time: float
     depth: float
+    certain: bool = True
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -285,6 +288,7 @@ def contacts_of(
                     *(arm.capsules[capsules[c]].link, named(int(touched[first]), arm)),
                     *(float(time[first]), float(time[end - 1]), float(time[deepest])),
                     -float(measured.distance[deepest, c]),
+                    arm.has_exact_bodies,
                 )
                 contacts.append(contact)
     return tuple(contacts)

@@ -170,6 +170,11 @@ class PaperArm(ShortRepr):
         """Whether its branches are the two sides of its elbow: True."""
         return True
 
+    @property
+    def has_exact_bodies(self) -> bool:
+        """Whether its bodies are its links: True, they are capsules."""
+        return True
+
     def rate_limits(self, acceleration: float) -> RateLimits:
         """Largest rates of its joints: of q1 to q3, whose speed is nominal, as the paper has none.
 
