@@ -4,7 +4,7 @@
 
 A tab plans a shipped scene with a mesh so fine that it takes seconds. At a random moment of that
 another scene or arm is chosen in the page. Measured is the time from there, the page's way to the
-server included, until the plan has ended.
+server included, until the plan has ended and that of what was chosen begins.
 """
 
 from __future__ import annotations
@@ -64,9 +64,8 @@ class Chooser:
             self._set(panels.stages.arm.model.model, arm)
         else:
             self._set(panels.files.choice, "two-boxes")
-        self._until(lambda: session._unplanned or session.resting)
-        took = time.monotonic() - chosen
-        self._until(lambda: session.resting)
+        self._until(lambda: session._watch._begun > chosen)
+        took = session._watch._begun - chosen
         self._set(panels.files.choice, "two-boxes")
         self._until(lambda: session.resting and panels.files.name == "two-boxes")
         return took

@@ -29,6 +29,8 @@ _SAME_SHAPE = 0.1
 """Part by which the picture's shape may differ from one that the page tells of, both rounded."""
 _HEADLINE = 0.11
 """Part of the picture's height over which the headline lies, usually."""
+_ARROWS = 0.3
+"""How far the arrows of the axes reach beyond the workspace, as a part of its longest side."""
 _FOOT = 0.07
 """Radius of the arm's foot, as a part of the scene's size."""
 _TOLERANCE = 1e-3
@@ -114,7 +116,7 @@ class Viewpoint:
             return
         _, target, size = _view(self._scene, self._distance_factor, self._direction)
         self._direction = best_direction(plan, target, self._distance_factor * size)
-        self._extent = extent(plan)
+        self._extent = np.vstack([extent(plan), _axes_tips(plan.scene)])
         self._place()
 
     def surround(self, points: FloatArray | None) -> None:
@@ -239,6 +241,14 @@ def _outline(scene: Scene) -> FloatArray:
     radius = _FOOT * _view(scene, 1.0)[2]
     rim = radius * np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
     return np.vstack([corners, np.array(scene.arm.base) + rim])
+
+
+def _axes_tips(scene: Scene) -> FloatArray:
+    """Points (n, 3), [unit], world, that the arrows beside the workspace's corner lead to."""
+    workspace = scene.workspace
+    corner = np.array([workspace.max[0], workspace.min[1], workspace.min[2]])
+    size = max(workspace.size)
+    return np.asarray(corner + size * np.array([(_ARROWS, 0, 0), (0, -_ARROWS, 0)]))
 
 
 def _around_oversize(scene: Scene) -> FloatArray:

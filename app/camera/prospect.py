@@ -49,7 +49,9 @@ def best_direction(plan: Plan, target: FloatArray, size: float) -> FloatArray:
 
 
 def in_view(plan: Plan, curve: FloatArray, eyes: FloatArray, size: float) -> BoolArray:
-    """Check at which moments the arm leaves curve, ends and obstacles in view of which eyes.
+    """Check at which moments curve, ends and obstacles are in view of which eyes.
+
+    No end is in view that is behind an obstacle, and at no moment what the arm hides then.
 
     Args:
         plan: the plan; without a motion, nothing moves that hides anything.
@@ -60,8 +62,12 @@ def in_view(plan: Plan, curve: FloatArray, eyes: FloatArray, size: float) -> Boo
     Returns:
         Shape (e, moments).
     """
+    both = np.tile(curve[[0, -1]], (len(eyes), 1))
+    obstacles = ObstacleSet(plan.scene.obstacles)
+    is_behind = obstacles.blocked(both, np.repeat(eyes, 2, axis=0), 0.0).reshape(-1, 2)
+    are_open = ~is_behind.any(axis=1, keepdims=True)
     if plan.motion is None or plan.arm is None:
-        return np.ones((len(eyes), 1), bool)
+        return np.asarray(are_open)
     positions = plan.motion.positions
     rows = np.linspace(0, len(positions) - 1, _POSES).astype(int)
     placed = plan.arm.placed(positions[rows])
@@ -76,7 +82,7 @@ def in_view(plan: Plan, curve: FloatArray, eyes: FloatArray, size: float) -> Boo
     seen = ~(of_curve[..., 0] | of_curve[..., -1]) & (of_curve.mean(axis=-1) <= _MOST[0])
     if len(middles):
         seen &= of_obstacles.mean(axis=-1) <= _MOST[1]
-    return np.asarray(seen)
+    return np.asarray(seen & are_open)
 
 
 def _directions() -> FloatArray:

@@ -36,6 +36,8 @@ _PLACES = {
 """Parts of a line's length at which its name may stand."""
 
 
+_NARROW = 480
+"""Width of a picture, [px], in which the names of more than one curve would lie on the curves."""
 _WIDE = 3.0
 """Width of a label over its height."""
 _UPRIGHT = 1e-3
@@ -84,6 +86,8 @@ class NamesLayer(Layer):
         for label in (*self._labels.values(), self._distance):
             label.font_screen_scale = frame.label_scale
         named = {"path", *_CURVES} if _CURVES & frame.shown else set(self._labels)
+        if 0 < self._camera.image_width < _NARROW and plan.followed in frame.shown:
+            named = {plan.followed}
         for name, label in self._labels.items():
             shown = name in named and _switch(plan, name) in frame.shown
             label.visible = on and shown and name in self._places

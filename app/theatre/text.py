@@ -54,7 +54,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
             rows,
         )
     if theatre.asking and not state.done:
-        asked = "<b>Which node is visited next?</b> Click one of those that wait."
+        asked = "<b>Which node is visited next?</b> Click or tap one of those that wait."
         text += style.paragraph(asked)
     if theatre.answer.text:
         text += style.paragraph(theatre.answer.text)

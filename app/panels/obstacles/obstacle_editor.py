@@ -65,7 +65,7 @@ class ObstacleEditor:
             for name in ("start", "goal")
         }
         self.choice = gui.add_dropdown(
-            "obstacle", (_NONE,), hint="Or click an obstacle in the scene."
+            "obstacle", (_NONE,), hint="Or click or tap an obstacle in the scene."
         )
         self.sizes = ObstacleSizes(gui, wake)
         self._mesh_note = MeshNote(gui, wake)

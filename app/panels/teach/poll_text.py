@@ -21,7 +21,7 @@ def question_text(asked: Asked, students: int, answered: bool) -> str:
     again = " <i>Second round: talk with your neighbour, then answer again.</i>"
     text = f"<b>{html.escape(poll.text)}</b>{again if len(asked.rounds) > 1 else ''}"
     if poll.asks_place and not asked.revealed:
-        text += " Click a node in the scene."
+        text += " Click or tap a node in the scene."
     text = style.paragraph(text)
     if asked.revealed:
         return text + _revealed(asked, students)

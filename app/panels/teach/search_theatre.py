@@ -80,7 +80,7 @@ class TheatrePanel:
         self.ask = gui.add_checkbox(
             "ask me: which node next?",
             False,
-            hint="Click the node that you think will be visited next.",
+            hint="Click or tap the node that you think will be visited next.",
         )
         self.race = gui.add_checkbox(
             "race of three", False, hint="Three searches side by side, step for step."

@@ -40,6 +40,7 @@ KEYS = """
 | H or ? | show this sheet; Esc closes it |
 
 Drag with the left mouse button to turn the scene, with the right one to shift it; the wheel zooms.
+On a touch screen one finger turns the scene, two shift it and zoom.
 Obstacles, start and goal can be dragged directly or by their arrows.
 
 Type plain numbers such as −2.5. Values outside the range shown under the pointer are ignored.
