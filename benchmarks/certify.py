@@ -9,10 +9,14 @@ clear: none of these may be called clear.
 from __future__ import annotations
 
 import argparse
+import tempfile
 import time
+import zipfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from lxml import etree
 
 from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
@@ -26,10 +30,13 @@ from abi.certification.verdict import MotionVerdict
 from abi.obstacles import obstacle_set_kernels
 from abi.obstacles.triangle_mesh import surface_kernels
 from abi.robot.kinematics.chain_kernels import chain_poses
+from abi.robot.urdf.urdf_files import files_of
 from abi.scene.scene import Scene
 
 _ARMS = ("panda", "xarm7")
 _WAYPOINTS, _OBSTACLES = 50, 10
+_APART = 0.9
+"""Distance of the bases of two arms, [m]."""
 _PLATE = 1e-5
 """Thickness of the plate, [m]."""
 
@@ -39,22 +46,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--motions", type=int, default=60, help="how many")
     parser.add_argument("--samples", type=int, default=10_000)
+    parser.add_argument("--two-arms", action="store_true", help="two UR5e in one URDF, 12 joints")
     chosen = parser.parse_args()
     for kernel in (
         *(separate_motion, nearest_obstacle, surface_kernels.blocked_segments),
         *(surface_kernels.signed_distances, obstacle_set_kernels.blocked_segments),
-        *(obstacle_set_kernels.nearest, chain_poses),
+        *(obstacle_set_kernels.nearest, obstacle_set_kernels.near_boxes, chain_poses),
     ):
         kernel.compile()
     states: dict[str, list[float]] = {"clear": [], "touches": [], "undecided": []}
     refuted = missed = plates = 0
+    place = _two_arms() if chosen.two_arms else None
     for seed in range(chosen.motions):
-        motion, scene = random_motion(seed)
+        motion, scene = random_motion(seed, place)
         if seed < len(_ARMS):
             certify_motion(motion, scene)  # reads the robot and finds its pairs
-        begin = time.perf_counter()
+        begin = time.thread_time()
         verdict = certify_motion(motion, scene)
-        states[verdict.state].append(1e3 * (time.perf_counter() - begin))
+        states[verdict.state].append(1e3 * (time.thread_time() - begin))
         if verdict.state != "clear":
             continue
         samples = np.linspace(0, _WAYPOINTS - 1, chosen.samples)
@@ -62,7 +71,8 @@ def main() -> None:
         plates += 1
         damaged = scene.replace(obstacles=[*scene.obstacles, plate(verdict, seed)])
         missed += certify_motion(motion, damaged).state == "clear"
-    for state, times in states.items():
+    together = [one for times in states.values() for one in times]
+    for state, times in {**states, "all": together}.items():
         if times:
             low, high = np.percentile(times, [50, 95])
             share = len(times) / chosen.motions
@@ -71,10 +81,15 @@ def main() -> None:
     print(f"motions with a thin plate in the way called clear: {missed} of {plates}")
 
 
-def random_motion(seed: int) -> tuple[Motion, Scene]:
-    """A smooth motion through waypoints, from one random pose to another by way of a third."""
+def random_motion(seed: int, place: Scene | None = None) -> tuple[Motion, Scene]:
+    """A smooth motion through waypoints, from one random pose to another by way of a third.
+
+    Args:
+        seed: of all that is random.
+        place: a scene with the robot; None for one of the shipped arms.
+    """
     random = np.random.default_rng(seed)
-    scene = robot_scene(_ARMS[seed % len(_ARMS)])
+    scene = place or robot_scene(_ARMS[seed % len(_ARMS)])
     robot = scene.arm.robot
     names = [name for name in joint_names(robot) if "finger" not in name and "drive" not in name]
     limits = {joint.name: (joint.low, joint.high) for joint in robot.joints}
@@ -83,14 +98,40 @@ def random_motion(seed: int) -> tuple[Motion, Scene]:
     second, third = (np.clip(first + random.normal(0, 0.5, len(first)), low, high) for _ in "ab")
     share = np.linspace(0, 1, _WAYPOINTS)[:, None]
     positions = (1 - share) ** 2 * first + 2 * share * (1 - share) * second + share**2 * third
-    obstacles = [_obstacle(random) for _ in range(_OBSTACLES)]
+    obstacles = [obstacle(random) for _ in range(_OBSTACLES)]
     return Motion(tuple(names), share[:, 0] * 5, positions), scene.replace(obstacles=obstacles)
+
+
+def _two_arms() -> Scene:
+    """Two UR5e beside each other, in one URDF."""
+    (name, text), *meshes = files_of(robot_scene("ur5e").arm.robot).items()
+    whole = etree.Element("robot", name="two")
+    etree.SubElement(whole, "link", name="stand")
+    for side, x in (("left_", -_APART / 2), ("right_", _APART / 2)):
+        arm = etree.fromstring(text)
+        root = robot_scene("ur5e").arm.robot.root
+        for part in arm.iter("link", "joint", "parent", "child", "mimic"):
+            for key in ("name", "link", "joint"):
+                if key in part.attrib:
+                    part.set(key, side + part.attrib[key])
+        whole.extend(part for part in arm if part.tag in ("link", "joint"))
+        joint = etree.SubElement(whole, "joint", name=f"{side}mount", type="fixed")
+        etree.SubElement(joint, "origin", xyz=f"{x} 0 0")
+        etree.SubElement(joint, "parent", link="stand")
+        etree.SubElement(joint, "child", link=f"{side}{root}")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "two.zip"
+        with zipfile.ZipFile(file, "w") as packed:
+            packed.writestr(name, etree.tostring(whole))
+            for path, content in meshes:
+                packed.writestr(path, content)
+        return robot_scene(file)
 
 
 def plate(verdict: MotionVerdict, seed: int) -> dict[str, Any]:
     """A plate across the way of the last link, where it is at a random time."""
     random = np.random.default_rng(seed)
-    at = random.uniform(0.5, _WAYPOINTS - 1.5)
+    at = random.uniform(0.1, len(verdict.task.motion.points) - 0.1)
     task = verdict.task
     body = task.bodies.bodies[-1]
     places = [_place(verdict, body.points[0], body.frame, t) for t in (at, at + 1e-3)]
@@ -108,7 +149,7 @@ def _place(verdict: MotionVerdict, point: FloatArray, frame: int, at: float) -> 
     return np.asarray(pose[:, :3] @ point + pose[:, 3])
 
 
-def _obstacle(random: np.random.Generator) -> dict[str, Any]:
+def obstacle(random: np.random.Generator) -> dict[str, Any]:
     """A box or a ball around the robot, up to 1 m away."""
     way = random.normal(size=3)
     place = (way / np.linalg.norm(way) * random.uniform(0.45, 1.0)).tolist()

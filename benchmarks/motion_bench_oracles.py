@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arrays import FloatArray
+from abi.certification.verdict import Touch
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Cylinder, Sphere
@@ -41,7 +43,7 @@ def _result() -> Any:
     return coal.CollisionResult()
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=4)
 def _meshes(arm: UrdfArm) -> list[tuple[Any, int, FloatArray]]:
     """Every mesh of a link, the joint that moves it, and its pose in that frame."""
     import coal
@@ -88,8 +90,60 @@ def _placed(shape: Obstacle) -> Any:
     return coal.Transform3s(rotation(shape.wxyz).copy(), np.array(shape.position))
 
 
+def solids_touch(
+    arm: UrdfArm,
+    obstacles: Sequence[Obstacle],
+    pose: FloatArray,
+    touch: Touch,
+    margin: float,
+) -> bool:
+    """Whether coal has a link nearer than a margin to what it is said to touch, at a pose (n,).
+
+    Args:
+        arm: the arm, in metres.
+        obstacles: the obstacles.
+        pose: joint positions, [rad].
+        touch: the contact.
+        margin: [m].
+    """
+    import coal
+
+    poses = arm.chain.poses(pose[None])[0]
+    request = coal.CollisionRequest()
+    request.security_margin = margin
+    first = _of_link(arm, touch.link, poses)
+    if isinstance(touch.obstacle, int):
+        solid = obstacles[touch.obstacle]
+        second = [(_solid(solid), _placed(solid))]
+    else:
+        second = _of_link(arm, touch.obstacle, poses)
+    return any(
+        coal.collide(mesh, at, other, there, request, _result())
+        for mesh, at in first
+        for other, there in second
+    )
+
+
+def _of_link(arm: UrdfArm, link: str, poses: FloatArray) -> list[tuple[Any, Any]]:
+    """Meshes of a link, each with its place in the world."""
+    names = [one.link for one in arm.chain.carried for _ in arm.chain.robot.links[one.link].shapes]
+    return [
+        (mesh, _transform(poses, frame, pose))
+        for name, (mesh, frame, pose) in zip(names, _meshes(arm), strict=True)
+        if name == link
+    ]
+
+
 def ompl_length(space: JointSpace, start: FloatArray, goal: FloatArray) -> float:
     """Length of OMPL's path with simplification, [rad]; inf if it finds none in five seconds."""
+    path = ompl_path(space, start, goal)
+    if path is None:
+        return float("inf")
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def ompl_path(space: JointSpace, start: FloatArray, goal: FloatArray) -> FloatArray | None:
+    """OMPL's path with simplification, (k, n), [rad]; None if it finds none in five seconds."""
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LOG_NONE)
@@ -119,6 +173,7 @@ def ompl_length(space: JointSpace, start: FloatArray, goal: FloatArray) -> float
     setup.setStartAndGoalStates(*ends)
     setup.setPlanner(geometric.RRTConnect(setup.getSpaceInformation()))
     if not setup.solve(_SECONDS) or not setup.haveExactSolutionPath():
-        return float("inf")
+        return None
     setup.simplifySolution()
-    return float(setup.getSolutionPath().length())
+    states = setup.getSolutionPath().getStates()
+    return np.array([[state[k] for k in range(count)] for state in states])
