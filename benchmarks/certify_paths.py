@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
+import zlib
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -119,7 +120,7 @@ def confirms(task: Task, verdict: MotionVerdict, touch: Touch) -> bool:
 
 def damaged(task: Task, verdict: MotionVerdict, motion: Motion, count: int) -> dict[str, Any]:
     """Verdicts on a motion that was damaged so many times."""
-    random = np.random.default_rng(abs(hash(task.name)) % 2**32)
+    random = np.random.default_rng(zlib.crc32(task.name.encode()))
     found = {"damaged": 0, "touching": 0, "false": 0}
     for number in range(count):
         scene, moved = task.scene, motion

@@ -41,13 +41,14 @@ class RepairedMotion(NamedTuple):
     farther: float
 
 
-def repair(verdict: MotionVerdict) -> RepairedMotion:
+def repair(verdict: MotionVerdict, acceleration: float | None = None) -> RepairedMotion:
     """Plan anew what is not proven clear, from the last proven waypoint to the next.
 
     The new part goes as fast as the motion did on average, or as the joints' limits allow.
 
     Args:
         verdict: on a motion that is not clear, of the joints of the scene's arm.
+        acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²]; None for no limit.
 
     Raises:
         MotionError: there is no such waypoint, or no way was found.
@@ -58,7 +59,7 @@ def repair(verdict: MotionVerdict) -> RepairedMotion:
         gaps = _gaps(verdict, wider)
         ways = [_way(space, verdict, gap) for gap in gaps]
         new = _with_ways(space, motion, gaps, ways)
-        proven = certify_motion(new, verdict.scene)
+        proven = certify_motion(new, verdict.scene, acceleration=acceleration)
         if proven.state == "clear":
             before, after = (_length(space, one) for one in (motion, new))
             return RepairedMotion(

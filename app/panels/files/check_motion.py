@@ -116,7 +116,8 @@ class CheckMotionPanel:
             return None
         if self._checked is None or self._checked.scene != scene:
             try:
-                verdict = certify_motion(self._motion, _with_robot(scene))
+                most = scene.motion.joint_acceleration
+                verdict = certify_motion(self._motion, _with_robot(scene), acceleration=most)
             except AbiError as error:
                 self._refuse(self._name, error)
                 self.leave()
@@ -138,8 +139,10 @@ class CheckMotionPanel:
             words.append(f"{more} more place{'s' * (more > 1)} like this.")
         if not motion.timed:
             words.append("Without times: a waypoint a second.")
-        limits = limit_sentences(verdict)
-        words += [f"✗ {limits[0]}" if verdict.limits.passed else limits[0]]
+        limits, passed = limit_sentences(verdict), len(verdict.limits.passed)
+        words += [f"✗ {limits[0]}" if passed else limits[0]]
+        if passed > 1:
+            words.append(f"{passed} limits are passed in all; Plots shows the joints.")
         buttons = ""
         if verdict.state != "clear":
             buttons = button(
@@ -157,7 +160,7 @@ class CheckMotionPanel:
     def _mend(self, verdict: MotionVerdict) -> None:
         """Take a repaired motion in place of the one that is checked."""
         try:
-            found = repair(verdict)
+            found = repair(verdict, verdict.scene.motion.joint_acceleration)
         except MotionError as error:
             notices.notify_refusal(self._client, "Not repaired", _sentence(error))
             return
