@@ -10,11 +10,11 @@
 6. :mod:`abi.arm_planning`: inverse kinematics of the arm, and its motion
 
 They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.clearance` (clearance of curves
-and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.verify` checks certificates in
-exact arithmetic, :mod:`abi.export` writes plans for other programs, :mod:`abi.sweep` makes tables
-of many plans, :mod:`abi.paper` compares our results with those printed in the paper,
-:mod:`abi.teach` checks what students have written, and :mod:`abi.certification` proves motions that
-were planned elsewhere.
+and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.explain` says why there is no
+plan and what would help, :mod:`abi.verify` checks certificates in exact arithmetic,
+:mod:`abi.export` writes plans for other programs, :mod:`abi.sweep` makes tables of many plans,
+:mod:`abi.paper` compares our results with those printed in the paper, :mod:`abi.teach` checks what
+students have written, and :mod:`abi.certification` proves motions that were planned elsewhere.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from abi.certification.certify import certify
     from abi.compiling import compile
     from abi.errors import AbiError, SceneError, StageError
+    from abi.explain.find_base import find_base
     from abi.export.show import show
-    from abi.planner.find_base import find_base
     from abi.planner.plan import Plan
     from abi.planner.planner import Planner, plan
     from abi.planner.task_plan import TaskPlan, plan_tasks
@@ -63,7 +63,7 @@ _MODULES = {
     "TaskPlan": "abi.planner.task_plan",
     "certify": "abi.certification.certify",
     "compile": "abi.compiling",
-    "find_base": "abi.planner.find_base",
+    "find_base": "abi.explain.find_base",
     "load_scene": "abi.scene.scene",
     "plan": "abi.planner.planner",
     "plan_tasks": "abi.planner.task_plan",

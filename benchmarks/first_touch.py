@@ -19,9 +19,9 @@ import numpy as np
 
 import abi
 from abi.arrays import FloatArray
+from abi.explain.arm_faults import worst_limit
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box
-from abi.planner.arm_faults import worst_limit
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene, load_scene

@@ -8,7 +8,7 @@ Ask what stands in the way and what would help, and apply the change that was fo
 from __future__ import annotations
 
 import abi
-from abi.planner.diagnosis import explain
+from abi.explain.diagnosis import explain
 
 # %%
 # A scene without a plan raises nothing: the plan ends early and contains the error.

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from abi.atomic_file import replace_file
 from abi.errors import ExportError
+from abi.explain.arm_faults import arm_warning, limits_warning
 from abi.export import (
     csv_table,
     html_page,
@@ -25,7 +26,6 @@ from abi.export import (
     spline_curves,
     urscript,
 )
-from abi.planner.arm_faults import arm_warning, limits_warning
 from abi.planner.plan import Plan, require_plan
 
 

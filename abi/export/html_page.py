@@ -16,8 +16,8 @@ from abi import assets
 from abi.arrays import FloatArray
 from abi.curves.curve import Curve
 from abi.errors import ExportError
+from abi.explain.arm_faults import arm_faults, limits_warning
 from abi.obstacles.obstacle_set import Obstacles
-from abi.planner.arm_faults import arm_faults, limits_warning
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.own_search import OWN, expanded_by_a_star
 from abi.planner.plan import Plan

@@ -9,8 +9,8 @@ import numpy as np
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
+from abi.explain.arm_faults import arm_warning, limits_warning
 from abi.obstacles.pose import METRES
-from abi.planner.arm_faults import arm_warning, limits_warning
 from abi.planner.plan import Plan
 
 

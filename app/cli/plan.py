@@ -31,7 +31,7 @@ def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scen
 
     Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
     """
-    from abi.planner.diagnosis import explain
+    from abi.explain.diagnosis import explain
     from abi.planner.planner import plan as plan_scene
     from abi.scene.scene import scene_names
 

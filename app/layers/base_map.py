@@ -8,7 +8,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from abi.planner.base_map import BaseMap
+from abi.explain.base_map import BaseMap
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.colour_scale import scale_colours

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from abi.errors import NoPath
+from abi.explain.reason import Reason
 from abi.planner.plan import Plan
-from abi.planner.reason import Reason
 from app.layers.points import Points
 from app.state.frame import Frame, Layer
 from app.ui import style

@@ -12,7 +12,7 @@ from typing import Any
 import viser
 
 from abi.arm_planning.motion_law import LAWS
-from abi.planner.arm_faults import limit_sentence, worst_limit
+from abi.explain.arm_faults import limit_sentence, worst_limit
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene

@@ -9,8 +9,8 @@ import html
 from typing import Any
 
 from abi.errors import AbiError, NoPath, StageError
+from abi.explain.reason import Reason
 from abi.planner.plan import Plan
-from abi.planner.reason import Reason
 from abi.scene.scene import Scene
 from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import BaseOffer

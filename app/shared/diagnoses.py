@@ -6,9 +6,9 @@ import threading
 import weakref
 from collections.abc import Callable
 
-from abi.planner.diagnosis import explain
+from abi.explain.diagnosis import explain
+from abi.explain.reason import Reason
 from abi.planner.plan import Plan
-from abi.planner.reason import Reason
 
 
 class Diagnoses:

@@ -7,9 +7,9 @@ from typing import ClassVar, Protocol
 
 from abi.certification.verdict import MotionVerdict
 from abi.errors import AbiError
-from abi.planner.base_map import BaseMap
+from abi.explain.base_map import BaseMap
+from abi.explain.reason import Reason
 from abi.planner.plan import Plan
-from abi.planner.reason import Reason
 from app.state.bent_curve import BentCurve
 from app.theatre.theatre import Theatre
 from app.ui.layout import Layout

@@ -8,7 +8,7 @@ import math
 from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion_law import LAWS
 from abi.curves.timed_profile import TimedProfile
-from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
+from abi.explain.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
 from abi.planner.branch import AnyFit
 from abi.planner.plan import Plan

@@ -7,8 +7,8 @@ import viser
 
 from abi.arrays import FloatArray
 from abi.errors import SceneError
+from abi.explain.find_base import default_region
 from abi.obstacles.pose import Vec3
-from abi.planner.find_base import default_region
 from abi.scene.scene import Scene
 from app.drawing.box import box_edges
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line

@@ -8,8 +8,8 @@ from typing import Any
 
 import viser
 
-from abi.planner.base_map import BaseMap
-from abi.planner.find_base import base_maps
+from abi.explain.base_map import BaseMap
+from abi.explain.find_base import base_maps
 from abi.scene.scene import Scene
 from app.panels.stages.base_region import BaseRegion
 from app.panels.widgets import Wake, pressed

@@ -13,10 +13,10 @@ from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.errors import ArmNotClear
+from abi.explain.arm_diagnosis import _bases
+from abi.explain.diagnosis import explain
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_diagnosis import _bases
 from abi.planner.arm_words import contact_sentence
-from abi.planner.diagnosis import explain
 from abi.planner.plan import Plan
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene

@@ -13,8 +13,8 @@ import scipy
 import viser
 
 from abi import load_scene, plan
+from abi.explain.diagnosis import explain
 from abi.planner.arm_words import arm_result
-from abi.planner.diagnosis import explain
 from abi.scene.scene import Scene
 from app.drawing.lines import points_at
 from app.layers.arm.arm import ArmLayer

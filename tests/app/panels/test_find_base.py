@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from abi.planner.find_base import default_region
+from abi.explain.find_base import default_region
 from abi.scene.scene import load_scene
 from app.layers.base_map import BaseMapLayer
 from app.panels.stages import find_base

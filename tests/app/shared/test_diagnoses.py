@@ -7,9 +7,9 @@ import threading
 import numpy as np
 import pytest
 
+from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
-from abi.planner.reason import Reason
 from abi.scene.scene import Scene, load_scene
 from app.shared import diagnoses
 from app.shared.diagnoses import Diagnoses

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from abi import load_scene, plan
 from abi.errors import UNIT, SceneError, format_point
-from abi.planner.arm_faults import limit_sentence
+from abi.explain.arm_faults import limit_sentence
 from abi.scene.scene import scene_names
 from app.layers.result.tables import _searches, _stages
 from app.panels.stages.stage_headers import TITLES, _results

@@ -20,12 +20,12 @@ from abi.errors import (
     format_point,
     in_unit,
 )
+from abi.explain.arm_diagnosis import arm_reason
+from abi.explain.nearest_free_point import nearest_free_point, rounded
+from abi.explain.reason import Reason
+from abi.explain.what_if import WhatIf, components, rounded_down
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_diagnosis import arm_reason
-from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
-from abi.planner.reason import Reason
-from abi.planner.what_if import WhatIf, components, rounded_down
 from abi.progress import CancelledError, QuietWatch, watched_by
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles

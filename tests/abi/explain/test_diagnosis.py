@@ -14,13 +14,13 @@ from scipy import ndimage
 from abi import Scene, load_scene, plan
 from abi.arrays import FloatArray
 from abi.errors import NoPath, PointBlocked
+from abi.explain.diagnosis import explain
+from abi.explain.nearest_free_point import nearest_free_point, rounded
+from abi.explain.reason import Reason
+from abi.explain.what_if import _STAGES, MOST_NODES, WhatIf, rounded_down
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner import shared_mesh
-from abi.planner.diagnosis import explain
-from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
-from abi.planner.reason import Reason
-from abi.planner.what_if import _STAGES, MOST_NODES, WhatIf, rounded_down
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import FreeMesh

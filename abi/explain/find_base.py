@@ -16,8 +16,8 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.errors import ArmNotClear, SceneError, StageError
+from abi.explain.base_map import BaseMap, BaseTrial
 from abi.obstacles.pose import Vec3
-from abi.planner.base_map import BaseMap, BaseTrial
 from abi.planner.joint_branch import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner

@@ -11,11 +11,11 @@ import numpy as np
 from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import FloatArray, read_only
 from abi.errors import ArmNotClear, format_length, format_point
+from abi.explain.reason import Reason
+from abi.explain.what_if import WhatIf
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
-from abi.planner.reason import Reason
-from abi.planner.what_if import WhatIf
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import abi
-from abi.planner.base_map import BaseMap, BaseTrial
-from abi.planner.find_base import base_maps, default_region, find_base
+from abi.explain.base_map import BaseMap, BaseTrial
+from abi.explain.find_base import base_maps, default_region, find_base
 
 _LOW, _HIGH = (-4.0, -6.0, 0.0), (10.0, 10.0, 0.0)
 
@@ -126,7 +126,7 @@ def test_a_region_may_be_a_line_or_a_point(scene: abi.Scene, found: BaseMap) -> 
 def test_a_large_mesh_is_tried_on_a_coarser_one_and_confirmed(
     scene: abi.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("abi.planner.find_base.MOST_NODES", 150)
+    monkeypatch.setattr("abi.explain.find_base.MOST_NODES", 150)
     found = find_base(scene, (2.0, 8.0, 0.0), (4.0, 8.0, 0.0))
     assert found.best is not None
     assert _planned(scene, found.best) == pytest.approx(found.best.length, rel=1e-9)

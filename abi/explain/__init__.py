@@ -1,0 +1,1 @@
+"""Explanations of a plan: why there is none, what would help, and what its motion lacks."""
