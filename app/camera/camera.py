@@ -14,7 +14,7 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.camera.extent import extent
-from app.camera.framing import Window, holds, lift, stand
+from app.camera.framing import Window, holds, lift, stand, widest
 from app.camera.prospect import USUAL, best_direction
 from app.drawing.box import box_corners
 from app.ui.arm_size import oversize
@@ -94,6 +94,7 @@ class Viewpoint:
         self._distance_factor = 1.0
         self._direction: FloatArray = USUAL
         self._points: FloatArray | None = None
+        self._wide = False
         self._extent: FloatArray | None = None
         self._window = Window(camera.fov, _ASPECT)
         self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
@@ -119,18 +120,22 @@ class Viewpoint:
         self._extent = np.vstack([extent(plan), _axes_tips(plan.scene)])
         self._place()
 
-    def surround(self, points: FloatArray | None) -> None:
+    def surround(self, points: FloatArray | None, wide: bool = False) -> None:
         """Keep all points (n, 3), [unit], in what is free of the picture; None ends that.
 
         The camera moves at the begin, at the end, and with a new scene, unless the user moved it:
         what a hand drags is not to move under it. :meth:`follow` is for when the hand has let go.
+
+        Args:
+            points: to keep in the picture.
+            wide: whether to look at them from where they look wide.
         """
         if points is None and self._points is None:
             self._shown = False
             return
-        begins = (points is None) != (self._points is None)
+        begins = (points is None) != (self._points is None) or wide != self._wide
         moved = self._is_moved()
-        self._points = points
+        self._points, self._wide = points, wide
         if points is None:
             self._window = replace(self._window, above=0.0, below=0.0)
         if not moved and (begins or (self._shown and points is not None)):
@@ -200,7 +205,10 @@ class Viewpoint:
             if self._extent is not None and not holds(self._extent, position, target, window):
                 position, target = stand(self._extent, self._direction, window)
         else:
-            position, target = stand(self._points, self._direction, self._window)
+            direction = self._direction
+            if self._wide:
+                direction = widest(self._points, direction, self._window)
+            position, target = stand(self._points, direction, self._window)
         self._camera.position, self._camera.look_at = position, target
         # not what the camera says now, which may be the page's word from before
         self._places.append(position)

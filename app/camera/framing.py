@@ -12,6 +12,10 @@ from abi.arrays import FloatArray
 _MARGIN = 0.07
 """Part of the free picture that stays empty around the points, for names at what is drawn."""
 
+_QUARTER = math.pi / 2
+_RISE, _ASIDE = math.radians(30), math.radians(15)
+"""Angles of a view that shows boxes large: above the ground, and from the middle of a side."""
+
 
 @dataclass(frozen=True)
 class Window:
@@ -64,6 +68,36 @@ def stand(
     height = (to_top - to_bottom + (top - bottom) * depth) / 2
     position = across * right + height * up + depth * forward
     return position, position + (z.mean() - depth) * forward
+
+
+def widest(points: FloatArray, direction: FloatArray, window: Window) -> FloatArray:
+    """The direction (3,), of two near a given one, from which points look the wider.
+
+    Both look at a side of what is upright, a little from above and from the corner.
+
+    Args:
+        points: (n, 3), [unit].
+        direction: from the points to the camera, of any length.
+        window: where they are to be seen.
+    """
+    x, y, z = direction
+    around = math.atan2(y, x)
+    first = math.floor(around / _QUARTER) * _QUARTER
+    length = math.hypot(x, y)
+    height = math.copysign(max(abs(z), length * math.tan(_RISE)), z)
+    turned = (first + _ASIDE, first + _QUARTER - _ASIDE)
+    both = [np.array([length * math.cos(a), length * math.sin(a), height]) for a in turned]
+    return max(both, key=lambda one: covered(points, *stand(points, one, window), window)[0])
+
+
+def covered(
+    points: FloatArray, position: FloatArray, target: FloatArray, window: Window
+) -> tuple[float, float]:
+    """Parts of the picture's width and height that points cover; arguments as for :func:`lift`."""
+    right, up, forward = axes(position - target)
+    away = points - position
+    depth = 2 * math.tan(window.fov / 2) * (away @ forward)
+    return float(np.ptp(away @ right / depth)) / window.aspect, float(np.ptp(away @ up / depth))
 
 
 def lift(

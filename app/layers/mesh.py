@@ -32,6 +32,8 @@ _VIEW_NAMES = {
 }
 _FEW = 300
 """Nodes taken out up to which each is drawn in full size."""
+_ABOUT_EDGES = ("mesh", "graph")
+"""Stages of a lecture that show nothing but the mesh, which is to be seen from the last row."""
 _ARM_NOTE = ", or the arm would, with its tool tip there"
 
 
@@ -64,7 +66,8 @@ class MeshLayer(Layer):
         While the input changes, a mesh over the edge budget keeps its last picture, without the
         excluded nodes, which no longer fit.
         """
-        if (seen := (frame.plan, frame.mesh_view, frame.interactive)) != self._seen:
+        seen = frame.plan, frame.mesh_view, frame.interactive, frame.stage
+        if seen != self._seen:
             self._seen = seen
             self._draw_mesh(frame)
         # of the scene before there may still be one, which is not true of this one
@@ -81,9 +84,10 @@ class MeshLayer(Layer):
 
     def _draw_mesh(self, frame: Frame) -> None:
         plan, view = frame.plan, frame.mesh_view
+        solid = frame.stage in _ABOUT_EDGES
         whole = plan.free is None or fits(plan.free, EDGE_BUDGET)
         # the part of a large mesh that is shown depends on the path
-        state = (plan.free, plan.graph, view, None if whole else plan.path)
+        state = (plan.free, plan.graph, view, None if whole else plan.path, solid)
         if plan.free is None or state == self._drawn:
             self._stale = False
             return
@@ -97,7 +101,7 @@ class MeshLayer(Layer):
             self._note = (
                 f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_VIEW_NAMES[view]}"
             )
-        self._edges.draw(_picture(plan, view))
+        self._edges.draw(_picture(plan, view, solid))
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         self._clouds["nodes"].draw(part.points, style.MESH, size)
         # many, as where the whole arm avoids, are smaller: what matters lies among them
@@ -114,15 +118,15 @@ def _part(plan: Plan, view: str) -> Subset:
 
 
 @once_a_plan
-def _picture(plan: Plan, view: str) -> bytes:
-    """Edges of that part as binary glTF; empty where there are none."""
+def _picture(plan: Plan, view: str, solid: bool) -> bytes:
+    """Edges of that part as binary glTF, ``solid`` or faint; empty where there are none."""
     part = _part(plan, view)
     if not len(part.edges):
         return b""
     lines = part.points, part.edges
     if plan.mesh is not None and plan.mesh.stencil is not None:
         lines = straight_lines(*lines, plan.mesh.stencil)
-    return glb.line_set(*lines, style.MESH, _opacity(len(part.edges)))
+    return glb.line_set(*lines, style.MESH, 1.0 if solid else _opacity(len(part.edges)))
 
 
 def _opacity(edges: int) -> float:

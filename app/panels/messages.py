@@ -17,6 +17,7 @@ from app.panels.base_offer import BaseOffer
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
 from app.panels.stages.find_base import FindBasePanel
+from app.panels.stages.stage_headers import SENTENCES
 from app.panels.teach.lesson_mark import LessonMark
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.state.frame import Frame
@@ -71,6 +72,7 @@ class Messages:
             frame.theatre is not None,
             still,
             _OBSTACLES in frame.shown,
+            frame.stage,
         )
         state = *shown, *preview, *told, *self._base.state(frame)
         if state == self._drawn:
@@ -88,6 +90,9 @@ class Messages:
             content = _planning("Planning this scene")
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
+        elif frame.stage:
+            content = f'<div class="abi-card">{SENTENCES[frame.stage]}</div>'
+            contact = self.banner.html(frame.plan) if _ARM in frame.shown else ""
         else:
             progress = f"{_progress(frame, still)} {self._remark(frame)}".strip()
             content = f'<div class="abi-card">{progress}</div>' if progress else ""

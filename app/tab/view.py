@@ -11,6 +11,7 @@ from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.camera.camera import View, Viewpoint
 from app.camera.extent import extent
+from app.drawing.box import box_corners
 from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
 from app.layers.details import Details
 from app.panels.all_panels import AllPanels
@@ -67,7 +68,7 @@ class TabView:
         self._watch = watch
         self.viewpoint = Viewpoint(client.camera, scene)
         self._to_face = True
-        self._surrounded: Plan | None = None
+        self._surrounded: tuple[Plan, bool] | None = None
         self._arm: object = self
         self._before: TabState | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
@@ -169,11 +170,16 @@ class TabView:
     def _fit(self, frame: Frame) -> None:
         """Fit panels and camera to a lecture, or end that."""
         self._folding.update(self._watch.area(), frame.lecture)
+        # stages that do not show the arm need no room for it
+        alone = frame.stage not in ("", "arm")
+        surrounded = (frame.plan, alone) if frame.lecture else None
         if not frame.lecture:
             self.viewpoint.surround(None)
-        elif frame.plan is not self._surrounded:
-            self.viewpoint.surround(extent(frame.plan))
-        self._surrounded = frame.plan if frame.lecture else None
+        elif surrounded != self._surrounded:
+            workspace = frame.plan.scene.workspace
+            corners = box_corners(workspace.min, workspace.max)
+            self.viewpoint.surround(corners if alone else extent(frame.plan), wide=alone)
+        self._surrounded = surrounded
 
     def fit(self, frame: Frame) -> bool:
         """Fit panels and camera to the page as it is now; whether ``frame`` fits it no longer."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from abi.curves.speed_profile import SpeedProfile
 from abi.planner.plan import Plan
 from app.layers.result.curve_numbers import Number, curve_numbers, excess, judged
@@ -75,12 +73,12 @@ def _search(plan: Plan) -> list[Number]:
 
 
 def _quadratic(plan: Plan) -> list[Number]:
-    profile, fit, unit = plan.profile, plan.quadratic, plan.scene.unit
-    if profile is None or fit is None:
+    profile, unit = plan.profile, plan.scene.unit
+    if profile is None or plan.quadratic is None:
         return []
-    ends = fit.curve(np.array(fit.curve.interval))
-    off = float(np.linalg.norm(ends - [plan.scene.start, plan.scene.goal], axis=1).max())
+    kept = [one for one in curve_numbers(plan, "quadratic") if "closest" in one[1]]
     numbers = [
+        *kept,
         (
             f"{format_length(profile.peak_speed)} {unit}/s",
             "top speed",
@@ -93,8 +91,7 @@ def _quadratic(plan: Plan) -> list[Number]:
         numbers.append((phases, "speed up, cruise, brake", hint))
     else:
         numbers.append((f"{profile.duration:.2f} s", "motion", "Time from start to goal."))
-    hint = "Distance of the quadratic's ends from start and goal: it passes through both."
-    return [*numbers, (f"{format_length(off)} {unit}", "misses start and goal by", hint)]
+    return numbers
 
 
 def _arm(plan: Plan) -> list[Number]:

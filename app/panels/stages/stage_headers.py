@@ -37,6 +37,15 @@ _STAGE_OF_FIELD = {
     "motion": "quadratic",
     "arm": "arm",
 }
+SENTENCES = {
+    "mesh": "The box becomes nodes; those in an obstacle, or too near one, are removed.",
+    "graph": "What is left of the mesh is a graph, and every edge of it is clear.",
+    "search": "Of all paths along the edges, find the shortest.",
+    "bspline": "A smooth curve near the path, proven to stay clear.",
+    "quadratic": "A simple formula instead of the spline, where one stays clear.",
+    "arm": "Joint angles for each moment of the motion.",
+}
+"""What each stage does, to be read from afar."""
 
 
 class StageHeaders:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import time
 from typing import Any, cast
 
@@ -11,7 +12,9 @@ from hypothesis import strategies as st
 
 from app.camera.camera import View
 from app.camera.extent import extent
-from app.camera.framing import Window, axes, holds
+from app.camera.framing import Window, axes, covered, holds, stand, widest
+from app.drawing.box import box_corners
+from app.panels.stages.stage_headers import STAGES
 from app.tab.session import Session
 from app.ui.page_area import PageArea
 from tests.app.fake_tab import FakeTab, until
@@ -72,6 +75,36 @@ def test_in_a_lecture_all_is_seen_from_the_same_side(tab: tuple[FakeTab, Session
     assert (np.abs(seen @ right) < half * camera.aspect * (seen @ forward)).all()
     fake.set(lecture.toggle, True)
     until(lambda: not lecture.on and np.allclose(camera.position, before))
+
+
+@pytest.mark.parametrize("above", [0.06, 0.14])
+@pytest.mark.parametrize("size", [(6, 6, 6), (15, 6, 6), (1.6, 1.6, 1), (3, 8, 4)])
+def test_a_workspace_alone_fills_a_lecture_hall_s_screen(
+    size: tuple[float, float, float], above: float
+) -> None:
+    corners = box_corners((0, 0, 0), size)
+    window = Window(math.radians(75), 1920 / 1080, above, 0.09)
+    for angle in np.linspace(0, 2 * np.pi, 13):
+        usual = np.array([np.cos(angle), np.sin(angle), 0.38])
+        place = stand(corners, widest(corners, usual, window), window)
+        width, height = covered(corners, *place, window)
+        assert width >= 0.45
+        assert height >= 0.55 or width > 0.85  # a flat one cannot be high as well
+        assert holds(corners, *place, window)
+
+
+def test_a_lecture_turns_to_the_workspace_alone_until_the_arm_is_shown(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and session.resting)
+    whole = camera.position
+    for stage in STAGES:
+        fake.set(lecture._forward, True)
+        until(lambda: session.frame.stage == stage and session.resting)  # noqa: B023
+        assert np.allclose(camera.position, whole) == (stage == "arm")
 
 
 def test_a_view_that_is_chosen_follows_the_picture(tab: tuple[FakeTab, Session]) -> None:

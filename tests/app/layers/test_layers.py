@@ -30,7 +30,7 @@ from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.panels.base_offer import _may_help
 from app.panels.messages import _change_label, _progress
-from app.panels.stages.stage_headers import STAGES
+from app.panels.stages.stage_headers import SENTENCES, STAGES
 from app.panels.teach.lecture import VIEWS
 from app.server.address import Address
 from app.server.server import Server, start
@@ -368,6 +368,7 @@ def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) ->
         until(lambda: session.frame.stage == stage)  # noqa: B023
         numbers = blocks(stage_numbers(session.frame.plan, stage))
         until(lambda: shown["numbers"] == numbers)  # noqa: B023
+        until(lambda: SENTENCES[stage] in shown["message"])  # noqa: B023
         seen.append(numbers)
     assert all(seen)
     assert len(set(seen)) == len(STAGES)
