@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from pathlib import Path
+from typing import TextIO
 
 import click
 
@@ -68,3 +71,70 @@ def export(name: str, path: Path) -> None:
         why = cause(error, "not writable")
         raise click.ClickException(f"{str(path)!r} cannot be written ({why}).") from None
     click.echo(f"{path}: {lesson.title}, {len(content):,} bytes")
+
+
+@lessons.command(short_help="Make the link of a homework.")
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--url", required=True, help="Address of the server, with its token if it has one.")
+@click.option(
+    "--qr",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the link as a QR code to this file, .svg or .png.",
+)
+def homework(file: Path, url: str, qr: Path | None) -> None:
+    """Print the link that opens the homework in FILE.
+
+    FILE says what to reach, in which scene, and what must stay. Whoever reaches it is shown a code
+    to hand in, which abi lessons grade checks.
+    """
+    from app.teach.homework import HomeworkTask
+
+    link = HomeworkTask(file).link(url)
+    print_text(link)
+    if qr is not None:
+        _write_qr(link, qr)
+
+
+def _write_qr(link: str, path: Path) -> None:
+    import segno
+
+    if path.suffix.lower() not in (".svg", ".png"):
+        raise click.UsageError(f"--qr is {str(path)!r}; expected a file ending in .svg or .png.")
+    try:
+        segno.make(link, error="l", micro=False).save(str(path), scale=4)
+    except segno.DataOverflowError:
+        raise click.ClickException(
+            f"The link has {len(link):,} characters, too many for a QR code; use a shipped scene, "
+            "or fewer changes."
+        ) from None
+    except OSError as error:
+        why = cause(error, "not writable")
+        raise click.ClickException(f"{str(path)!r} cannot be written ({why}).") from None
+
+
+@lessons.command(short_help="Check the codes that students have handed in.")
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("codes", type=click.File(encoding="utf-8-sig"))
+def grade(file: Path, codes: TextIO) -> None:
+    """Check the codes in CODES of the homework in FILE, each by planning its scene again.
+
+    CODES is CSV, a code in the last column of each line and whose it is in the first, or - for
+    standard input. What is printed is CSV, too.
+
+    Exit code 0: all reach the goal; 3: one does not.
+    """
+    from app.teach.homework import HomeworkTask
+
+    rows = [row for row in csv.reader(codes) if any(one.strip() for one in row)]
+    results = [
+        (row[0].strip() if row[1:] else f"line {k}", row[-1]) for k, row in enumerate(rows, 1)
+    ]
+    target = io.StringIO()
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(("name", "reached", "why not"))
+    grades = HomeworkTask(file).grade(results)
+    for one in grades:
+        writer.writerow((one.name, "no" if one.faults else "yes", " ".join(one.faults)))
+    print_text(target.getvalue().rstrip())
+    if any(one.faults for one in grades):
+        raise SystemExit(INCOMPLETE)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import html
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -11,10 +10,12 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from abi.planner.plan import Plan
+from abi.scene.scene import Scene
 from app.shared.once_a_plan import once_a_plan
 from app.state.frame import Frame
 from app.teach.lesson import Condition
 from app.teach.measures import MEASURES, text
+from app.teach.result_code import fingerprint, result_code
 from app.ui import style
 
 _SHORTER = 0.97
@@ -23,6 +24,8 @@ _FARTHER = 1 / 30
 _LEAST_GAP = 0.005
 """Excess over the best possible length, as a part of it, below which nothing is left to gain."""
 _SAME = "with start, goal and obstacles as they are"
+TASK = ("unit", "start", "goal", "obstacles")
+"""Fields of a scene that say what is to be planned."""
 _COMPLETE = Condition(measure="plan.complete", at_least=1)
 _TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)
 
@@ -33,23 +36,27 @@ class Challenge(BaseModel):
     Attributes:
         text: in words.
         until: conditions, all of which must hold.
-        task: fingerprint of start, goal and obstacles, which must stay; empty where they may move.
+        task: fingerprint of what must stay; empty where all may change.
         scene: name of the scene that it is for; empty for that of the link.
+        keep: fields of the scene that must stay, where any must.
+        homework: whether whoever meets it gets a code to hand in.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     text: Annotated[str, Field(max_length=200)]
-    until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=3)]
+    until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=4)]
     task: Annotated[str, Field(max_length=64)] = ""
     scene: str = ""
+    keep: Annotated[tuple[str, ...], Field(max_length=12)] = TASK
+    homework: bool = False
 
     def is_met(self, frame: Frame) -> bool:
         """Check whether all conditions hold now."""
         return self._keeps_task(frame) and all(one.holds(frame) for one in self.until)
 
     def _keeps_task(self, frame: Frame) -> bool:
-        return self.task in ("", _task(frame.plan))
+        return self.task in ("", _task(frame.plan, self.keep))
 
     def html(self, met: bool, frame: Frame) -> str:
         """The challenge and the present number, for the layer over the scene."""
@@ -57,15 +64,27 @@ class Challenge(BaseModel):
         now = ", ".join(text(one.measure, frame) for one in self.until if one.measure in _SHOWN)
         sign = f'<b style="color:{colour}">{"✓ Done" if met else "Challenge"}:</b>'
         number = f" (now {now})" if now else ""
-        moved = "" if self._keeps_task(frame) else " <b>Start, goal or obstacles have changed.</b>"
-        return f"{sign} {html.escape(self.text)}{number}.{moved}"
+        moved = "" if self._keeps_task(frame) else f" <b>Changed: {self._changed}.</b>"
+        code = _code(frame.plan, self.keep) if met and self.homework else ""
+        handed_in = f"<br>To hand in: <code>{code}</code>" if code else ""
+        return f"{sign} {html.escape(self.text)}{number}.{moved}{handed_in}"
+
+    @property
+    def _changed(self) -> str:
+        """What may have changed that must stay, in words."""
+        return html.escape(" or ".join(one for one in self.keep if one != "unit"))
 
 
 @once_a_plan
-def _task(plan: Plan) -> str:
-    """Fingerprint of start, goal and obstacles."""
-    data = plan.scene.model_dump_json(include={"unit", "start", "goal", "obstacles"})
-    return hashlib.sha256(data.encode()).hexdigest()[:16]
+def _task(plan: Plan, keep: tuple[str, ...]) -> str:
+    """Fingerprint of fields of a plan's scene."""
+    return fingerprint(plan.scene, keep)
+
+
+@once_a_plan
+def _code(plan: Plan, keep: tuple[str, ...]) -> str:
+    """Code of a plan's scene to hand in."""
+    return result_code(plan.scene, keep)
 
 
 _SHOWN = {"curve.length", "arm.clearance"}
@@ -107,7 +126,7 @@ def _with_arm(frame: Frame, wording: str, *conditions: Condition, still: bool = 
     A scene that is planned for the tool alone, and whose arm goes through something, asks for the
     tool alone, and says so: no arm may get through.
     """
-    plan, task = frame.plan, _task(frame.plan) if still else ""
+    plan, task = frame.plan, _task(frame.plan, TASK) if still else ""
     touches = plan.arm_clearance is not None and bool(plan.arm_clearance.contacts)
     if touches and not plan.scene.arm.avoid:
         text = f"{wording} (for the tool tip alone, whatever the arm touches)"
@@ -130,6 +149,11 @@ GOALS: Mapping[str, Callable[[Frame], Challenge | None]] = MappingProxyType(
 def challenge_of(goal: str, frame: Frame) -> Challenge | None:
     """The challenge of that goal; None where the plan has not what it takes."""
     return GOALS[goal](frame) if goal in GOALS else None
+
+
+def whole_plan(scene: Scene) -> Condition:
+    """What a plan of a scene has to be beside any goal: complete, with the arm where it avoids."""
+    return _COMPLETE if scene.arm.avoid else _TOOL_COMPLETE
 
 
 def parsed(data: str) -> Challenge | None:

@@ -57,6 +57,17 @@ class Condition(_Part):
             and (self.at_most is None or number <= self.at_most + 1e-9)
         )
 
+    def missed(self, frame: Frame) -> str:
+        """What is now, and what is asked for, as part of a sentence."""
+        number = MEASURES[self.measure](frame)
+        now = "has no value" if number is None else f"is {number:.6g}"
+        asked = [
+            f"{word} {bound:g}"
+            for word, bound in (("at least", self.at_least), ("at most", self.at_most))
+            if bound is not None
+        ]
+        return f"{self.measure} {now}, asked is {' and '.join(asked)}"
+
 
 class LessonCamera(_Part):
     """Place of the eye and the point it looks at, [unit], world."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from abi.errors import AbiError, PointBlocked
 from abi.planner.planner import Planner
 from app.state.frame import Frame
-from app.teach.lesson import Condition, Lesson, Step
+from app.teach.lesson import Lesson, Step
 from app.teach.lesson_file import (
     LessonFault,
     Place,
@@ -18,7 +18,8 @@ from app.teach.lesson_file import (
     read_lesson,
     unknown_layers,
 )
-from app.teach.measures import MEASURES, names_in, text
+from app.teach.measures import MEASURES, names_in
+from app.teach.measures import text as now
 from app.teach.rehearsal import Rehearsal
 
 _SINGLE = re.compile(r"(?<!\{)\{\s*([a-z_]+\.[a-z_.0-9]+)\s*\}(?!\})")
@@ -75,7 +76,9 @@ def _check_page(
         except AbiError as wrong:
             yield fault_at(file, (*place, "shown_by"), wrong.message)
         for missed in (one for one in task.until if not one.holds(frame)):
-            yield fault_at(file, (*place, "shown_by"), _missed(missed, frame))
+            yield fault_at(
+                file, (*place, "shown_by"), f"it does not do the task: {missed.missed(frame)}."
+            )
     try:
         frame = rehearsal.take(step.reveal)
     except AbiError as wrong:
@@ -111,20 +114,8 @@ def _check_texts(
     """Faults of the numbers that texts quote."""
     for place, content in texts:
         for name in names_in(content):
-            if text(name, frame) == _NOTHING:
+            if now(name, frame) == _NOTHING:
                 yield fault_at(file, place, f"{name} has no value here, so it reads “–”.")
         for name in _SINGLE.findall(content):
             if name in MEASURES:
                 yield fault_at(file, place, f"a number needs two braces: {{{{{name}}}}}.")
-
-
-def _missed(condition: Condition, frame: Frame) -> str:
-    """What "show me" leaves undone, with the number that it leads to."""
-    number = MEASURES[condition.measure](frame)
-    now = "has no value" if number is None else f"is {number:.6g}"
-    asked = [
-        f"{word} {bound:g}"
-        for word, bound in (("at least", condition.at_least), ("at most", condition.at_most))
-        if bound is not None
-    ]
-    return f"it does not do the task: {condition.measure} {now}, asked is {' and '.join(asked)}."

@@ -137,7 +137,7 @@ def read_lesson(file: Path) -> tuple[Lesson | None, tuple[LessonFault, ...]]:
     # pydantic counts only what is right in a list, and calls it too short as well
     wrong_inside = {one["loc"][:k] for one in details for k in range(len(one["loc"]))}
     told = [one for one in details if one["loc"] not in wrong_inside or one["type"] != "too_short"]
-    return None, tuple(sorted(fault_at(file, one["loc"], _sentence(one)) for one in told))
+    return None, tuple(sorted(fault_at(file, one["loc"], sentence_of(one)) for one in told))
 
 
 def unknown_layers(file: Path, lesson: Lesson, layers: Collection[str]) -> tuple[LessonFault, ...]:
@@ -170,7 +170,7 @@ def _named(place: Place) -> str:
     return ", ".join(words)
 
 
-def _sentence(detail: Any) -> str:
+def sentence_of(detail: Any) -> str:
     """What pydantic found wrong, in our words."""
     match detail["type"]:
         case "missing":

@@ -1,0 +1,139 @@
+"""Homework: a scene, a goal from any measure, and what must stay; and how results are graded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from abi.errors import AbiError
+from abi.planner.planner import Planner
+from abi.scene.scene import Scene
+from abi.scene.scene_file import parse
+from app.state.frame import Frame
+from app.state.tab_state import TabState
+from app.teach.challenge import TASK, Challenge, whole_plan
+from app.teach.lesson import Condition, Setting, scene_of
+from app.teach.lesson_file import LessonError, fault_at, sentence_of
+from app.teach.result_code import fingerprint, scene_of_code
+
+
+class Homework(BaseModel):
+    """A homework as its file has it.
+
+    Attributes:
+        text: what to do, in words.
+        scene: name of a shipped scene, or a scene file beside it.
+        change: fields of the scene to change after that.
+        until: conditions, all of which must hold.
+        keep: fields that must stay beside start, goal and obstacles, such as ``search.taut``.
+        free: fields of these three that may change all the same.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    text: Annotated[str, Field(min_length=1, max_length=200)]
+    scene: str = "paper"
+    change: dict[str, Any] | None = None
+    until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=3)]
+    keep: Annotated[tuple[str, ...], Field(max_length=8)] = ()
+    free: tuple[str, ...] = ()
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """All fields that must stay."""
+        return (*(name for name in TASK if name not in self.free), *self.keep)
+
+
+@dataclass(frozen=True)
+class Grade:
+    """What a result is worth.
+
+    Attributes:
+        name: whose it is, as the list has it.
+        code: as it was handed in.
+        faults: what is missing, as sentences; none where the goal is reached.
+    """
+
+    name: str
+    code: str
+    faults: tuple[str, ...] = ()
+
+
+class HomeworkTask:
+    """A homework with its scene.
+
+    Attributes:
+        scene: that the link opens.
+        challenge: over the scene.
+    """
+
+    def __init__(self, file: Path) -> None:
+        """Read a file.
+
+        Raises:
+            LessonError: it is wrong, or its goal is reached before anything is done.
+            SceneError: its scene cannot be read.
+        """
+        try:
+            given = Homework.model_validate(parse(file))
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            raise LessonError(str(fault_at(file, first["loc"], sentence_of(first)))) from None
+        setting = Setting(scene=given.scene, change=given.change)
+        self.scene = scene_of(setting, Scene(version=1), file.parent)
+        known = {*Scene.model_fields, *_settings(self.scene)}
+        for name in (*given.keep, *given.free):
+            if name not in known:
+                text = f"keep and free name fields such as search.taut, not {name}."
+                raise LessonError(str(fault_at(file, ("keep",), text)))
+        self._planner = Planner()
+        self.challenge = Challenge(
+            text=given.text,
+            until=(*given.until, whole_plan(self.scene)),
+            task=fingerprint(self.scene, given.kept),
+            keep=given.kept,
+            homework=True,
+        )
+        if self.challenge.is_met(Frame(self._planner(self.scene))):
+            text = "the goal is reached before anything is done."
+            raise LessonError(str(fault_at(file, ("until",), text)))
+
+    def link(self, server: str) -> str:
+        """Address that opens the homework on a server, whose own address may have a token."""
+        state = TabState(
+            name="homework", scene=self.scene, challenge=self.challenge.model_dump_json()
+        )
+        return f"{server}{'&' if '?' in server else '?'}state={state.encode()}"
+
+    def grade(self, results: Sequence[tuple[str, str]]) -> tuple[Grade, ...]:
+        """The grades of names with their codes; each scene is planned again."""
+        first: dict[str, str] = {}
+        grades = []
+        for name, code in results:
+            faults = self._faults(code)
+            if code in first:
+                faults = (*faults, f"the same code as {first[code]}.")
+            first.setdefault(code, name)
+            grades.append(Grade(name, code, faults))
+        return tuple(grades)
+
+    def _faults(self, code: str) -> tuple[str, ...]:
+        try:
+            scene = scene_of_code(code, self.scene, self.challenge.keep)
+        except AbiError as error:
+            return (error.message,)
+        frame = Frame(self._planner(scene))
+        missed = [one for one in self.challenge.until if not one.holds(frame)]
+        return tuple(f"{one.missed(frame)}." for one in missed)
+
+
+def _settings(scene: Scene) -> list[str]:
+    """Names of the fields of a scene's sections, such as ``mesh.pitch``."""
+    data = scene.model_dump(mode="json")
+    return [
+        f"{name}.{key}" for name, part in data.items() if isinstance(part, dict) for key in part
+    ]

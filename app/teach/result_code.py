@@ -1,0 +1,110 @@
+"""Result codes: what a student has set, in so few letters that it can be pasted into a form."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from abi.errors import AbiError
+from abi.scene.scene import Scene
+
+_CHECK = 4
+"""Letters by which a code that was copied in part is known."""
+_MOST = 20_000
+"""Bytes that a code may unpack to."""
+
+
+class ResultCodeError(AbiError):
+    """A text that is no result code."""
+
+
+def fingerprint(scene: Scene, keep: Sequence[str]) -> str:
+    """Sixteen letters that differ where one of these fields does, such as ``search.taut``."""
+    data = scene.model_dump(mode="json")
+    kept = {name: _field(data, name) for name in keep}
+    return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def result_code(scene: Scene, keep: Sequence[str]) -> str:
+    """The scene as a code: fields that need not stay and are not the usual ones."""
+    usual = _free(Scene(version=1), keep)
+    changes = _difference(_free(scene, keep), usual)
+    packer = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
+    packed = packer.compress(json.dumps(changes, separators=(",", ":")).encode()) + packer.flush()
+    body = base64.urlsafe_b64encode(packed).decode().rstrip("=")
+    return _checked(body) + body
+
+
+def scene_of_code(code: str, task: Scene, keep: Sequence[str]) -> Scene:
+    """The scene of a code.
+
+    Args:
+        code: by :func:`result_code`; it may come from anyone.
+        task: the scene that was set, which has the fields that stay.
+        keep: these fields.
+
+    Raises:
+        ResultCodeError: no such code.
+        SceneError: a field of it is wrong.
+    """
+    check, body = code.strip()[:_CHECK], code.strip()[_CHECK:]
+    if not body or _checked(body) != check:
+        raise ResultCodeError("This is no whole code; copy all of its letters.")
+    try:
+        packed = base64.urlsafe_b64decode(body + "=" * (-len(body) % 4))
+        changes = json.loads(zlib.decompressobj(-zlib.MAX_WBITS).decompress(packed, _MOST))
+    except (ValueError, zlib.error, RecursionError):
+        changes = None
+    if not isinstance(changes, dict):
+        raise ResultCodeError("This is no code of a result.")
+    fields = _merged(_free(Scene(version=1), keep), changes)
+    return task.replace(**{name: fields[name] for name in fields if name not in keep})
+
+
+def _checked(body: str) -> str:
+    return hashlib.sha256(body.encode()).hexdigest()[:_CHECK]
+
+
+def _field(data: Mapping[str, Any], name: str) -> Any:
+    section, _, field = name.partition(".")
+    return data[section][field] if field else data[section]
+
+
+def _free(scene: Scene, keep: Sequence[str]) -> dict[str, Any]:
+    """Fields of a scene that need not stay, as plain data."""
+    data = scene.model_dump(mode="json")
+    del data["version"]
+    for name in keep:
+        section, _, field = name.partition(".")
+        if field and section in data:
+            data[section].pop(field, None)
+        else:
+            data.pop(section, None)
+    return data
+
+
+def _difference(data: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
+    """What of data is not as usual; of a section only the fields that differ."""
+    found: dict[str, Any] = {}
+    for name, value in data.items():
+        before = usual.get(name)
+        if isinstance(value, dict) and isinstance(before, dict):
+            value = _difference(value, before)
+            before = {}
+        if value != before:
+            found[name] = value
+    return found
+
+
+def _merged(usual: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The usual fields with changes, of which those of other fields are left out."""
+    return {
+        name: {**value, **{k: v for k, v in changes.get(name, {}).items() if k in value}}
+        if isinstance(value, dict) and isinstance(changes.get(name, {}), dict)
+        else changes.get(name, value)
+        for name, value in usual.items()
+    }

@@ -1,0 +1,136 @@
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi import load_scene, plan
+from abi.scene.scene import Scene
+from app.cli.command_line import cli
+from app.state.frame import Frame
+from app.teach.challenge import TASK, parsed
+from app.teach.homework import HomeworkTask
+from app.teach.lesson_file import LessonError
+from app.teach.result_code import ResultCodeError, result_code, scene_of_code
+
+KEEP = (*TASK, "search.taut")
+FILE = """text: Bring the path along the edges down to 12.2 cm
+scene: paper
+until: [{measure: path.length, at_most: 12.2}]
+keep: [search.taut]
+"""
+MOVED = {"shape": "box", "size": [1, 1, 1], "position": [1, 4, 1]}
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "homework.yaml"
+    path.write_text(FILE, encoding="utf-8")
+    return path
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    pitch=st.floats(0.5, 3),
+    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    degree=st.integers(2, 5),
+    speed=st.floats(0.5, 9),
+    taut=st.booleans(),
+)
+def test_a_code_says_all_but_what_has_to_stay(
+    pitch: float, lattice: str, degree: int, speed: float, taut: bool
+) -> None:
+    task = load_scene("paper")
+    changes: dict[str, Any] = {
+        "mesh": {"pitch": pitch, "lattice": lattice},
+        "spline": {"degree": degree},
+        "motion": {"speed": speed},
+    }
+    own = task.replace(**changes, search={"taut": taut}, obstacles=[MOVED])
+    code = result_code(own, KEEP)
+    assert len(code) < 200
+    assert scene_of_code(code, task, KEEP) == task.replace(**changes)
+
+
+@given(st.text(max_size=80))
+def test_what_is_no_code_is_refused(text: str) -> None:
+    with pytest.raises(ResultCodeError):
+        scene_of_code(text, Scene(version=1), KEEP)
+
+
+def test_a_code_that_lacks_a_letter_is_refused() -> None:
+    code = result_code(load_scene("paper").replace(mesh={"pitch": 0.8}), KEEP)
+    for k in range(len(code)):
+        with pytest.raises(ResultCodeError):
+            scene_of_code(code[:k] + code[k + 1 :], load_scene("paper"), KEEP)
+
+
+def test_a_code_cannot_change_what_has_to_stay() -> None:
+    task = load_scene("paper")
+    code = result_code(task.replace(search={"taut": True}, start=[1, 0, 0]), ("goal",))
+    assert scene_of_code(code, task, ("goal",)).start == (1, 0, 0)
+    kept = scene_of_code(code, task, KEEP)
+    assert (kept.start, kept.search.taut) == (task.start, task.search.taut)
+
+
+def test_who_reaches_the_goal_is_given_a_code_that_is_right(file: Path, tmp_path: Path) -> None:
+    task = HomeworkTask(file)
+    challenge = parsed(task.challenge.model_dump_json())
+    assert challenge is not None
+    done = Frame(plan(task.scene.replace(mesh={"lattice": "delaunay", "pitch": 0.8})))
+    assert challenge.is_met(done)
+    shown = challenge.html(True, done)
+    code = result_code(done.plan.scene, task.challenge.keep)
+    assert f"<code>{code}</code>" in shown
+    near = result_code(task.scene, task.challenge.keep)
+    codes = tmp_path / "codes.csv"
+    codes.write_text(f"ada,{code}\nbob,{near}\neve,{code}\nkim,abcd\n\n", encoding="utf-8")
+    run = CliRunner().invoke(cli, ["lessons", "grade", str(file), str(codes)])
+    assert run.exit_code == 3
+    rows = run.output.splitlines()
+    assert rows[:2] == ["name,reached,why not", "ada,yes,"]
+    assert rows[2] == 'bob,no,"path.length is 12.4388, asked is at most 12.2."'
+    assert rows[3] == "eve,no,the same code as ada."
+    assert rows[4].startswith("kim,no,")
+
+
+def test_straightening_the_path_is_seen_where_it_has_to_stay(file: Path) -> None:
+    task = HomeworkTask(file)
+    taut = not task.scene.search.taut
+    frame = Frame(plan(task.scene.replace(search={"taut": taut}, mesh={"pitch": 0.8})))
+    assert not task.challenge.is_met(frame)
+    assert "search.taut" in task.challenge.html(False, frame)
+
+
+def test_the_link_opens_the_homework_and_fits_a_qr_code(file: Path, tmp_path: Path) -> None:
+    for ending, begin in ((".svg", b"<?xml"), (".png", b"\x89PNG")):
+        picture = tmp_path / f"link{ending}"
+        arguments = ["--url", "http://localhost:8080/?token=abc", "--qr", str(picture)]
+        run = CliRunner().invoke(cli, ["lessons", "homework", str(file), *arguments])
+        assert run.exit_code == 0, run.output
+        assert picture.read_bytes().startswith(begin)
+    link = run.output.strip()
+    assert link.startswith("http://localhost:8080/?token=abc&state=")
+    state = link.split("state=")[1]
+    assert base64.urlsafe_b64decode(state + "=" * (-len(state) % 4))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("12.2}", "20}", "homework.yaml:3: until: the goal is reached before anything"),
+        ("search.taut", "search.tight", "not search.tight"),
+        ("path.length", "path.lenght", "homework.yaml:3: condition 1: expected one of the"),
+        ("text:", "txt:", "homework.yaml:1: text: is missing"),
+    ],
+)
+def test_a_wrong_homework_is_told(file: Path, old: str, new: str, told: str) -> None:
+    file.write_text(FILE.replace(old, new), encoding="utf-8")
+    with pytest.raises(LessonError) as caught:
+        HomeworkTask(file)
+    assert told in caught.value.message
