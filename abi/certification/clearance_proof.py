@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi import arguments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
@@ -165,6 +166,7 @@ class NearestObstacle(NamedTuple):
 
 def nearest(task: MotionTask, parameters: FloatArray) -> NearestObstacle:
     """Find where the bodies are nearest to an obstacle at parameters (k,)."""
+    parameters = arguments.numbers("parameters", parameters, (-1,))
     joints = flat(task.motion.positions_at(parameters))
     distance, pair, sample = nearest_obstacle(
         task.bodies.chain.table,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.certification.motion import Motion
 from abi.errors import MotionError, SceneError
@@ -42,6 +43,10 @@ class RobotMotion(ShortRepr):
     points: FloatArray
     notes: tuple[str, ...]
 
+    def __post_init__(self) -> None:
+        shape = len(self.motion.times) - 1, -1, len(self.chain.names)
+        arguments.keep(self, points=arguments.numbers("points", self.points, shape))
+
     @property
     def degree(self) -> int:
         """Degree of the polynomials."""
@@ -54,6 +59,7 @@ class RobotMotion(ShortRepr):
 
     def positions_at(self, parameters: FloatArray) -> FloatArray:
         """Joint positions at parameters (k,), shape (k, n), [rad] or [m]."""
+        parameters = arguments.numbers("parameters", parameters, (-1,))
         piece = np.clip(parameters.astype(int), 0, len(self.points) - 1)
         return _on_curves(self.points[piece], parameters - piece)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.search.best_first_kernels import WIDTH
 from abi.search.search_kernels import reconstruct_path
@@ -34,6 +35,16 @@ class SearchState:
     open: IntArray
     current: int
     following: int
+
+    def __post_init__(self) -> None:
+        count = self.trace.sides * len(self.trace.arcs.points)
+        arguments.keep(
+            self,
+            cost=arguments.numbers("cost", self.cost, (count,), infinite=True),
+            parent=arguments.bits("parent", self.parent, (count,), -1, count - 1),
+            closed=arguments.ids("closed", self.closed, (-1,), count),
+            open=arguments.ids("open", self.open, (-1,), count),
+        )
 
     @property
     def examined(self) -> int:

@@ -131,6 +131,8 @@ def finished_trace(
         changes: as they were recorded.
     """
     n = len(arcs.points)
+    order = arguments.bits("order", order, (-1,), -1, sides * n - 1)  # -1 for a round
+    cycle = arguments.ids("cycle", cycle, (-1,), n)
     counts = np.full(len(order), len(arcs.rows.indices))
     if queue != "rounds":
         counts = np.diff(arcs.rows.indptr)[order % n]

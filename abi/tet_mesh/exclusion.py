@@ -14,6 +14,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
+from abi.errors import ArgumentError
 from abi.obstacles.convex_shape import row
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -41,6 +42,21 @@ class Exclusion(ShortRepr):
     lengths: IntArray
     cut_nodes: IntArray
     cut_bits: IntArray
+
+    def __post_init__(self) -> None:
+        starts, lengths, nodes = (
+            arguments.ids(name, getattr(self, name), (-1,), arguments.LARGEST_ID)
+            for name in ("starts", "lengths", "cut_nodes")
+        )
+        arguments.ids("lengths", lengths, starts.shape, arguments.LARGEST_ID)
+        bits = arguments.bits("cut_bits", self.cut_bits, nodes.shape)
+        arguments.keep(self, starts=starts, lengths=lengths, cut_nodes=nodes, cut_bits=bits)
+
+    @cached_property
+    def end(self) -> int:
+        """Number behind the last of all nodes that it names."""
+        runs = self.starts.astype(np.int64) + self.lengths
+        return max(int(runs.max(initial=0)), int(self.cut_nodes.max(initial=-1)) + 1)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,6 +121,8 @@ def apply(free: FreeMesh, exclusions: Sequence[Exclusion]) -> FreeMesh:
     else:
         open_directions = open_directions.copy()
     for one in exclusions:
+        if one.end > (count := len(weights) if rows else len(excluded)):
+            raise ArgumentError("exclusions", one.end - 1, f"nodes of the {count:,} there are")
         nodes -= kernels.mark(one.starts, one.lengths, excluded)
         if rows:
             weights[one.cut_nodes] = np.inf

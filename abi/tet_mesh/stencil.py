@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray, ReadOnlyCopies, read_only
 from abi.obstacles.pose import Vec3
 from abi.tet_mesh.lattice import REGULAR
@@ -44,6 +45,18 @@ class Stencil(ReadOnlyCopies):
     low: Vec3
     cell: Vec3
     axes: FloatArray
+
+    def __post_init__(self) -> None:
+        cells = [arguments.integer("cells", n, 1, arguments.LARGEST_ID) for n in self.cells]
+        directions = len(REGULAR[self.lattice].cross) + 2 * len(REGULAR[self.lattice].steps)
+        arguments.keep(
+            self,
+            cross=arguments.integer("cross", self.cross, 0, directions),
+            steps=arguments.bits("steps", self.steps, (directions, 3)),
+            lengths=arguments.numbers("lengths", self.lengths, (directions,)),
+            offsets=arguments.bits("offsets", self.offsets, (2, directions)),
+            axes=arguments.numbers("axes", self.axes, (2 * sum(cells) + 3,)),
+        )
 
     @classmethod
     def of(cls, name: str, low: FloatArray, high: FloatArray, cells: Cells) -> Stencil:

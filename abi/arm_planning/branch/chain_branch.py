@@ -134,7 +134,7 @@ class ChainBranch:
     def reached(self, points: FloatArray) -> BoolArray:
         """Check whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
         reached = self.configurations.reached
-        assert len(points) == len(reached)
+        arguments.numbers("points", points, (len(reached), 3))
         collision_world = self.collision_world.only(self.collision_world.numbers < 0).beyond(
             self._beyond
         )
@@ -154,7 +154,8 @@ class ChainBranch:
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
         """Check if it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
-        assert len(points) == len(reached)
+        reached = arguments.flags("reached", reached, self.configurations.reached.shape)
+        arguments.numbers("points", points, (len(reached), 3))
         touching = np.zeros(len(reached), dtype=np.bool_)
         obstacle = self._around, self.collision_world.first_row(number)
         configurations_touching(

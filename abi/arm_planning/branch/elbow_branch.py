@@ -137,6 +137,8 @@ class ElbowBranch:
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
         """Check if it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
+        points = arguments.points("points", points)
+        reached = arguments.flags("reached", reached, points.shape[:1])
         collision_world = self.collision_world.only(self.collision_world.numbers == number)
         forearm, slide = self._forearm
         if tree is None or slide > 0:

@@ -47,6 +47,17 @@ class NodeConfigurations:
     positions: FloatArray
     reached: BoolArray
 
+    def __post_init__(self) -> None:
+        nodes, joints = len(self.mesh.points), len(self.arm.scales)
+        arguments.keep(
+            self,
+            start=arguments.numbers("start", self.start, (3,)),
+            first=arguments.numbers("first", self.first, (joints,)),
+            home=arguments.numbers("home", self.home, (joints,)),
+            positions=arguments.numbers("positions", self.positions, (nodes, joints)),
+            reached=arguments.flags("reached", self.reached, (nodes,)),
+        )
+
     def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         """Place and joints of the configuration nearest to a point (3,), or None."""
         point = arguments.numbers("point", point, (3,))
@@ -94,6 +105,9 @@ def spread_over(
         first: joint positions there, shape (n,), [rad] or [unit].
         home: those that spare joints drift to, shape (n,), [rad] or [unit].
     """
+    start = arguments.numbers("start", start, (3,))
+    first = arguments.numbers("first", first, (len(arm.scales),))
+    home = arguments.numbers("home", home, (len(arm.scales),))
     indptr, indices = mesh.neighbours
     configurations = np.zeros((len(mesh.points), len(home)))
     reached = np.zeros(len(mesh.points), dtype=np.bool_)
@@ -109,6 +123,4 @@ def spread_over(
         reached,
     )
     positions = read_only(configurations * arm.scales)
-    return NodeConfigurations(
-        arm, mesh, read_only(start), first, home, positions, read_only(reached)
-    )
+    return NodeConfigurations(arm, mesh, start, first, home, positions, read_only(reached))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from abi import arguments
 from abi.arm_planning.exclusion import paper_arm_mask_kernels
 from abi.arm_planning.exclusion import paper_arm_region_kernels as kernels
 from abi.arm_planning.world.collision_world import CollisionWorld
@@ -88,6 +91,8 @@ def grid(low: Vec3, high: Vec3, longest: int) -> tuple[FloatArray, tuple[int, in
 
 def surface(points: FloatArray, values: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
     """Surface of the places with values <= 0; none of the outermost layer is."""
+    values = arguments.numbers("values", values, (math.prod(shape),)).copy()
+    points = arguments.numbers("points", points, (len(values), 3))
     field = values.reshape(shape)
     size = float(np.abs(values).max()) + 1.0
     for axis in range(3):

@@ -136,7 +136,9 @@ def hull_distances_to(
         of_capsules: distances (k, c) of capsules, [unit], and numbers of the obstacles (k, c).
         below: [unit].
     """
-    distance, number = of_capsules[0].copy(), of_capsules[1].copy()
+    shape, most = poses.ends.shape[:2], arguments.LARGEST_ID
+    distance = arguments.numbers("of_capsules[0]", of_capsules[0], shape, infinite=True).copy()
+    number = arguments.bits("of_capsules[1]", of_capsules[1], shape, -most, most).copy()
     asked = np.argwhere(distance < below).astype(np.int32)
     if not len(asked):
         return distance, number

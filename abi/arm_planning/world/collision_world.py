@@ -7,6 +7,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from abi import arguments
 from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arm_planning.world.mount import mounts
 from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable, SolidRows
@@ -46,6 +47,10 @@ class CollisionWorld:
     size: float
     allowed: tuple[AllowedContact, ...] = ()
 
+    def __post_init__(self) -> None:
+        # not copied: one is made for each obstacle of a plan
+        arguments.flags("asked", self.asked, (-1, len(self.solids.numbers)))
+
     @property
     def numbers(self) -> IntArray:
         """Obstacle of each row, ``OWN`` minus a capsule's number, last ``FLOOR``, (k + 1,)."""
@@ -74,6 +79,7 @@ class CollisionWorld:
 
     def only(self, kept: BoolArray) -> CollisionWorld:
         """A copy that asks only about some of the rows; ``kept`` has one flag for each."""
+        kept = arguments.flags("kept", kept, self.numbers.shape)
         return replace(self, asked=read_only(self.asked & kept))
 
 

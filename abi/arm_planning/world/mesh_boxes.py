@@ -6,10 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi import arguments
 from abi.arm_planning.world.box_row_kernels import box_rows
 from abi.arrays import FloatArray, IntArray, flat
+from abi.errors import ArgumentError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.pose import rotation
+from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.triangle_mesh.bvh import tree_of
 from abi.obstacles.triangle_mesh.per_surface import PerSurface
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -38,6 +41,9 @@ class Boxes(NamedTuple):
 def write_boxes(mesh: MeshShape, rows: FloatArray) -> None:
     """Write the rows of the boxes of a mesh, flat (n ``WIDTH``,), 0 at first."""
     boxes = boxes_of(mesh.surface)
+    count = len(boxes.inside) * WIDTH
+    if arguments.numbers("rows", rows, (count,), infinite=True) is not rows:
+        raise ArgumentError("rows", rows.dtype, "float64 without gaps, as it is written to")
     a, b, c = (vec3_at(flat(axis), 0) for axis in rotation(mesh.wxyz).T)
     flat_boxes = flat(boxes.middles), flat(boxes.halves), flat(boxes.axes)
     box_rows(*flat_boxes, (a, b, c), mesh.position, mesh.factor, rows)

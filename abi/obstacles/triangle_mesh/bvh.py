@@ -108,6 +108,8 @@ def tree_of(surface: Surface) -> TriangleTree:
 
 def moved(tree: TriangleTree, centre: FloatArray, scale: float) -> TriangleTree:
     """The tree of the same triangles with ``centre`` (3,) as the origin, times ``scale`` > 0."""
+    centre = arguments.numbers("centre", centre, (3,))
+    scale = arguments.number("scale", scale, 0.0)
     # rounding is monotonic: what is least before is least after
     boxes = (tree.boxes.reshape(-1, 3) - centre) * scale
     corners = (tree.corners.reshape(-1, 3) - centre) * scale

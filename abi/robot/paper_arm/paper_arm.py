@@ -101,6 +101,13 @@ class PaperArm(ShortRepr):
     capsules: tuple[LinkCapsule, ...]
     unit: Literal["m", "cm", "mm"] = "cm"
 
+    def __post_init__(self) -> None:
+        arguments.keep(
+            self,
+            base=arguments.numbers("base", self.base, (3,)),
+            limits=arguments.numbers("limits", self.limits, (6, 2)),
+        )
+
     @classmethod
     def from_settings(cls, settings: ArmLengths, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
         """The arm that a scene's settings describe; lengths in the scene's unit."""
