@@ -64,7 +64,7 @@ class Challenge(BaseModel):
         now = ", ".join(text(one.measure, frame) for one in self.until if one.measure in _SHOWN)
         sign = f'<b style="color:{colour}">{"✓ Done" if met else "Challenge"}:</b>'
         number = f" (now {now})" if now else ""
-        moved = "" if self._keeps_task(frame) else f" <b>Changed: {self._changed}.</b>"
+        moved = "" if self._keeps_task(frame) else f" <b>{self._changed} have changed.</b>"
         code = _code(frame.plan, self.keep) if met and self.homework else ""
         handed_in = f"<br>To hand in: <code>{code}</code>" if code else ""
         return f"{sign} {html.escape(self.text)}{number}.{moved}{handed_in}"
@@ -72,7 +72,8 @@ class Challenge(BaseModel):
     @property
     def _changed(self) -> str:
         """What may have changed that must stay, in words."""
-        return html.escape(" or ".join(one for one in self.keep if one != "unit"))
+        *most, last = [one for one in self.keep if one != "unit"] or ["units"]
+        return html.escape(f"{', '.join(most)} or {last}" if most else last).capitalize()
 
 
 @once_a_plan

@@ -23,7 +23,12 @@ class ResultCodeError(AbiError):
 
 
 def fingerprint(scene: Scene, keep: Sequence[str]) -> str:
-    """Sixteen letters that differ where one of these fields does, such as ``search.taut``."""
+    """Sixteen letters that differ where one of these fields does, such as ``search.taut``.
+
+    Args:
+        scene: the scene.
+        keep: the fields' names, which may come from anyone.
+    """
     data = scene.model_dump(mode="json")
     kept = {name: _field(data, name) for name in keep}
     return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()[:16]
@@ -71,7 +76,8 @@ def _checked(body: str) -> str:
 
 def _field(data: Mapping[str, Any], name: str) -> Any:
     section, _, field = name.partition(".")
-    return data[section][field] if field else data[section]
+    part = data.get(section)
+    return part.get(field) if field and isinstance(part, dict) else part
 
 
 def _free(scene: Scene, keep: Sequence[str]) -> dict[str, Any]:
@@ -80,10 +86,10 @@ def _free(scene: Scene, keep: Sequence[str]) -> dict[str, Any]:
     del data["version"]
     for name in keep:
         section, _, field = name.partition(".")
-        if field and section in data:
-            data[section].pop(field, None)
-        else:
+        if not field:
             data.pop(section, None)
+        elif isinstance(part := data.get(section), dict):
+            part.pop(field, None)
     return data
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import base64
+import json
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +98,17 @@ def test_who_reaches_the_goal_is_given_a_code_that_is_right(file: Path, tmp_path
     assert rows[2] == 'bob,no,"path.length is 12.4388, asked is at most 12.2."'
     assert rows[3] == "eve,no,the same code as ada."
     assert rows[4].startswith("kim,no,")
+
+
+@pytest.mark.parametrize("keep", [[], ["unit"], ["nothing", "start.x", "mesh.x.y", "."]])
+def test_a_link_with_any_fields_harms_nobody(keep: list[str]) -> None:
+    goal = {"measure": "path.length", "at_most": 99}
+    data = {"text": "a", "until": [goal], "task": "0", "keep": keep, "homework": True}
+    challenge = parsed(json.dumps(data))
+    assert challenge is not None
+    frame = Frame(plan(load_scene("paper")))
+    assert not challenge.is_met(frame)
+    assert "have changed" in challenge.html(True, frame)
 
 
 def test_straightening_the_path_is_seen_where_it_has_to_stay(file: Path) -> None:
