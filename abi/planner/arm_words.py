@@ -7,15 +7,17 @@ import math
 from abi.arm_planning.motion.arm_clearance import Contact
 from abi.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
+from abi.robot.bodies.allowed_contacts import Reason
 
 _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}
 
-_REASONS = {
+_REASONS: dict[Reason, str] = {
     "adjacent": "At most one joint moves one beside the other",
     "always": "Their bodies overlap in every random pose",
     "srdf": "The SRDF lets them touch",
     "mount": "It stands on that",
     "asked": "The scene lets them touch",
+    "grasp": "One holds the other, or is fixed to what does",
 }
 """Beginning of a sentence on pairs that may touch, for each reason."""
 
@@ -55,7 +57,7 @@ def contact_sentence(contact: Contact, unit: str) -> str:
 
 def allowed_sentences(plan: Plan) -> tuple[str, ...]:
     """What of the arm may touch what, one sentence for each reason; none for the paper's arm."""
-    found: dict[str, list[str]] = {}
+    found: dict[Reason, list[str]] = {}
     for link, other, reason in () if plan.arm_clearance is None else plan.arm_clearance.allowed:
         name = f"obstacle {other + 1}" if isinstance(other, int) else link_label(other)
         found.setdefault(reason, []).append(f"{link_label(link)} and {name}")

@@ -43,7 +43,7 @@ def next_scene(scene: Scene, number: int, last: Plan) -> Scene:
     if leg.gripper is not None:
         arm["gripper"] = leg.gripper
     goal = leg.goal if isinstance(leg.goal, tuple) or leg.goal is None else leg.goal.model_dump()
-    return here.replace(goal=goal, arm=arm)
+    return here.replace(goal=goal, arm=arm, tasks=[])
 
 
 def _after_gripper(scene: Scene, number: int, here: Scene, tool: FloatArray) -> Scene:

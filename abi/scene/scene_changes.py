@@ -69,4 +69,6 @@ def _equal(change: object, current: object) -> bool:
         return True
     if isinstance(current, tuple) and isinstance(change, list | tuple):
         return len(change) == len(current) and all(map(_equal, change, current))
+    if isinstance(current, BaseModel) and isinstance(change, dict):
+        return bool(change == current.model_dump(mode="json"))
     return type(change) is type(current) and change == current

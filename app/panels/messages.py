@@ -16,6 +16,7 @@ from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import BaseOffer
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
+from app.panels.legs import LegsCard
 from app.panels.stages.find_base import FindBasePanel
 from app.panels.stages.stage_headers import SENTENCES
 from app.panels.teach.lesson_mark import LessonMark
@@ -56,6 +57,7 @@ class Messages:
         self.accept = hidden_button(gui, "Accept", wake)
         self.point_out = hidden_button(gui, "Show it", wake)
         self.banner = ArmBanner(gui, wake)
+        self.legs = LegsCard(gui, wake)
         self._reason: Reason | None = None
         self._tool_alone: Scene | None = None
         self._drawn: tuple[object, ...] = ()
@@ -74,7 +76,8 @@ class Messages:
             _OBSTACLES in frame.shown,
             frame.stage,
         )
-        state = *shown, *preview, *told, *self._base.state(frame)
+        self.legs.see(frame)
+        state = *shown, *preview, *told, *self._base.state(frame), *self.legs.state()
         if state == self._drawn:
             return
         self._drawn = state
@@ -98,7 +101,7 @@ class Messages:
             content = f'<div class="abi-card">{progress}</div>' if progress else ""
             if not frame.lesson or (_ARM in frame.shown and not frame.asks):
                 contact = self.banner.html(frame.plan)
-        self._overlay.show("message", self._lesson.html + content)
+        self._overlay.show("message", self._lesson.html + self.legs.html() + content)
         self._overlay.show("contact", contact)
 
     def tell(self, doing: str) -> None:
