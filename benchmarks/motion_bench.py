@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 import abi
-from abi.arm_planning.joint_search.joint_motion import passage_of
+from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort, search_joints
@@ -84,9 +84,9 @@ def attempt(arm: UrdfArm, problem: MotionProblem, effort: JointSearchEffort) -> 
     spline = spline_near(space, found.path)
     if spline is not None:
         passage = passage_of(spline, arm)
-        motion = passage.motion(motion_law(passage, _LAW), _SAMPLES)
-        certified = passage.clearance(motion, problem.obstacles, surroundings, 0.0).certified
-        positions = motion.positions
+        profile, around = motion_law(passage, _LAW), (problem.obstacles, surroundings, 0.0)
+        motion, clearance = proven_motion(passage, profile, _SAMPLES, *around)
+        certified, positions = clearance.certified, motion.positions
     motion_ms = 1e3 * (time.thread_time() - begin)
     hits = _hits(arm, problem, positions) if find_spec("coal") else -1
     return Attempt(problem.environment, "", took, motion_ms, found.length, certified, hits, rival)

@@ -14,7 +14,7 @@ import numpy as np
 from abi import progress
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.joint_search.joint_motion import passage_of
+from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import spline_near
 from abi.arm_planning.joint_search.search_joints import (
@@ -107,9 +107,9 @@ def move_joints(
         raise NoJointMotion("curve")
     passage = passage_of(spline, arm)
     profile = motion_law(passage, scene.motion)
-    motion = passage.motion(profile, sample_count(profile, scene.motion))
-    clearance = passage.clearance(motion, obstacles, collision_world, scene.arm.clearance)
-    moved = TimedMotion(profile, motion, clearance)
+    count = sample_count(profile, scene.motion)
+    around = obstacles, collision_world, scene.arm.clearance
+    moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
     if not moved.is_clear:
         raise NoJointMotion("curve")
     return JointMotion(search, moved)

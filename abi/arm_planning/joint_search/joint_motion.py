@@ -12,7 +12,7 @@ import scipy
 
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.joint_search.joint_spline import JointSpline
-from abi.arm_planning.motion.arm_clearance import ArmClearance
+from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
@@ -28,6 +28,8 @@ _FINE = 4801
 """Places of the curve by which it is measured."""
 _DRAWN = 400
 """Edges of the polyline that stands for the way of the tool."""
+_FINER = (1, 2, 4)
+"""Times as many stretches between a motion's samples that are tried until it is proven clear."""
 TURN = 0.25
 """Part of the arm's reach that a turn by 1 rad counts as, beside the way of the tool."""
 
@@ -132,3 +134,35 @@ def passage_of(spline: JointSpline, arm: UrdfArm) -> JointPassage:
         curve, arc_length(curve), arm, read_only(spline(equal)), read_only(np.zeros(_GRID))
     )
     return JointPassage(joint_path, float(passed[-1]))
+
+
+def proven_motion(
+    passage: JointPassage,
+    profile: PathProfile,
+    samples: int,
+    obstacles: ObstacleSet,
+    collision_world: CollisionWorld,
+    required: float,
+) -> tuple[ArmMotion, ArmClearance]:
+    """Motion by a profile, and its clearance, with more samples where it is not proven clear else.
+
+    Between samples the joints go straight, which takes them off the curve: past an obstacle that
+    this nearly touches, only samples that are near enough to each other keep clear.
+
+    Args:
+        passage: the way of the joints.
+        profile: of the motion.
+        samples: at least so many.
+        obstacles: the obstacles.
+        collision_world: everything around the arm.
+        required: distance that the links are to keep from obstacles, [unit].
+
+    Returns:
+        The first motion that is proven clear, or the last that was tried.
+    """
+    for times in _FINER:
+        motion = passage.motion(profile, times * (samples - 1) + 1)
+        clearance = passage.clearance(motion, obstacles, collision_world, required)
+        if is_clear(motion, clearance):
+            break
+    return motion, clearance
