@@ -46,7 +46,7 @@ from abi.search.taut.tighten_near_meshes import tighten_near_meshes
 from abi.search.trace import trace_of
 from abi.tet_mesh.adjacency import of_rows, rows
 from abi.tet_mesh.delaunay import volumes
-from abi.tet_mesh.exclusion import within
+from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply, within
 from abi.tet_mesh.node_tree import tree_over
 from abi.tet_mesh.tet_mesh import TetMesh, edges_of
 from tests.abi import meshes
@@ -427,6 +427,15 @@ def test_a_number_is_finite(call: Callable[[Any], object], wrong: Any) -> None:
 
 def length_of_spline() -> Any:
     return arc_length(spline())
+
+
+@pytest.mark.parametrize("field", ["starts", "lengths", "cut_nodes"])
+@pytest.mark.parametrize("wrong", [[10**8], [-1], [0.5], 0, [[0]]])
+def test_an_exclusion_names_nodes_that_there_are(field: str, wrong: Any) -> None:
+    free = FreeMesh.of(graph("bcc").mesh)
+    fields = dict.fromkeys(("starts", "lengths", "cut_nodes", "cut_bits"), np.array([0]))
+    with pytest.raises(ArgumentError):
+        apply(free, [Exclusion(**{**fields, field: np.array(wrong)})])
 
 
 @pytest.mark.parametrize("wrong", [-1, 1.5, 10**8, "1", None, True, np.array([1])])

@@ -72,8 +72,10 @@ def functions(module: ast.Module) -> Iterator[tuple[str, str, ast.FunctionDef]]:
 
 def unchecked_functions(module: ast.Module) -> Iterator[str]:
     """Public functions that take arrays and reach a kernel, but check nothing on the way."""
-    known = {name: source for _, name, source in functions(module)}
     kernels = kernels_of(module)
+    if not kernels:
+        return
+    known = {name: source for _, name, source in functions(module)}
     for owner, name, source in functions(module):
         given = [*source.args.args, *source.args.kwonlyargs]
         is_public = not owner.startswith("_") and not source.name.startswith("_")
