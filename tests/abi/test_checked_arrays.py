@@ -7,8 +7,11 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 import abi
 
+pytestmark = pytest.mark.slow
 ROOT = Path(abi.__file__).parent
 ARRAYS = ("FloatArray", "IntArray", "BoolArray", "ByteArray", "ArrayLike", "NDArray")
 
