@@ -101,6 +101,8 @@ def _motion(plan: Plan) -> str:
     if plan.profile is None:
         return ""
     profile, unit = plan.profile, f"{plan.scene.unit}/s"
+    if plan.followed is None and plan.joint_search is None:  # it was planned elsewhere
+        return style.paragraph(f"{profile.duration:.2f} s in all.{_tilt(plan)}")
     if isinstance(profile, TimedProfile):
         label = LAWS[plan.scene.motion.law].label
         text = f"{label[0].upper()}{label[1:]}, up to {format_length(profile.peak_speed)} {unit}: "

@@ -26,7 +26,7 @@ from app.ui.numbers import (
     format_time,
     unbroken,
 )
-from app.ui.plan_notes import _clearance, _control_points
+from app.ui.plan_notes import _clearance, _control_points, notes
 
 
 def _number(text: str) -> float:
@@ -138,3 +138,11 @@ def test_every_sentence_has_the_same_minus_sign() -> None:
     for violation in negative:
         assert "-" not in limit_sentence(violation, made.motion, "m").replace("three-", "")
     assert format_setting(-12_345.0) == "−12,345"
+
+
+def test_a_motion_has_the_name_of_its_law_unless_it_was_planned_elsewhere() -> None:
+    made = plan(load_scene("paper").replace(motion={"law": "jerk_limited"}))
+    assert made.profile is not None
+    assert "Smooth (limited jerk), up to " in notes(made)["motion"]
+    elsewhere = notes(replace(made, followed=None))["motion"]
+    assert f">{made.profile.duration:.2f} s in all." in elsewhere
