@@ -4,7 +4,7 @@
 
 A tab plans a shipped scene with a mesh so fine that it takes seconds. At a random moment of that
 another scene or arm is chosen in the page. Measured is the time from there, the page's way to the
-server included, until the plan has ended and that of what was chosen begins.
+server included, until the plan has ended, or until that of what was chosen begins.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import random
+import sys
 import time
 from typing import Any
 
@@ -64,8 +65,9 @@ class Chooser:
             self._set(panels.stages.arm.model.model, arm)
         else:
             self._set(panels.files.choice, "two-boxes")
-        self._until(lambda: session._watch._begun > chosen)
-        took = session._watch._begun - chosen
+        watch = session._watch
+        self._until(lambda: max(watch.ended, watch._begun) > chosen)
+        took = min(moment for moment in (watch.ended, watch._begun) if moment > chosen) - chosen
         self._set(panels.files.choice, "two-boxes")
         self._until(lambda: session.resting and panels.files.name == "two-boxes")
         return took
@@ -93,6 +95,7 @@ def measure(browser: Browser, times: int, seed: int = 0) -> dict[str, Any]:
             found = chooser.interrupt(scene, _SLOW[scene], chance.uniform(0, _LONGEST), arm)
             if found is not None:
                 took.append(found)
+                print(f"{scene} {arm or 'another scene'}: {found:.3f} s", file=sys.stderr)
                 worst = scene if found == max(took) else worst
     finally:
         page.close()

@@ -14,11 +14,13 @@ class PlanWatch:
 
     Attributes:
         overtaken: whether something else has been chosen than what is planned; set from any thread.
+        ended: moment at which a plan was told so last, [s], by the monotonic clock.
     """
 
     def __init__(self, tell: Callable[[str], None]) -> None:
         """Watch nothing yet; ``tell`` is called with what a slow plan does."""
         self.overtaken = False
+        self.ended = 0.0
         self._tell = tell
         self._begun = 0.0
         self._does = self._said = ""
@@ -31,6 +33,8 @@ class PlanWatch:
     def cancelled(self) -> bool:
         """Check whether the plan is not wanted any more."""
         self._look()
+        if self.overtaken:
+            self.ended = time.monotonic()
         return self.overtaken
 
     def told(self, doing: str) -> None:
