@@ -78,7 +78,8 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     else:
         by = formula(state)
         by = f"f = {by}" if by not in ("g", "h") else by
-        parts.append(f"waiting, by {by}: {least} {_scale() if least != most else ''} {most}")
+        span = least if least == most else f"{least} {_scale()} {most}"
+        parts.append(f"waiting, by {by}: {span}")
     ringed = len(theatre.ringed)
     if ringed and state.trace.queue != "rounds":
         parts.append(f"{_RING}{'next' if ringed == 1 else f'{ringed} tie for the least'}")
