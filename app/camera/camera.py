@@ -29,8 +29,8 @@ _SAME_SHAPE = 0.1
 """Part by which the picture's shape may differ from one that the page tells of, both rounded."""
 _HEADLINE = 0.11
 """Part of the picture's height over which the headline lies, usually."""
-_ARROWS = 0.3
-"""How far the arrows of the axes reach beyond the workspace, as a part of its longest side."""
+_ARROWS = 0.36
+"""How far the arrows of the axes, with their letters, reach beyond the workspace, as a part of its longest side."""
 _FOOT = 0.07
 """Radius of the arm's foot, as a part of the scene's size."""
 _TOLERANCE = 1e-3
