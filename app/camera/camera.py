@@ -30,7 +30,7 @@ _SAME_SHAPE = 0.1
 _HEADLINE = 0.11
 """Part of the picture's height over which the headline lies, usually."""
 _ARROWS = 0.36
-"""How far the axes' arrows and letters reach beyond the workspace, as a part of its longest side."""
+"""Reach of the axes' arrows and letters beyond the workspace, as a part of its longest side."""
 _FOOT = 0.07
 """Radius of the arm's foot, as a part of the scene's size."""
 _TOLERANCE = 1e-3
