@@ -133,6 +133,12 @@ def by_hops_each_edge_costs_1() -> bool:
     return len(searched) == 3 and len({one.hops for one in searched}) == 1
 
 
+def the_curve_to_bend_is_of_degree_2() -> bool:
+    texts = [one.question.text if one.question else "" for one in LESSONS["04-bspline"][0].steps]
+    asking = next(k for k, text in enumerate(texts) if "of degree 2" in text)
+    return planned("04-bspline", asking).plan.scene.spline.degree == 2
+
+
 def links_with_less_than_0_are_inside() -> bool:
     clearance = planned("09-links", 1, done=True).plan.arm_clearance
     return clearance is not None and clearance.distance < 0 and bool(clearance.contacts)
@@ -164,6 +170,7 @@ STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
         "degree 2 or more",
     ): only_degree_1_goes_through_all_control_points,
     ("04-bspline", "degree + 1"): a_point_of_a_spline_depends_on_degree_and_1_control_points,
+    ("04-bspline", "of degree 2"): the_curve_to_bend_is_of_degree_2,
     ("08-pitch", "24 % too long in this type"): the_longest_detours_are_24_and_47_percent,
     ("09-links", "Below 0 they are inside"): links_with_less_than_0_are_inside,
     ("12-errata", "Only where Py = 0"): a_mirrored_y_is_the_same_only_at_0,

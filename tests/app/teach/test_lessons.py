@@ -12,6 +12,7 @@ from abi import assets, load_scene, plan
 from abi.paper.curve_figures import of_splines
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
+from abi.teach import exercises
 from app.cli.command_line import cli
 from app.layers.result.paper_text import PaperTextLayer
 from app.panels.teach.figures import _wrapped
@@ -53,6 +54,12 @@ def test_there_are_enough_lessons_and_each_asks() -> None:
         assert any(step.question for step in lesson.steps)
     tasks = [step.task for lesson, _ in LESSONS.values() for step in lesson.steps if step.task]
     assert len(tasks) >= 10
+
+
+def test_each_exercise_has_a_lesson_that_leads_to_it() -> None:
+    ends = [lesson.steps[-1].after for lesson, _ in LESSONS.values()]
+    for name in exercises():
+        assert sum(f"--only {name}`" in text for text in ends) == 1
 
 
 @pytest.mark.parametrize("name", LESSONS)
