@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import html
+
+from abi.certification.verdict import MotionVerdict
+from abi.certification.verdict_words import remarks
 from abi.planner.plan import Plan
 from app.state.frame import Frame, Layer
+from app.ui import style
 from app.ui.layout import Layout
 from app.ui.numbers import unbroken
 from app.ui.plan_notes import notes
@@ -32,5 +37,17 @@ class StageNotesLayer(Layer):
             return
         self._drawn = plan, frame.asks
         texts = dict.fromkeys(notes(plan), "") if frame.asks else notes(plan)
+        if frame.checked is not None:
+            texts = {**texts, **_checked_notes(frame.checked)}
         for name, handle in self._notes.items():
             handle.content = _FRAME.format(_HEIGHTS[name], unbroken(texts[name]))
+
+
+def _checked_notes(verdict: MotionVerdict) -> dict[str, str]:
+    """Notes on a motion from elsewhere, whose timing and limits are its own."""
+    duration = float(verdict.task.motion.motion.times[-1])
+    told = html.escape(" ".join(remarks(verdict)))
+    return {
+        "motion": style.paragraph(f"A motion from elsewhere: {duration:.2f} s in all."),
+        "arm": style.paragraph(told),
+    }

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
+from app.layers.result.stage_notes import StageNotesLayer
 from app.tab.session import Session
-from tests.app.fake_tab import FakeTab, notified, send_file, until
+from tests.app.fake_tab import FakeTab, layer, notified, send_file, until
 
 pytestmark = pytest.mark.slow
 JOINTS = (
@@ -62,8 +63,10 @@ def test_a_verdict_is_shown_in_place_of_the_plan(
     assert "touching" in overlay["message"]
     assert "linear-gradient" in overlay["marks"]
 
-    # without obstacles it is clear, at once
-    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    notes = layer(session, StageNotesLayer)._notes
+    until(lambda: "from elsewhere: 2.00" in notes["motion"].content)
+    assert "straight in the joints" in notes["arm"].content
+
     press(fake, check.back)
     until(lambda: session.frame.checked is None and session.resting)
     assert session.frame.plan.path is not None
