@@ -99,7 +99,7 @@ def robot_motion(
         MotionError: a joint is unknown or missing, angles look like degrees, or the first waypoint
             is far from the start; names row, joint and unit.
     """
-    robot = scene.arm.robot
+    robot = scene.robot
     motion, notes = _matched(motion, robot)
     _suspect_degrees(motion, robot)
     _check_start(motion, robot, start or {})

@@ -132,7 +132,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     certificate = mapping(MOTION, data.get("certificate"))
     margin = _margin(data, certificate, obstacles)
     motion = _motion(mapping("motion", data.get("motion")), scene)
-    bodies = _bodies(certificate, motion.chain, scene.arm.robot)
+    bodies = _bodies(certificate, motion.chain, scene.robot)
     pairs = _pairs(certificate, len(bodies))
     planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
     span = Fraction(0), Fraction(len(motion.path.pieces))
@@ -174,7 +174,7 @@ def _margin(
 
 def _motion(motion: dict[str, Any], scene: Scene) -> _Motion:
     """The motion of the scene's robot; sliding joints go as far as it takes them."""
-    robot, units = scene.arm.robot, round(1 / METRES[scene.unit])
+    robot, units = scene.robot, round(1 / METRES[scene.unit])
     names = list_of("motion.joints", motion.get("joints"))
     free = {one.name: one for one in robot.joints if one.kind != "fixed" and one.mimic is None}
     if not names or len(set(names)) != len(names) or not all(name in free for name in names):

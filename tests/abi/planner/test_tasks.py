@@ -14,6 +14,7 @@ import pytest
 import trimesh
 
 from abi.arrays import FloatArray
+from abi.certification.certify import certify
 from abi.errors import SceneError
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.planner.task_plan import TaskPlan, plan_tasks
@@ -120,6 +121,16 @@ def test_every_leg_is_proven_and_so_is_that_they_join() -> None:
     verdicts = verify(written(), planned().scene.meshes)
     assert [one.curve for one in verdicts] == [*(f"leg {k}, arm" for k in range(1, 5)), "tasks"]
     assert all(one.proven for one in verdicts), verdicts
+
+
+def test_a_certified_motion_has_what_is_held_as_a_body() -> None:
+    leg = planned().legs[1]
+    assert leg.motion is not None
+    motion = leg.motion.joints, leg.motion.time, leg.motion.positions
+    verdict = certify(None, *motion, leg.scene).to_dict()
+
+    assert "held_object" in {one["link"] for one in verdict["certificate"]["bodies"]}
+    assert verify(verdict, leg.scene.meshes)[0].proven
 
 
 def jump(plan: dict[str, Any]) -> None:
