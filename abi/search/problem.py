@@ -1,15 +1,33 @@
-"""The graph in the format of the search kernels."""
+"""What the kernels of a search of every plan take, and what they find out."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from abi.arrays import read_only
+from abi.arrays import FloatArray, IntArray, read_only
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.heuristic_kernels import Metric
 from abi.search.search_kernels import Ends, Problem
 from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
+
+
+class Expansion(NamedTuple):
+    """What a search found out about the nodes.
+
+    Attributes:
+        costs: (n,) least cost from the start; inf where it was not reached.
+        parents: (n,) the node before; -1 where there is none.
+        order: (expanded,) node ids in the order of expansion.
+        relaxed: number of edges examined.
+    """
+
+    costs: FloatArray
+    parents: IntArray
+    order: IntArray
+    relaxed: int
 
 
 def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:

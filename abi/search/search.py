@@ -21,11 +21,10 @@ from abi.errors import NoPath
 from abi.scene.settings import Algorithm
 from abi.search.bellman_ford_kernels import bellman_ford
 from abi.search.best_first_kernels import best_first
-from abi.search.expansion import Expansion
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
 from abi.search.heuristic_kernels import NO_METRIC
-from abi.search.problem import problem_of
+from abi.search.problem import Expansion, problem_of
 from abi.search.search_kernels import places_along, reconstruct_path
 
 
