@@ -118,6 +118,12 @@ def read(job: Job) -> ReadingResult:
         link_bodies.cache_clear()
 
 
+_ROBOT = b"""<robot name="a"><link name="b"/><link name="c"><collision><geometry>
+<box size="1 1 1"/></geometry></collision></link><joint name="j" type="revolute"><parent link="b"/>
+<child link="c"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint></robot>"""
+"""A robot with a shape, whose bodies are made by code that is read before no file can be."""
+
+
 def rehearse() -> None:
     """Read a file of every kind, whole and cut off, so that nothing is left to be loaded."""
     import trimesh
@@ -126,7 +132,7 @@ def rehearse() -> None:
     other.apply_translation((0.5, 0.5, 0.5))
     pair: Any = trimesh.util.concatenate([box, other])
     files = [Job("scene", f"a.{ending}", b'{"version": 1}') for ending in ("json", "yaml")]
-    files += [Job("arm", "a.urdf", b'<robot name="a"><link name="b"/></robot>')]
+    files += [Job("arm", "a.urdf", _ROBOT)]
     own = {".dae": sample_meshes.dae, ".3mf": sample_meshes.threemf}
     for suffix in mesh_reader.SUFFIXES:
         content = own[suffix]() if suffix in own else pair.export(file_type=suffix[1:])
