@@ -19,7 +19,7 @@ def weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray
 
 
 def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
-    """The same for a size above 0; faces that would vanish without a trace keep their corners."""
+    """Join vertices in the same cube, but keep corners of faces that would vanish untraceably."""
     _, ids = distinct_rows(np.round(vertices / size) + 0.0)
     corners = ids[faces].astype(np.int64)
     sides = np.sort(np.stack([corners, corners[:, [1, 2, 0]]], axis=-1), axis=-1)
