@@ -146,7 +146,7 @@ def test_places_that_students_click_are_balls_in_the_teachers_scene() -> None:
         assert graph is not None
         targets = [graph.start, graph.goal, graph.goal]
         for (fake, session), target in zip(students, targets, strict=True):
-            until(lambda session=session: "Click a node" in panel(session)._text.content)  # type: ignore[misc]
+            until(lambda session=session: "Click or tap a node" in panel(session)._text.content)  # type: ignore[misc]
             click(fake, graph.points[target])
         until(lambda: "3 of 3 have answered" in panel(taught)._text.content)
         assert not balls(taught)
