@@ -475,7 +475,7 @@ def format_length(length: float) -> str:
 
 def format_point(point: Sequence[float] | FloatArray) -> str:
     """Text of a point, with the placeholder of its unit."""
-    x, y, z = point
+    x, y, z = (number + 0.0 for number in point)  # a zero has no sign
     return with_minus(f"({x:g}, {y:g}, {z:g})") + UNIT
 
 

@@ -22,7 +22,8 @@ def format_setting(number: float, digits: int = 4) -> str:
     """A number that was chosen, or stands in a sentence, without trailing zeros."""
     if abs(number) >= 10_000:
         return with_minus(f"{number:,.0f}")
-    text = np.format_float_positional(number, precision=digits, fractional=False, trim="-")
+    # a zero has no sign
+    text = np.format_float_positional(number + 0.0, precision=digits, fractional=False, trim="-")
     return with_minus(text)
 
 

@@ -138,6 +138,8 @@ def test_every_sentence_has_the_same_minus_sign() -> None:
     for violation in negative:
         assert "-" not in limit_sentence(violation, made.motion, "m").replace("three-", "")
     assert format_setting(-12_345.0) == "−12,345"
+    assert format_setting(-0.0) == "0"
+    assert format_point((0.0, -0.0, 1.0)) == f"(0, 0, 1){UNIT}"
 
 
 def test_a_motion_has_the_name_of_its_law_unless_it_was_planned_elsewhere() -> None:
