@@ -15,6 +15,9 @@ import scipy.spatial
 from abi.curves.bspline import clamped
 from abi.paper import printed
 from abi.planner.planner import Planner
+from abi.robot.paper_arm.inverse_kinematics import solve
+from abi.robot.paper_arm.paper_arm import PaperArm, forward
+from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import load_scene
 from abi.tet_mesh.lattice import REGULAR
 from app.state.frame import Frame
@@ -145,14 +148,32 @@ def links_with_less_than_0_are_inside() -> bool:
 
 
 def the_force_gives_the_acceleration_q_by_i() -> bool:
-    force, inertia = 3.0, 0.7
-    position = np.polynomial.Polynomial([0, 0, force / (2 * inertia)])
-    return bool(np.isclose(position.deriv(2)(1.3), force / inertia))
+    still = load_scene("paper").arm.model_copy(update={"forces": (1.0, 1.0, 1.0), "q5": 0.0})
+    inertia = sum(mass * i**2 for mass, i in zip(still.masses, still.radii, strict=True))
+    time = np.linspace(0, 1, 1001)
+    forces = {}
+    for dynamics in ("as_printed", "corrected"):
+        wrist = wrist_positions(still.model_copy(update={"dynamics": dynamics}), time)[:, 0]
+        forces[dynamics] = inertia * np.diff(wrist, 2) / time[1] ** 2
+    return bool(
+        np.allclose(forces["corrected"], 1, rtol=1e-4)
+        and np.allclose(forces["as_printed"], 2, rtol=1e-4)
+    )
 
 
 def a_mirrored_y_is_the_same_only_at_0() -> bool:
+    arm = PaperArm.from_settings(
+        load_scene("paper").arm.model_copy(update={"base": (0.0, 0.0, 0.0)})
+    )
     y = np.linspace(-2, 2, 41)
-    return bool(y[y == -y].tolist() == [0.0])
+    tool = np.column_stack([np.full(41, 4.0), y, np.full(41, 5.0)])
+    solution = solve(arm, tool, np.zeros(41), "up", np.zeros_like(tool))
+    poses = np.zeros((41, 6))
+    # the printed equations, sin q1 · r = x and cos q1 · r = y, where y = −cos q1 · r is right
+    poses[:, :3] = np.stack([np.arctan2(tool[:, 0], y), solution.q2, solution.q3], axis=1)
+    reached = forward(arm, poses)
+    same = np.isclose(reached[:, 1], y, atol=1e-9)
+    return bool(np.allclose(reached, tool * [1, -1, 1], atol=1e-9)) and y[same].tolist() == [0.0]
 
 
 STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
