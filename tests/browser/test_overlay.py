@@ -7,10 +7,10 @@ import pytest
 from playwright.sync_api import Browser
 
 import abi
-from app.panels.stages.stage_headers import TITLES
 from app.panels.teach.tour import STEPS
 from app.server.address import Address
 from app.server.server import start
+from app.stages.catalogue import TITLES
 from app.state.appearance import Appearance
 from app.tab.session import Session
 from tests.browser import drawn

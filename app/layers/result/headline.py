@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abi.planner.plan import Plan
-from app.layers.result.curve_numbers import blocks, curve_numbers
-from app.layers.result.stage_numbers import stage_numbers
 from app.shared.once_a_plan import once_a_plan
+from app.stages.catalogue import STAGES
+from app.stages.curve_numbers import blocks, curve_numbers
 from app.state.frame import Frame, Layer
 from app.ui.layout import Layout
 
@@ -22,7 +22,7 @@ class HeadlineLayer(Layer):
         # a lesson without the curve has no use for its numbers, or asks for them
         unused = frame.lesson and (frame.asks or plan.followed not in frame.shown)
         if frame.theatre is None and not unused:
-            content = blocks(stage_numbers(plan, frame.stage)) if frame.stage else headline(plan)
+            content = stage_headline(plan, frame.stage) if frame.stage else headline(plan)
         if frame.refused is not None:  # what is proven of the plan is not of what was asked for
             content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'
         self._overlay.show("numbers", content)
@@ -33,5 +33,11 @@ def headline(plan: Plan) -> str:
     """The three numbers as HTML: of the curve, or of the arm where this follows none."""
     if plan.followed is None:
         alone = plan.joint_search is not None or plan.path is None  # nothing but a motion
-        return blocks(stage_numbers(plan, "arm")) if alone else ""
+        return stage_headline(plan, "arm") if alone else ""
     return blocks(curve_numbers(plan, plan.followed))
+
+
+@once_a_plan
+def stage_headline(plan: Plan, stage: str) -> str:
+    """The numbers of a stage as HTML; empty where the plan did not get so far."""
+    return blocks(STAGES[stage].numbers(plan))

@@ -4,27 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 
-from abi.search.search import SEARCHES
-from app.panels.stages.stage_headers import STAGES, TITLES
 from app.panels.teach.search_strip import SearchStrip
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, hidden_button, pressed
+from app.stages.catalogue import STAGES, TITLES
 from app.state.frame import Frame
 from app.ui import page
 from app.ui.layout import Layout
 from app.ui.overlay import button
 
-_ALWAYS = frozenset({"workspace", "axes", "obstacles"})
-_SHOWN: dict[str, frozenset[str]] = {
-    "mesh": _ALWAYS | {"edges", "nodes", "excluded"},
-    "graph": _ALWAYS | {"edges", "nodes"},
-    "search": _ALWAYS | {*SEARCHES, "taut", "names"},
-    "bspline": _ALWAYS | {"a_star", "taut", "bspline", "control", "names"},
-    "quadratic": _ALWAYS | {"bspline", "quadratic", "names"},
-    "arm": _ALWAYS | {"bspline", "quadratic", "arm", "trace", "names"},
-}
-"""Layers that each stage shows."""
-_PLACES = (None, *STAGES)
+_STEPS = (None, *STAGES)
 """All stages together are a step before the first and after the last."""
 VIEWS = {
     "Whole": (0.82, -0.42, 0.38),
@@ -71,9 +60,9 @@ class Lecture:
         steps = pressed(self._forward) - pressed(self._back) + self._steps
         self._steps = 0
         if self.on and steps:
-            place = _PLACES.index(self._stage) + steps
-            self._stage = _PLACES[place % len(_PLACES)]
-        return switches if self._stage is None else _SHOWN[self._stage]
+            step = _STEPS.index(self._stage) + steps
+            self._stage = _STEPS[step % len(_STEPS)]
+        return switches if self._stage is None else STAGES[self._stage].layers
 
     @property
     def stage(self) -> str:

@@ -14,7 +14,7 @@ from app.camera.camera import View
 from app.camera.extent import extent
 from app.camera.framing import Window, axes, covered, holds, stand, widest
 from app.drawing.box import box_corners
-from app.panels.stages.stage_headers import STAGES
+from app.stages.catalogue import STAGES
 from app.tab.session import Session
 from app.ui.page_area import PageArea
 from tests.app.fake_tab import FakeTab, until

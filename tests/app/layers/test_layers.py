@@ -22,18 +22,16 @@ from app.layers.axes import AxesLayer
 from app.layers.markers import _are_reached
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
-from app.layers.result.curve_numbers import blocks
-from app.layers.result.headline import headline
+from app.layers.result.headline import headline, stage_headline
 from app.layers.result.plots import PlotsLayer, _joints_title
-from app.layers.result.stage_numbers import stage_numbers
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.panels.base_offer import _may_help
 from app.panels.messages import _change_label, _progress
-from app.panels.stages.stage_headers import SENTENCES, STAGES
 from app.panels.teach.lecture import VIEWS
 from app.server.address import Address
 from app.server.server import Server, start
+from app.stages.catalogue import STAGES
 from app.state.appearance import PLAIN
 from app.state.frame import Frame
 from app.tab.session import Session
@@ -366,9 +364,9 @@ def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) ->
     for stage in STAGES:
         fake.set(panels.lecture._forward, True)
         until(lambda: session.frame.stage == stage)  # noqa: B023
-        numbers = blocks(stage_numbers(session.frame.plan, stage))
+        numbers = stage_headline(session.frame.plan, stage)
         until(lambda: shown["numbers"] == numbers)  # noqa: B023
-        until(lambda: SENTENCES[stage] in shown["message"])  # noqa: B023
+        until(lambda: STAGES[stage].sentence in shown["message"])  # noqa: B023
         seen.append(numbers)
     assert all(seen)
     assert len(set(seen)) == len(STAGES)

@@ -16,7 +16,8 @@ from abi.errors import UNIT, SceneError, format_point
 from abi.explain.arm_faults import limit_sentence
 from abi.scene.scene import scene_names
 from app.layers.result.tables import _searches, _stages
-from app.panels.stages.stage_headers import TITLES, _results
+from app.panels.stages.stage_headers import _results
+from app.stages.catalogue import TITLES
 from app.ui.numbers import (
     format_count,
     format_excess,

@@ -1,4 +1,4 @@
-"""The numbers that belong to one stage, for a lecture that goes through the stages."""
+"""The large numbers of each stage, for a lecture that goes through the stages."""
 
 from __future__ import annotations
 
@@ -6,19 +6,13 @@ import math
 
 from abi.curves.speed_profile import SpeedProfile
 from abi.planner.plan import Plan
-from app.layers.result.curve_numbers import Number, curve_numbers, excess, judged
-from app.shared.once_a_plan import once_a_plan
+from app.stages.curve_numbers import Number, curve_numbers, excess, judged
 from app.ui import style
 from app.ui.numbers import format_count, format_length, format_lower_bound
 
 
-@once_a_plan
-def stage_numbers(plan: Plan, stage: str) -> tuple[Number, ...]:
-    """Numbers of a stage, named as its folder; none where the plan did not get so far."""
-    return tuple(_STAGES[stage](plan))
-
-
-def _mesh(plan: Plan) -> list[Number]:
+def mesh_numbers(plan: Plan) -> list[Number]:
+    """Nodes and tetrahedra that are left."""
     if plan.mesh is None or plan.free is None:
         return []
     removed = len(plan.mesh.points) - plan.free.nodes
@@ -37,7 +31,8 @@ def _mesh(plan: Plan) -> list[Number]:
     ]
 
 
-def _graph(plan: Plan) -> list[Number]:
+def graph_numbers(plan: Plan) -> list[Number]:
+    """Edges that are open, and how many a node has."""
     graph = plan.graph
     if graph is None:
         return []
@@ -56,7 +51,8 @@ def _graph(plan: Plan) -> list[Number]:
     ]
 
 
-def _search(plan: Plan) -> list[Number]:
+def search_numbers(plan: Plan) -> list[Number]:
+    """Length of the path, what that is above the best, and nodes visited."""
     if plan.path is None or plan.graph is None:
         return []
     name = style.ALGORITHMS[plan.path.algorithm][0]
@@ -72,7 +68,13 @@ def _search(plan: Plan) -> list[Number]:
     ]
 
 
-def _quadratic(plan: Plan) -> list[Number]:
+def bspline_numbers(plan: Plan) -> list[Number]:
+    """Length, gap and distance kept of the B-spline."""
+    return curve_numbers(plan, "bspline")
+
+
+def quadratic_numbers(plan: Plan) -> list[Number]:
+    """What the curve keeps, if it is not followed, and speed and time of the motion."""
     profile, unit = plan.profile, plan.scene.unit
     if profile is None or plan.quadratic is None:
         return []
@@ -94,7 +96,8 @@ def _quadratic(plan: Plan) -> list[Number]:
     return numbers
 
 
-def _arm(plan: Plan) -> list[Number]:
+def arm_numbers(plan: Plan) -> list[Number]:
+    """Time of the motion, and how clear the links are of everything."""
     if plan.profile is None or plan.motion is None or plan.arm_clearance is None:
         return []
     clearance, unit = plan.arm_clearance, plan.scene.unit
@@ -114,14 +117,3 @@ def _arm(plan: Plan) -> list[Number]:
     shown = judged(distance, plan.is_arm_clear)
     hint = "Least distance of any link from the obstacles; proven if there is a ✓."
     return [time, (shown, "links to an obstacle, at least", hint)]
-
-
-_STAGES = {
-    "mesh": _mesh,
-    "graph": _graph,
-    "search": _search,
-    "bspline": lambda plan: curve_numbers(plan, "bspline"),
-    "quadratic": _quadratic,
-    "arm": _arm,
-}
-"""By the stages' names, as those of the folders."""
