@@ -21,6 +21,11 @@ _LETTERS = "nmk"
 _FLOAT64 = np.dtype(np.float64)
 _ONE_THREAD = 8192
 """Number of numbers whose squares the algebra library sums in the calling thread for certain."""
+_EYE = np.eye(3)
+_LARGEST = 1.1
+"""Bound of a rotation's entries, so that no product of larger ones overflows."""
+_RIGID = 1e-6
+"""Largest error of a rotation's products, and of a direction's length."""
 LARGEST_ID = 2**31 - 1
 """Largest number of an array's entry, and of an order or a degree."""
 
@@ -73,10 +78,15 @@ def points(name: str, values: ArrayLike) -> FloatArray:
 
 
 def within(
-    name: str, values: ArrayLike, shape: tuple[int, ...], low: float, high: float
+    name: str,
+    values: ArrayLike,
+    shape: tuple[int, ...],
+    low: float,
+    high: float,
+    infinite: bool = False,
 ) -> FloatArray:
     """Return numbers from ``low`` to ``high``; see :func:`numbers`."""
-    array = numbers(name, values, shape)
+    array = numbers(name, values, shape, infinite)
     if array.size and not low <= array.min() <= array.max() <= high:
         wrong = array.min() if array.min() < low else array.max()
         raise ArgumentError(f"one of {name}", float(wrong), f"a number{_range(low, high)}")
@@ -181,17 +191,56 @@ def integer(name: str, value: Any, low: int, high: int) -> int:
     return found
 
 
+def rotation(name: str, values: ArrayLike) -> FloatArray:
+    """Return a matrix (3, 3) that turns and neither scales nor mirrors; see :func:`numbers`."""
+    matrix = numbers(name, values, (3, 3))
+    turns = np.abs(matrix).max() < _LARGEST and np.linalg.det(matrix) > 0
+    if not (turns and np.abs(matrix @ matrix.T - _EYE).max() < _RIGID):
+        raise ArgumentError(name, matrix.round(6).tolist(), "a rotation")
+    return matrix
+
+
+def pose(name: str, values: ArrayLike) -> FloatArray:
+    """Return a pose (4, 4): a rotation, a place, and 0, 0, 0, 1 below; see :func:`numbers`."""
+    matrix = numbers(name, values, (4, 4))
+    rotation(name, matrix[:3, :3])
+    if matrix[3].tolist() != [0, 0, 0, 1]:
+        raise ArgumentError(f"last row of {name}", matrix[3].tolist(), "0, 0, 0, 1")
+    return matrix
+
+
+def direction(name: str, values: ArrayLike) -> FloatArray:
+    """Return a vector (3,) of length 1; see :func:`numbers`."""
+    vector = numbers(name, values, (3,))
+    if not abs(math.hypot(*vector.tolist()) - 1) < _RIGID:
+        raise ArgumentError(name, vector.tolist(), "a vector of length 1")
+    return vector
+
+
+def ranges(name: str, values: ArrayLike, count: int) -> FloatArray:
+    """Return lowest and highest of each, (count, 2), in that order; see :func:`numbers`."""
+    array = numbers(name, values, (count, 2))
+    wrong = np.flatnonzero(array[:, 0] > array[:, 1])
+    if len(wrong):
+        k = int(wrong[0])
+        raise ArgumentError(f"{name}[{k}]", array[k].tolist(), "the lowest and then the highest")
+    return array
+
+
 def keep(owner: object, **fields: object) -> None:
     """Replace fields of a frozen dataclass by what was checked, their arrays read-only.
 
     Arrays that can be written are copied: they belong to the caller.
     """
-    own = {
-        name: value.copy() if isinstance(value, np.ndarray) and value.flags.writeable else value
-        for name, value in fields.items()
-    }
-    lock(own.values())
-    vars(owner).update(own)
+    vars(owner).update({name: owned(value) for name, value in fields.items()})
+
+
+def owned(value: Any) -> Any:
+    """Return an array read-only, a copy of one that can be written, or any other value as it is."""
+    if isinstance(value, np.ndarray) and value.flags.writeable:
+        value = value.copy()
+    lock((value,))
+    return value
 
 
 def _of_shape(

@@ -59,6 +59,24 @@ class UrdfArm(ShortRepr):
     held: Mapping[str, float]
     asked: tuple[tuple[str, Other], ...] = ()
 
+    def __post_init__(self) -> None:
+        """Check what kernels read.
+
+        Raises:
+            ArgumentError: a number makes no sense, or an array has another shape.
+        """
+        for one in self.capsules:
+            arguments.integer("frame", one.frame, -1, len(self.chain.joints) - 1)
+            arguments.numbers("ends", one.ends, (2, 3))
+            arguments.number("radius", one.radius, 0.0)
+            arguments.polyline("points", one.points)
+            arguments.number("rounding", one.rounding, 0.0)
+        arguments.keep(
+            self,
+            base=arguments.numbers("base", self.base, (3,)),
+            limits=arguments.ranges("limits", self.limits, len(self.chain.names)),
+        )
+
     @property
     def root(self) -> str:
         """Name of the link that stands at its base."""

@@ -36,6 +36,8 @@ from abi.robot.bodies.chain_capsules import segment_distances
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import joint_torques
 from abi.robot.paper_arm.paper_arm import PaperArm, forward, place
+from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.settings import ArmSettings
 from abi.search.arcs import Arcs
 from abi.search.graph import Graph
@@ -85,6 +87,11 @@ LENGTHS = np.array([1.0, 2, 3, 4])
 ROWS = rows(EDGES, LENGTHS, 4)
 
 
+TABLE_ARRAYS = (
+    *("before", "origins", "axes", "slides", "source", "factor", "offset", "limits", "direction"),
+)
+
+
 @cache
 def ball() -> MeshShape:
     return MeshShape.of(clean(*meshes.sphere(1)))
@@ -113,6 +120,51 @@ def chain() -> Chain:
     scene = abi.load_scene("two-boxes").replace(arm={"model": "urdf", "urdf": "ur5e"})
     robot = scene.arm.robot
     return Chain.of(robot, scene.arm.tool)
+
+
+@cache
+def ur5e() -> UrdfArm:
+    return urdf_arm(chain().robot, "tool0", (0.0, 0.0, 0.0))
+
+
+def of_chain(**fields: Any) -> Any:
+    changed = replace(chain(), **fields)
+    return changed.poses(np.full((1, 6), 0.3)), changed.limits, changed.speeds, changed.efforts
+
+
+def of_table(field: str) -> Entry:
+    good = np.asarray(getattr(chain().table, field))
+    return Entry(lambda values: of_chain(table=chain().table._replace(**{field: values})), good)
+
+
+def of_joint(**fields: Any) -> Any:
+    joint = replace(chain().joints[0], **fields)
+    return joint.origin, joint.motion(0.3)
+
+
+def of_shape(**fields: Any) -> Any:
+    shape = LinkShape("mesh", (1, 1, 1), np.eye(4), CURVE, TETRAHEDRON, np.zeros((0, 3), np.uint8))
+    changed = replace(shape, **fields)
+    return changed.pose, changed.vertices, changed.faces
+
+
+def of_link(**fields: Any) -> Any:
+    changed = replace(Link("arm", (), 1.0, np.zeros(3), np.eye(3)), **fields)
+    return changed.centre, changed.inertia
+
+
+def of_arm(**fields: Any) -> Any:
+    changed = replace(ur5e(), **fields)
+    return changed.base, changed.limits, changed.place(np.full((1, 6), 0.3))
+
+
+def of_capsule(field: str) -> Entry:
+    first, *others = ur5e().capsules
+
+    def call(values: Any) -> Any:
+        return of_arm(capsules=(first._replace(**{field: values}), *others))
+
+    return Entry(call, getattr(first, field))
 
 
 @cache
@@ -256,6 +308,22 @@ def entries() -> dict[str, Entry]:
         "Arcs: indices": of_arcs("indices"),
         "Arcs: weights": of_arcs("weights"),
         "Chain.poses": Entry(lambda at: chain().poses(at), np.zeros((3, 6))),
+        **{f"ChainTable: {name}": of_table(name) for name in TABLE_ARRAYS},
+        "Chain: limits": Entry(lambda at: of_chain(limits=at), chain().limits),
+        "Chain: speeds": Entry(lambda at: of_chain(speeds=at), chain().speeds, infinite=True),
+        "Chain: efforts": Entry(lambda at: of_chain(efforts=at), chain().efforts, infinite=True),
+        "Carried: pose": Entry(lambda at: replace(chain().carried[0], pose=at).pose, np.eye(4)),
+        "Joint: origin": Entry(lambda at: of_joint(origin=at), np.eye(4)),
+        "Joint: axis": Entry(lambda at: of_joint(axis=at), np.array([0.0, 0.6, 0.8])),
+        "LinkShape: pose": Entry(lambda at: of_shape(pose=at), np.eye(4)),
+        "LinkShape: vertices": Entry(lambda at: of_shape(vertices=at), CURVE),
+        "LinkShape: faces": Entry(lambda ids: of_shape(faces=ids), TETRAHEDRON),
+        "Link: centre": Entry(lambda at: of_link(centre=at), POINTS[0]),
+        "Link: inertia": Entry(lambda at: of_link(inertia=at), np.eye(3)),
+        "UrdfArm: base": Entry(lambda at: of_arm(base=at), POINTS[0]),
+        "UrdfArm: limits": Entry(lambda at: of_arm(limits=at), ur5e().limits),
+        "ChainCapsule: ends": of_capsule("ends"),
+        "ChainCapsule: points": of_capsule("points"),
         "forward": Entry(lambda at: forward(paper_arm(), at), ANGLES),
         "place": Entry(lambda at: place(paper_arm(), at), ANGLES),
         "joint_torques: positions": Entry(

@@ -6,6 +6,7 @@ chain, directly or not, moves with it; all others are held.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, Self
@@ -16,6 +17,7 @@ from abi import arguments
 from abi.arrays import FloatArray, ReadOnlyCopies, ShortRepr, flat, read_only
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.robot.kinematics.chain_kernels import POSE, ChainTable, chain_poses
+from abi.robot.kinematics.chain_table import checked_table
 from abi.robot.kinematics.follow_path_kernels import Drift, follow_path
 from abi.robot.urdf.held_joints import NOT_HELD, planned_joints, positions_held
 from abi.robot.urdf.robot import Joint, Robot, joints_to
@@ -38,6 +40,14 @@ class Carried(ReadOnlyCopies):
     link: str
     frame: int
     pose: FloatArray
+
+    def __post_init__(self) -> None:
+        """Check the pose.
+
+        Raises:
+            ArgumentError: it is none.
+        """
+        arguments.keep(self, pose=arguments.pose("pose", self.pose))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,6 +78,27 @@ class Chain(ShortRepr):
     slides: tuple[bool, ...]
     carried: tuple[Carried, ...]
     held: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        """Check what kernels read.
+
+        Raises:
+            ArgumentError: an array has another shape or type, or makes no sense.
+        """
+        count, moving = len(self.names), len(self.joints)
+        for carried in self.carried:
+            arguments.integer(f"frame of {carried.link}", carried.frame, -1, moving - 1)
+        arguments.flags("slides", self.slides, (count,))
+        rates = {
+            name: arguments.within(name, values, (count,), 0.0, math.inf, infinite=True)
+            for name, values in (("speeds", self.speeds), ("efforts", self.efforts))
+        }
+        arguments.keep(
+            self,
+            table=checked_table(self.table, moving, count),
+            limits=arguments.ranges("limits", self.limits, count),
+            **rates,
+        )
 
     @classmethod
     def of(

@@ -10,19 +10,23 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 import scipy
 
+from abi import arguments
 from abi.arrays import ByteArray, FloatArray, IntArray, ReadOnlyCopies, ShortRepr
-from abi.errors import SceneError
+from abi.errors import ArgumentError, SceneError
 from abi.obstacles.pose import Vec3
 
 MOST_JOINTS = 16
 """Largest number of joints between root and tip."""
 
 JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
+
+_SIZES = {"box": 3, "sphere": 1, "cylinder": 2, "mesh": 0}
+"""Kinds of solids, and how many of their sizes are lengths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +50,25 @@ class LinkShape(ReadOnlyCopies):
     faces: IntArray
     colours: ByteArray
 
+    def __post_init__(self) -> None:
+        """Check what proofs are made of.
+
+        Raises:
+            ArgumentError: an array has another shape or type, or makes no sense.
+        """
+        if self.kind not in _SIZES:
+            raise ArgumentError("kind", self.kind, f"one of {', '.join(_SIZES)}")
+        size = arguments.numbers("size", self.size, (3,))
+        if not (size[: _SIZES[self.kind]] > 0).all():
+            raise ArgumentError("size", self.size, "lengths above 0")
+        vertices = arguments.points("vertices", self.vertices)
+        arguments.keep(
+            self,
+            pose=arguments.pose("pose", self.pose),
+            vertices=vertices,
+            faces=arguments.ids("faces", self.faces, (-1, 3), len(vertices)),
+        )
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Link(ShortRepr):
@@ -66,6 +89,19 @@ class Link(ShortRepr):
     centre: FloatArray
     inertia: FloatArray
     visuals: tuple[LinkShape, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check what torques are computed from.
+
+        Raises:
+            ArgumentError: a number makes no sense, or an array has another shape.
+        """
+        arguments.number("mass", self.mass, 0.0)
+        arguments.keep(
+            self,
+            centre=arguments.numbers("centre", self.centre, (3,)),
+            inertia=arguments.numbers("inertia", self.inertia, (3, 3)),
+        )
 
     @property
     def drawn(self) -> tuple[LinkShape, ...]:
@@ -108,6 +144,26 @@ class Joint(ReadOnlyCopies):
     speed: float
     effort: float
     mimic: Mimic | None
+
+    def __post_init__(self) -> None:
+        """Check its place and its numbers.
+
+        Raises:
+            ArgumentError: a number makes no sense, or an array has another shape.
+        """
+        if self.kind not in get_args(JointKind):
+            raise ArgumentError("kind", self.kind, f"one of {', '.join(get_args(JointKind))}")
+        arguments.ranges("low and high", [[self.low, self.high]], 1)
+        arguments.number("speed", self.speed, 0.0, infinite=True)
+        arguments.number("effort", self.effort, 0.0, infinite=True)
+        if self.mimic is not None:
+            arguments.number("mimic.factor", self.mimic.factor)
+            arguments.number("mimic.offset", self.mimic.offset)
+        arguments.keep(
+            self,
+            origin=arguments.pose("origin", self.origin),
+            axis=arguments.direction("axis", self.axis),
+        )
 
     @property
     def coordinate(self) -> str:
