@@ -35,6 +35,8 @@ _NEAR = 1e-6
 """Distance at which hulls overlap, over the size of both: their roundings are left out."""
 _POSES = 64
 """Random poses in which links that are said to overlap always are looked at."""
+_MOSTLY = 0.85
+"""Part of these in which they do, of a motion that was planned elsewhere: 0.95 of others did."""
 
 
 def allowed_contacts(
@@ -69,8 +71,42 @@ def allowed_contacts(
             found.add((link, other))
         else:
             raise Fault(f"{link} is allowed to touch nothing that is there")
-    _check_overlap(always, chain, bodies)
+    _check_overlap(always, chain, bodies, _POSES)
     return frozenset(found)
+
+
+def contacts_of_motion(
+    data: dict[str, Any], scene: Scene, chain: ExactChain, bodies: Bodies
+) -> frozenset[frozenset[str]]:
+    """Pairs of links that a motion from elsewhere lets touch, each for a reason that holds.
+
+    Raises:
+        Fault: a contact may not be left out.
+        SceneError: a field has the wrong form.
+    """
+    found: set[frozenset[str]] = set()
+    always: list[tuple[str, str]] = []
+    for entry in list_of("allowed", data.get("allowed")):
+        contact = mapping("allowed", entry)
+        link, other, reason = contact.get("link"), contact.get("other"), contact.get("reason")
+        if not isinstance(link, str) or link not in chain.frames:
+            raise Fault("a contact is allowed of no link")
+        if isinstance(other, str) and other in chain.frames:
+            if reason == "always":
+                always.append((link, other))
+            elif reason not in ("adjacent", "srdf") or not _may_touch(
+                link, other, reason, scene, chain
+            ):
+                raise Fault(f"{link} and {other} are no pair that may touch")
+            found.add(frozenset((link, other)))
+        elif reason != "mount" or chain.frames[link] >= _STANDS.get(str(other), -1):
+            raise Fault(f"{link} may not touch {other}")
+    _check_overlap(always, chain, bodies, _MOSTLY * _POSES)
+    return frozenset(found)
+
+
+_STANDS = {"obstacles": 0, "floor": 1}
+"""Frames below these stand on it: no motion of theirs is asked about."""
 
 
 def _name(other: Other) -> str:
@@ -111,8 +147,10 @@ def _may_stand(
     )
 
 
-def _check_overlap(pairs: Sequence[tuple[str, str]], chain: ExactChain, bodies: Bodies) -> None:
-    """Raise where links that are said to overlap always do not in random poses."""
+def _check_overlap(
+    pairs: Sequence[tuple[str, str]], chain: ExactChain, bodies: Bodies, least: float
+) -> None:
+    """Raise where links that are said to overlap always do in fewer random poses than so many."""
     if not pairs:
         return
     overlaps = dict.fromkeys(pairs, 0)
@@ -130,7 +168,7 @@ def _check_overlap(pairs: Sequence[tuple[str, str]], chain: ExactChain, bodies: 
             both = itertools.product(placed[pair[0]], placed[pair[1]])
             overlaps[pair] += any(_overlap(one, other) for one, other in both)
     for (link, other), count in overlaps.items():
-        if count < _POSES:
+        if count < least:
             raise Fault(f"{link} and {other} are apart in random poses")
 
 

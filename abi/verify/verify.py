@@ -70,9 +70,10 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = obstacles_of(plan["scene"], scene)
     # a motion from the space of the joints follows no curve of the tool
-    curves = CURVES if plan.get("joint_search") is None else [c for c in CURVES if plan[c]]
+    needs_arm = plan.get("joint_search") is not None
+    curves = [c for c in CURVES if plan[c]] if needs_arm else CURVES
     verdicts = [_curve_verdict(name, plan[name], scene, obstacles) for name in curves]
-    if "arm" in plan:
+    if "arm" in plan or needs_arm:
         verdicts.append(_arm_verdict(plan, scene, obstacles))
     return tuple(verdicts)
 
@@ -115,7 +116,7 @@ def _curve_verdict(
 def _arm_verdict(
     plan: dict[str, Any], scene: Scene, obstacles: list[ExactSolid | ExactMesh]
 ) -> Verdict:
-    if plan["arm"] is None:
+    if plan.get("arm") is None:
         return Verdict("arm", False, "the plan has no motion")
     section, timing = mapping("arm", plan["arm"]), mapping("timing", plan.get("timing"))
     if scene.arm.model == "urdf":

@@ -2,12 +2,12 @@
 
 The proof is that of :mod:`abi.certification.clearance_proof`. The motion, the bodies and the pairs
 that must keep apart are checked as written. That the bodies hold the corners of the links'
-collision shapes is checked, too. Pairs of links that are not among them are listed by ``allowed``.
+collision shapes is checked, too, and that pairs of links which are left out may be.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -21,6 +21,7 @@ from abi.obstacles.pose import METRES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
+from abi.verify.allowed_contacts import contacts_of_motion
 from abi.verify.certificate import MOTION, CertifiedPlane, planes_of, words_of
 from abi.verify.exact import ExactFloor, ExactSolid, Vec3, times_length
 from abi.verify.exact_chain import Exact, ExactChain, ExactFrame, exact_joints
@@ -48,9 +49,13 @@ class _Body(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """Joints on their path, with the poses, ways and levers that were asked for."""
+    """Joints on their path, with the poses, ways and levers that were asked for.
+
+    The chain's limits hold the whole motion; ``usual`` is the chain with those of the robot.
+    """
 
     chain: ExactChain
+    usual: ExactChain
     path: ExactPath
     frames: dict[Fraction, list[ExactFrame]] = field(default_factory=dict)
     ways: dict[tuple[Fraction, Fraction, Fraction], list[Fraction]] = field(default_factory=dict)
@@ -132,7 +137,10 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     certificate = mapping(MOTION, data.get("certificate"))
     margin = _margin(data, certificate, obstacles)
     motion = _motion(mapping("motion", data.get("motion")), scene)
-    bodies = _bodies(certificate, motion.chain, scene.robot)
+    bodies = _bodies(certificate, motion.chain)
+    pieces = _pieces(bodies, scene.robot)
+    check_corners(scene.robot, motion.chain, pieces)
+    allowed = contacts_of_motion(data, scene, motion.usual, pieces)
     pairs = _pairs(certificate, len(bodies))
     planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
     span = Fraction(0), Fraction(len(motion.path.pieces))
@@ -151,7 +159,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
         apart = partial(_apart, motion, bodies[i], bodies[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, bodies, obstacles)
-    _check_pairs(data, motion.chain, bodies, pairs)
+    _check_pairs(allowed, motion.chain, bodies, pairs)
     count = sum(map(len, planes.values()))
     return (
         f"{words_of(margin, scene.unit)}, and clear of the floor and each other "
@@ -188,11 +196,11 @@ def _motion(motion: dict[str, Any], scene: Scene) -> _Motion:
         (min(low, *column), max(high, *column))
         for (low, high), column in zip(chain.limits, columns, strict=True)
     )
-    return _Motion(chain.within(limits), path)
+    return _Motion(chain.within(limits), chain, path)
 
 
-def _bodies(certificate: dict[str, Any], chain: ExactChain, robot: Robot) -> list[_Body]:
-    """Bodies that hold the corners of all links with shapes."""
+def _bodies(certificate: dict[str, Any], chain: ExactChain) -> list[_Body]:
+    """Bodies as written, each of a link and moved by its joint."""
     bodies = []
     label = f"{MOTION}.bodies"
     for number, entry in enumerate(list_of(label, certificate.get("bodies"))):
@@ -207,13 +215,17 @@ def _bodies(certificate: dict[str, Any], chain: ExactChain, robot: Robot) -> lis
         if data.get("joint") != chain.frames[link]:
             raise Fault(f"{link} is moved by another joint")
         bodies.append(_Body(number, link, chain.frames[link], tuple(points), radius))
+    return bodies
+
+
+def _pieces(bodies: Sequence[_Body], robot: Robot) -> dict[str, list[LinkPiece]]:
+    """Bodies by link, in floating point."""
     by_link: dict[str, list[LinkPiece]] = {name: [] for name in robot.links}
     for body in bodies:
         corners = np.array(body.points, dtype=np.float64)
         anywhere = np.zeros((2, 3)), np.inf
         by_link[body.link].append(LinkPiece(*anywhere, corners, float(body.radius)))
-    check_corners(robot, chain, by_link)
-    return bodies
+    return by_link
 
 
 def _pairs(certificate: dict[str, Any], bodies: int) -> list[tuple[int, int]]:
@@ -227,15 +239,13 @@ def _pairs(certificate: dict[str, Any], bodies: int) -> list[tuple[int, int]]:
 
 
 def _check_pairs(
-    data: dict[str, Any],
+    allowed: Container[frozenset[str]],
     chain: ExactChain,
     bodies: Sequence[_Body],
     pairs: Sequence[tuple[int, int]],
 ) -> None:
-    """Raise where two links neither keep apart, nor are neighbours, nor are said to be allowed."""
+    """Raise where two links neither keep apart, nor are neighbours, nor are allowed to touch."""
     apart = {frozenset((bodies[i].link, bodies[j].link)) for i, j in pairs}
-    listed = [mapping("allowed", one) for one in list_of("allowed", data.get("allowed"))]
-    allowed = {frozenset((str(one.get("link")), str(one.get("other")))) for one in listed}
     links = {body.link: body.frame for body in bodies}
     counts = {name: [b.number for b in bodies if b.link == name] for name in links}
     kept = {frozenset(pair) for pair in pairs}

@@ -103,6 +103,11 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
         certificate["bodies"][-1]["points"] = certificate["bodies"][-1]["points"][:4]
     elif kind == "pair":
         certificate["pairs"].pop()
+    elif kind in ("adjacent", "srdf", "always", "mount"):
+        first, last = (certificate["bodies"][k]["link"] for k in (0, -1))
+        numbers = [k for k, one in enumerate(certificate["bodies"]) if one["link"] in (first, last)]
+        certificate["pairs"] = [one for one in certificate["pairs"] if not {*one} <= {*numbers}]
+        data["allowed"].append({"link": first, "other": last, "reason": kind})
     elif kind == "margin":
         certificate["margin"] = data["clearance"] = data["clearance"] + 0.05
     else:
@@ -111,7 +116,11 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    "kind", ["motion", "plane", "direction", "body", "pair", "margin", "obstacle"]
+    "kind",
+    [
+        *("motion", "plane", "direction", "body", "pair", "margin", "obstacle"),
+        *("adjacent", "srdf", "always", "mount"),
+    ],
 )
 def test_a_damaged_certificate_is_refused(kind: str) -> None:
     box = {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [-0.7, 0.0, 0.3]}

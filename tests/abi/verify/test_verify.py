@@ -615,3 +615,9 @@ def test_the_command_accepts_refuses_and_complains(
     assert run(monkeypatch, capsys, path)[0] == 2
     assert run(monkeypatch, capsys, tmp_path / "missing.json")[0] == 2
     assert run(monkeypatch, capsys, tmp_path)[0] == 2
+
+
+def test_a_plan_without_anything_to_check_is_not_proven() -> None:
+    scene = load_scene("two-boxes").to_dict()
+    empty = {"version": 1, "scene": scene, "bspline": None, "quadratic": None, "joint_search": {}}
+    assert [(one.curve, one.proven) for one in verify(empty)] == [("arm", False)]
