@@ -27,6 +27,7 @@ from abi.export import (
     urscript,
 )
 from abi.planner.plan import Plan, require_plan
+from abi.planner.task_plan import TaskPlan
 
 
 @dataclass(frozen=True)
@@ -108,12 +109,16 @@ def format_of(path: Path) -> str:
 
 
 def export(
-    plan: Plan, path: str | Path, format: str | None = None, *, allow_unproven: bool = False
+    plan: Plan | TaskPlan,
+    path: str | Path,
+    format: str | None = None,
+    *,
+    allow_unproven: bool = False,
 ) -> None:
     """Write a plan to a file, whole or not at all.
 
     Args:
-        plan: the plan.
+        plan: the plan; of one of tasks the file has the motions of all legs.
         path: file to write; an existing file is replaced.
         format: a name in :data:`FORMATS`; None for what the file's ending means.
         allow_unproven: whether to write the motion of a plan that has an error, as one that
@@ -123,6 +128,8 @@ def export(
         ExportError: there is no such format, it cannot hold the plan, the plan has an error and its
             motion was not asked for all the same, or the file cannot be written.
     """
+    tasks = plan if isinstance(plan, TaskPlan) else None
+    plan = plan.joined if isinstance(plan, TaskPlan) else plan
     require_plan(plan)
     if not isinstance(path, str | os.PathLike):
         raise ExportError(f"path is {path!r}; expected the file to write, such as 'motion.csv'.")
@@ -139,7 +146,10 @@ def export(
             f"The plan has an error: {plan.error.message}",
             "Pass allow_unproven=True to write its motion all the same.",
         )
-    content = row.write(plan, path.name)
+    if tasks is not None and row.write is plan_file.write:
+        content = plan_file.write_tasks(tasks)
+    else:
+        content = row.write(plan, path.name)
     try:
         replace_file(path, content)
     except (OSError, ValueError) as error:

@@ -13,14 +13,16 @@ from typing import Any
 import numpy as np
 
 from abi import assets
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, IntArray
 from abi.curves.curve import Curve
 from abi.errors import ExportError
 from abi.explain.arm_faults import arm_faults, limits_warning
+from abi.export.carried_objects import carried_objects
 from abi.obstacles.obstacle_set import Obstacles
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.own_search import OWN, expanded_by_a_star
 from abi.planner.plan import Plan
+from abi.robot.any_arm import PlacedCapsule
 from abi.search.compare import COMPARED
 from abi.search.search import search
 from abi.search.subset import evenly, subset
@@ -72,7 +74,7 @@ def page_data(plan: Plan) -> dict[str, Any]:
         "box": [corners.min(axis=0).tolist(), corners.max(axis=0).tolist()],
         "start": list(scene.start),
         "goal": list(scene.goal),
-        "faces": rounded(_faces(scene.obstacles)),
+        "faces": rounded(_faces(_standing(plan))),
         "nodes": rounded(part.points),
         "edges": part.edges.tolist(),
         "removed": rounded(part.excluded[:: max(1, len(part.excluded) // 500)]),
@@ -189,7 +191,7 @@ def _arm(plan: Plan) -> dict[str, Any]:
     evenly = np.linspace(0, last, min(_POSES, last + 1)).round().astype(int)
     chosen = np.unique(np.concatenate([evenly, np.minimum(deepest, last)]))
     time = plan.motion.time[chosen]
-    capsules = plan.arm.placed(plan.motion.positions[chosen])
+    capsules = [*plan.arm.placed(plan.motion.positions[chosen]), *_carried(plan, chosen)]
     poses = np.stack([capsule.ends for capsule in capsules], axis=1)
     touching = [frozenset() if clearance is None else clearance.touching(one) for one in time]
     return {
@@ -202,6 +204,24 @@ def _arm(plan: Plan) -> dict[str, Any]:
             for links in touching
         ],
     }
+
+
+def _standing(plan: Plan) -> Obstacles:
+    """The obstacles that are carried nowhere."""
+    carried = {one.number for one in carried_objects(plan)}
+    return tuple(one for k, one in enumerate(plan.scene.obstacles) if k not in carried)
+
+
+def _carried(plan: Plan, chosen: IntArray) -> list[PlacedCapsule]:
+    """Capsules of what is taken and left at some samples of the motion, wherever it then is."""
+    assert plan.motion is not None
+    found = []
+    for one in carried_objects(plan):
+        if one.is_taken:  # what is held from the start is a body of the arm
+            samples = np.clip(chosen, one.first, one.last)
+            placed = one.arm.placed(plan.motion.positions[samples])
+            found += [capsule for capsule in placed if capsule.link == one.link]
+    return found
 
 
 def _sampled(curve: Curve) -> Any:

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from abi.export.carried_objects import carried_objects
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import (
     LinkFrame,
@@ -33,6 +34,7 @@ from abi.export.mcap_entities import (
 )
 from abi.export.mcap_schemas import SCHEMAS
 from abi.export.solids import Solid, solids
+from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.plan import Plan
 from abi.robot.urdf.robot_files import packed
 
@@ -92,6 +94,7 @@ def _messages(plan: Plan, description: str) -> Iterator[_RecordedMessage]:
     yield _RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
     yield _RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
     yield _RecordedMessage("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
+    yield from _carried(plan, frame)
     # a topic of their own: where one seeks, only the last message of a topic counts
     yield _RecordedMessage(
         "/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0)
@@ -121,15 +124,35 @@ def _transforms(frames: list[LinkFrame], sample: int, time: float) -> Part:
 def _scene(plan: Plan, frame: str) -> Part:
     """Obstacles and the followed curve as one update of the scene."""
     obstacles = solids(plan.scene.obstacles, plan.scene.unit)
-    entities = [
-        entity(f"obstacle {number + 1}", frame, by_kind([_part(one) for one in parts]))
-        for number, parts in enumerate(obstacles)
-    ]
+    entities = [_obstacle(number, frame, parts) for number, parts in enumerate(obstacles)]
     fit = plan.followed_curve
     if fit is not None and plan.arm is not None:
         points = fit.curve(np.linspace(*fit.curve.interval, _CURVE_POINTS)) * plan.arm.metres
         entities.append(entity("curve", frame, by_kind([line(points, _BLUE)])))
     return {"deletions": [], "entities": entities}
+
+
+def _carried(plan: Plan, frame: str) -> Iterator[_RecordedMessage]:
+    """Updates of the scene in which an obstacle moves with the tip, or stands still again."""
+    time = motion_of(plan).time
+    for one in carried_objects(plan):
+        moves = [(one.first, one.arm.tip, one.shape)] if one.is_taken else []
+        moves += [(one.last, frame, one.left)] if one.left is not None else []
+        for sample, where, shape in moves:
+            yield _moved(float(time[sample]), one.number, where, shape, plan.scene.unit)
+
+
+def _moved(
+    time: float, number: int, frame: str, shape: Obstacle, unit: Literal["m", "cm", "mm"]
+) -> _RecordedMessage:
+    """An update of the scene in which an obstacle is in another frame from a time on, [s]."""
+    (parts,) = solids((shape,), unit)
+    update = {"deletions": [], "entities": [_obstacle(number, frame, parts)]}
+    return _RecordedMessage("/scene", "foxglove.SceneUpdate", time, update)
+
+
+def _obstacle(number: int, frame: str, parts: Sequence[Solid]) -> Part:
+    return entity(f"obstacle {number + 1}", frame, by_kind([_part(one) for one in parts]))
 
 
 def _part(part: Solid) -> tuple[str, Part]:

@@ -6,6 +6,7 @@ import json
 
 from abi.export.joint_trajectory import motion_state
 from abi.planner.plan import Plan
+from abi.planner.task_plan import TaskPlan
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -17,3 +18,8 @@ def write(plan: Plan, name: str) -> bytes:
     if data["arm"] is not None:
         data["arm"]["state"] = motion_state(plan)
     return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+
+
+def write_tasks(plan: TaskPlan) -> bytes:
+    """Write the plans of all legs with every sample, and the motion that they join to."""
+    return (json.dumps(plan.to_dict(full=True), indent=1, allow_nan=False) + "\n").encode()

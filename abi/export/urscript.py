@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from abi.arrays import FloatArray
 from abi.errors import ExportError
 from abi.export.joint_trajectory import joint_trajectory, motion_state
@@ -46,15 +48,18 @@ def write(plan: Plan, name: str) -> bytes:
             "Choose the UR5e in stage 6, or arm: {model: urdf, urdf: ur5e} in the scene.",
         )
     duration = float(trajectory.time[-1])
-    count = len(trajectory.time) - 1
-    step = max(duration / count, _PERIOD)
-    lines = [f"  servoj({_pose(pose)}, t={step:.6f})" for pose in trajectory.positions[1:]]
+    steps = np.maximum(np.diff(trajectory.time), _PERIOD)
+    lines = [
+        f"  servoj({_pose(pose)}, t={step:.6f})"
+        for pose, step in zip(trajectory.positions[1:], steps.tolist(), strict=True)
+    ]
+    takes = float(steps.sum())
     first = _pose(trajectory.positions[0])
-    slowed = f"slowed down from {duration:.2f} s, " if step * count > duration * 1.001 else ""
+    slowed = f"slowed down from {duration:.2f} s, " if takes > duration * 1.001 else ""
     state = motion_state(plan).replace("²", "^2").replace("·", "*")  # ASCII, as controllers read
     return "\n".join(
         [
-            _NOTE + f"# It takes {step * count:.2f} s, {slowed}from pose to pose. {state}",
+            _NOTE + f"# It takes {takes:.2f} s, {slowed}from pose to pose. {state}",
             "def abi_motion():",
             f"  movej({first}, a=0.5, v=0.2)",
             *lines,

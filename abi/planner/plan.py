@@ -62,6 +62,7 @@ class Plan(ReadOnlyCopies):
         tool_only: the curve planned for the tool alone, if the whole arm follows another one.
         joint_search: the search in the space of the joints, if the motion is found there; the arm
             then follows no curve of the tool.
+        legs: plans of a sequence of tasks, all of whose motions this one joins.
         error: why the plan ends early, or None.
         ms: time of each stage when it last ran, [ms].
         interpreted: stages whose inner loops were not compiled then: their times say little.
@@ -88,6 +89,7 @@ class Plan(ReadOnlyCopies):
     arm_clearance: ArmClearance | None = None
     tool_only: AnyFit | None = None
     joint_search: JointSearch | None = None
+    legs: tuple[Plan, ...] = ()
     error: StageError | None = None
     ms: Mapping[str, float] = field(default_factory=dict)
     interpreted: frozenset[str] = frozenset()

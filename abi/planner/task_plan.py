@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, ReadOnlyCopies, read_only
 from abi.errors import StageError
 from abi.planner import plan_json
+from abi.planner.joined_legs import joined_clearance, joined_motion
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.planner.task_scenes import first_scene, next_scene
@@ -66,16 +67,39 @@ class TaskPlan(ReadOnlyCopies):
         motions = [leg.motion for leg in self.legs if leg.motion is not None]
         if self.error is not None or len(motions) < len(self.legs):
             return None
-        ends = np.cumsum([0.0, *(motion.time[-1] for motion in motions)])
-        first = [0, *[1] * (len(motions) - 1)]
-        parts = [*zip(motions, ends[:-1], first, strict=True)]
-        counts = [len(motion.time) - skipped for motion, _, skipped in parts]
+        whole = joined_motion(motions)
+        counts = [len(motion.time) - (number > 0) for number, motion in enumerate(motions)]
         return TaskTrajectory(
-            joints=motions[0].joints,
-            time=read_only(np.concatenate([one.time[skip:] + begin for one, begin, skip in parts])),
-            positions=read_only(np.concatenate([one.positions[skip:] for one, _, skip in parts])),
+            joints=whole.joints,
+            time=whole.time,
+            positions=whole.positions,
             leg=read_only(np.repeat(np.arange(len(motions), dtype=np.int32), counts)),
-            begins=read_only(ends),
+            begins=read_only(np.cumsum([0.0, *(motion.time[-1] for motion in motions)])),
+        )
+
+    @property
+    def joined(self) -> Plan:
+        """One plan with the motions of all legs, as far as they come, for files of a motion.
+
+        Its other results are those of the first leg.
+        """
+        legs = tuple(leg for leg in self.legs if leg.motion is not None)
+        first = self.legs[0]
+        if not legs:
+            return replace(first, scene=self.scene)
+        motions = [leg.motion for leg in legs if leg.motion is not None]
+        return replace(
+            first,
+            scene=self.scene,
+            profile=None,
+            motion=joined_motion(motions),
+            arm_clearance=joined_clearance(
+                [leg.arm_clearance for leg in legs if leg.arm_clearance is not None],
+                [float(motion.time[-1]) for motion in motions],
+            ),
+            legs=legs,
+            error=self.error,
+            total_ms=self.total_ms,
         )
 
     def to_dict(self, full: bool = False) -> dict[str, Any]:

@@ -6,10 +6,10 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict
 
-from abi.obstacles.pose import Number, Vec3
+from abi.obstacles.pose import Vec3
 from abi.scene.arm_end import ArmEnd
 from abi.scene.section import Settings
-from abi.scene.settings import Count, Flag
+from abi.scene.settings import Count, Flag, HeldJoints
 
 MOST_LEGS = 50
 
@@ -18,15 +18,15 @@ class Leg(Settings):
     """A waypoint: a place of the tool, its pose, joints or a named state.
 
     It begins in the joints in which the one before ended. At its end the gripper attaches an
-    obstacle, by its number from 0, or releases what it holds. ``gripper`` holds it open or closed
-    from this leg on: positions by the names of its joints, [rad], slides in [unit].
+    obstacle, by its number from 0, or releases what it holds. ``gripper`` holds it from this leg
+    on: ``open``, ``closed``, or positions by the names of its joints, [rad], slides in [unit].
 
     The goal of the first leg is the scene's, and so is its gripper.
     """
 
     name: Annotated[str, Strict(), Field(max_length=80)] = ""
     goal: Vec3 | ArmEnd | None = None
-    gripper: Annotated[dict[Annotated[str, Strict()], Number], Field(max_length=150)] | None = None
+    gripper: HeldJoints | None = None
     attach: Annotated[Count, Field(ge=0)] | None = None
     release: Flag = False
 

@@ -107,6 +107,29 @@ class Scene(Settings):
 
     @field_validator("arm")
     @classmethod
+    def _open_gripper(cls, arm: ArmSettings, info: ValidationInfo) -> ArmSettings:
+        if not isinstance(arm.gripper, str):
+            return arm
+        metres = METRES[info.data.get("unit", "m")]
+        held = arm.held("arm.gripper", arm.gripper, metres)
+        return arm.model_copy(update={"gripper": held})
+
+    @field_validator("tasks")
+    @classmethod
+    def _open_grippers(cls, tasks: tuple[Leg, ...], info: ValidationInfo) -> tuple[Leg, ...]:
+        arm, metres = info.data.get("arm"), METRES[info.data.get("unit", "m")]
+        if arm is None:
+            return tasks
+        found = []
+        for number, leg in enumerate(tasks):
+            if isinstance(leg.gripper, str):
+                held = arm.held(f"tasks[{number}].gripper", leg.gripper, metres)
+                leg = leg.model_copy(update={"gripper": held})
+            found.append(leg)
+        return tuple(found)
+
+    @field_validator("arm")
+    @classmethod
     def _scale_attached(cls, arm: ArmSettings, info: ValidationInfo) -> ArmSettings:
         if not isinstance(arm.attached, MeshShape):
             return arm

@@ -2,7 +2,8 @@
 
 import functools
 import math
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -11,6 +12,8 @@ from pydantic import (
     PrivateAttr,
     Strict,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
     model_validator,
 )
 
@@ -19,6 +22,7 @@ from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.attached_object import with_object
+from abi.robot.gripper import Opening, gripper_at
 from abi.robot.urdf.held_joints import (
     held_in_metres,
     planned_joints,
@@ -52,11 +56,20 @@ def _end(value: object) -> object:
     return {"joints": value} if isinstance(value, list | tuple) else value
 
 
+def _opening(value: object, check: ValidatorFunctionWrapHandler) -> Any:
+    """``open`` or ``closed`` as it is, until the unit of lengths is known."""
+    return value if value in ("open", "closed") else check(value)
+
+
 Count = Annotated[int, Strict(), BeforeValidator(_plain)]
 Flag = Annotated[bool, Strict(), BeforeValidator(_plain)]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
+HeldJoints = Annotated[
+    dict[Annotated[str, Strict()], Number], Field(max_length=150), WrapValidator(_opening)
+]
+"""Positions of joints by name; in a scene that is checked ``open`` and ``closed`` are such, too."""
 
 
 def _contact(value: object) -> object:
@@ -211,14 +224,14 @@ class ArmSettings(Settings):
     and named states, by default the one beside the URDF, ``tip`` is the link whose origin is the
     tool, ``base_link`` the one that stands at ``base``, by default the root; what does not hang
     from it is left out. ``gripper`` holds joints that are not planned at positions by their names,
-    [rad], slides in [unit]; without it they rest nearest to 0. ``allowed`` are pairs of links, or
-    of a link and the number of an obstacle from 0, that may touch. ``axis`` is the direction in
-    which the tip's z axis must point, None for any, and ``base_wxyz`` the orientation of the base
-    link, as a quaternion. All fields not named here but ``base`` belong to the paper's arm. With
-    ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from every
-    obstacle; ``elbow`` auto takes the branch with the shorter path. ``forces``, ``masses`` and
-    ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised forces [kg·unit²/s² for q4
-    and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
+    [rad], slides in [unit], or is ``open`` or ``closed``; without it they rest nearest to 0.
+    ``allowed`` are pairs of links, or of a link and the number of an obstacle from 0, that may
+    touch. ``axis`` is the direction in which the tip's z axis must point, None for any, and
+    ``base_wxyz`` the orientation of the base link, as a quaternion. All fields not named here but
+    ``base`` belong to the paper's arm. With ``avoid`` the plan keeps the whole arm clear, its links
+    ``clearance`` [unit] from every obstacle; ``elbow`` auto takes the branch with the shorter path.
+    ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
+    forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
 
     ``attached`` is an object that the tip holds, a shape whose pose is that in the tip's frame.
     ``start`` and ``goal`` say more than the places of the tool: the joints there, or the tool's
@@ -231,9 +244,7 @@ class ArmSettings(Settings):
     srdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] | None = None
     tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
     base_link: Annotated[str, Strict(), Field(max_length=100)] | None = None
-    gripper: Annotated[dict[Annotated[str, Strict()], Number], Field(max_length=150)] = Field(
-        default_factory=dict
-    )
+    gripper: HeldJoints = Field(default_factory=dict)
     allowed: Annotated[tuple[AllowedPair, ...], Field(max_length=10_000)] = ()
     attached: Obstacle | None = None
     axis: Vec3 | None = None
@@ -282,6 +293,26 @@ class ArmSettings(Settings):
     def __hash__(self) -> int:
         others = (value for name, value in self if name != "gripper")
         return hash((*others, frozenset(self.gripper.items())))
+
+    def held(
+        self, field: str, gripper: Mapping[str, float] | Opening, metres: float
+    ) -> dict[str, float]:
+        """Positions of joints by name, [rad] or [unit], of a gripper that may be said in one word.
+
+        Args:
+            field: of the scene that says so, for errors.
+            gripper: ``open``, ``closed``, or positions.
+            metres: one [unit] of the scene in metres.
+
+        Raises:
+            SceneError: the arm has no gripper.
+        """
+        if not isinstance(gripper, str):
+            return dict(gripper)
+        if self.model != "urdf":
+            raise SceneError(field, gripper, "positions of joints by name")
+        at = gripper_at(field, self.robot, self.tool, gripper)
+        return held_in_metres(self.robot, at, 1 / metres)
 
     def check_gripper(self, metres: float) -> None:
         """Raise a SceneError where ``gripper`` names no joint to hold, or not within its limits.

@@ -41,7 +41,8 @@ def _list_formats(context: click.Context, parameter: click.Parameter, asked: boo
 def export(scene: str, path: Path, format_name: str | None) -> None:
     """Plan SCENE and write its motion, curves, obstacles or arm to a file.
 
-    SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input.
+    SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input. Of one
+    that has tasks the file has the motions of all legs.
 
     A motion whose arm touches something, is not proven clear, or passes a limit of its joints'
     speeds, accelerations or torques is written with a warning.
@@ -52,14 +53,17 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     from abi.errors import ExportError
     from abi.export import formats
     from abi.planner.planner import plan as plan_scene
+    from abi.planner.task_plan import plan_tasks
 
     name = format_name or formats.format_of(path)
     if name not in formats.FORMATS:
         known = ", ".join(formats.FORMATS)
         raise click.ClickException(f"--format is {name!r}; expected one of {known}.")
-    plan = plan_scene(given_scene(scene))
+    given = given_scene(scene)
+    tasks = plan_tasks(given) if given.tasks else None
+    plan = plan_scene(given) if tasks is None else tasks.joined
     try:
-        formats.export(plan, path, name, allow_unproven=True)
+        formats.export(tasks or plan, path, name, allow_unproven=True)
     except ExportError as error:
         if plan.error is None:
             raise

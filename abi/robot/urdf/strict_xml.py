@@ -208,20 +208,10 @@ def parse(content: bytes, name: str) -> etree._Element:
         raise SceneError(field, content[:20], "URDF text in UTF-8") from None
     if markup := _MARKUP.search(text):
         raise SceneError(field, markup[0], "no document type and no entities")
-    parser = etree.XMLParser(
-        resolve_entities=False,
-        no_network=True,
-        load_dtd=False,
-        huge_tree=False,
-        recover=False,
-        remove_comments=True,
-        remove_pis=True,
-        encoding="utf-8",
-    )
     text = text.rstrip("\0")  # of programs that write the end of their text, too
     try:
         # the encoding that the text declares must not matter any more
-        root = etree.fromstring(_DECLARATION.sub("", text).encode(), parser)
+        root = _root_of(_DECLARATION.sub("", text).encode())
     except etree.XMLSyntaxError as error:
         line = error.lineno or 1
         shown = "".join(text.splitlines()[line - 1 : line]).strip()[:60]
@@ -240,3 +230,34 @@ def parse(content: bytes, name: str) -> etree._Element:
     if root.tag != "robot":
         raise SceneError(field, f"<{root.tag}>"[:60], "<robot>, as a URDF begins")
     return root
+
+
+def _root_of(content: bytes) -> etree._Element:
+    """Root element of a text; a prefix that nothing declares, such as ``drake:``, is let pass.
+
+    Raises:
+        etree.XMLSyntaxError: it is no XML but for that.
+    """
+    try:
+        return etree.fromstring(content, _parser(recover=False))
+    except etree.XMLSyntaxError as error:
+        if error.code != etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE:
+            raise
+        parser = _parser(recover=True)
+        root = etree.fromstring(content, parser)
+        if {one.type for one in parser.error_log} != {error.code}:
+            raise
+        return root
+
+
+def _parser(recover: bool) -> etree.XMLParser:
+    return etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=False,
+        recover=recover,
+        remove_comments=True,
+        remove_pis=True,
+        encoding="utf-8",
+    )

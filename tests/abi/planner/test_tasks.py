@@ -7,15 +7,21 @@ import itertools
 import json
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
+from mcap.reader import make_reader
 
 from abi.arrays import FloatArray
 from abi.certification.certify import certify
 from abi.errors import SceneError
+from abi.explain.arm_faults import limits_warning
+from abi.export.carried_objects import carried_objects
+from abi.export.formats import export
+from abi.export.html_page import page_data
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.planner.task_plan import TaskPlan, plan_tasks
 from abi.robot.attached_object import STANDING
@@ -250,3 +256,51 @@ def test_what_is_round_keeps_its_form_and_loses_a_millimetre_where_it_is_held() 
         assert link.shapes[0].size[:2] == pytest.approx((0.099, height))
         assert link.drawn[0].size[:2] == pytest.approx((0.1, 0.3))
     assert [round(float(one.pose[2, 3]), 9) for one in link.shapes] == [0.0, -0.15, 0.15]
+
+
+def test_files_of_a_motion_have_all_legs(tmp_path: Path) -> None:
+    whole = planned().trajectory
+    assert whole is not None
+    export(planned(), tmp_path / "a.csv")
+    rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1, usecols=range(4))
+    np.testing.assert_allclose(rows[:, 0], whole.time, rtol=0, atol=0)
+    np.testing.assert_allclose(rows[:, 1:4], whole.positions, rtol=0, atol=0)
+
+    export(planned(), tmp_path / "a.ros.json")
+    message = json.loads((tmp_path / "a.ros.json").read_text())
+    assert len(message["points"]) == len(whole.time)
+    limits = [bool(limits_warning(leg)) for leg in planned().legs]
+    assert ("state" in message) == any(limits) == bool(limits_warning(planned().joined))
+
+    export(planned(), tmp_path / "a.plan.json", "json")
+    verdicts = verify(json.loads((tmp_path / "a.plan.json").read_text()), planned().scene.meshes)
+    assert [one.proven for one in verdicts] == [True] * 5
+
+
+def test_recording_and_page_carry_the_object_with_the_tool(tmp_path: Path) -> None:
+    whole, legs = planned().trajectory, planned().legs
+    assert whole is not None
+    export(planned(), tmp_path / "a.mcap")
+    updates = []
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        for _, channel, message in make_reader(stream).iter_messages(topics=["/scene"]):
+            updates.append((message.log_time, json.loads(message.data)["entities"]))
+            assert channel.topic == "/scene"
+    moments = [0.0, whole.begins[1], whole.begins[3]]
+    np.testing.assert_allclose([time for time, _ in updates], np.array(moments) * 1e9, atol=1)
+    frames = [
+        next(one["frame_id"] for one in entities if one["id"] == "obstacle 1")
+        for _, entities in updates
+    ]
+    assert frames == ["world", "d", "world"]
+
+    (carried,) = carried_objects(planned().joined)
+    assert carried.number == 0
+    assert carried.left is not None
+    assert carried.left == legs[-1].scene.obstacles[0]
+    page = page_data(planned().joined)["arm"]
+    time, ball = np.array(page["time"]), np.array(page["links"])[:, -1, 0]
+    before, after = time <= whole.begins[1], time >= whole.begins[3]
+    for rests, shape in ((before, planned().scene.obstacles[0]), (after, carried.left)):
+        np.testing.assert_allclose(ball[rests] - np.array(shape.position), 0, atol=1e-3)
+    assert np.abs(ball[~before & ~after] - ball[0]).max() > 0.5

@@ -254,3 +254,12 @@ def test_no_solid_of_a_link_is_left_out_without_a_word() -> None:
     assert not robot.notes
     group = f"</geometry><group><geometry>{ball}</geometry></group>"
     assert read_of(arm(("</geometry>", group))).notes == ("Not used: group.",)
+
+
+def test_prefixes_that_nothing_declares_are_let_pass_and_broken_text_is_not() -> None:
+    text = '<limit drake:acceleration="2" lower="-1" upper="1" velocity="1" effort="9"/>'
+    robot = read_of(arm((ALL_OF_P, text), ("</robot>", "<sensor:camera name='rgb'/></robot>")))
+    assert (robot.joints[0].low, robot.joints[0].high) == (-1, 1)
+    for broken in (text.replace("/>", ">"), text.replace('"2"', "2")):
+        with pytest.raises(SceneError, match="a whole XML text"):
+            read_of(arm((ALL_OF_P, broken)))

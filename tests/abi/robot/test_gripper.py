@@ -1,0 +1,74 @@
+"""``open`` and ``closed`` as positions of a gripper's joints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.gripper import Opening, gripper_at
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import load_robot, robot_from_archive
+from abi.scene.scene import Scene
+from tests.abi.robot.robots import arm, packed
+
+FINGER = (
+    '<link name="{0}"><collision><geometry><box size="0.02 0.02 0.1"/></geometry></collision>'
+    '</link><joint name="{0}_joint" type="prismatic"><origin xyz="{1} 0 0.2"/><parent link="d"/>'
+    '<child link="{0}"/><axis xyz="{2} 0 0"/><limit lower="{3}" upper="{4}"/></joint>'
+)
+STATES = (
+    '<robot name="r"><group_state name="Close" group="hand"><joint name="left_joint" value="0.01"/>'
+    '</group_state><group_state name="open" group="arm"><joint name="p" value="1"/></group_state>'
+    "</robot>"
+)
+
+
+def robot(srdf: str = "", axis: int = 1) -> Robot:
+    """An arm with two fingers, of which the left one opens along its axis or against it."""
+    left = FINGER.format("left", 0.02, axis, *((0.0, 0.05) if axis == 1 else (-0.05, 0.0)))
+    right = FINGER.format("right", -0.02, -1, 0.0, 0.05)
+    files: dict[str, str | bytes] = {"a.urdf": arm(("</robot>", f"{left}{right}</robot>"))}
+    return robot_from_archive(packed(files | ({"a.srdf": srdf} if srdf else {})))
+
+
+@pytest.mark.parametrize("axis", [1, -1])
+def test_fingers_are_apart_where_it_is_open_whatever_their_axes(axis: int) -> None:
+    opened = gripper_at("gripper", robot(axis=axis), "d", "open")
+    closed = gripper_at("gripper", robot(axis=axis), "d", "closed")
+
+    assert opened == {"left_joint": 0.05 * axis, "right_joint": 0.05}
+    assert closed == {"left_joint": 0.0, "right_joint": 0.0}
+
+
+def test_a_state_of_the_srdf_counts_where_it_names_joints_beside_the_arm() -> None:
+    named = robot(STATES)
+    assert gripper_at("gripper", named, "d", "closed") == {"left_joint": 0.01}
+    assert gripper_at("gripper", named, "d", "open")["left_joint"] == 0.05
+
+
+def test_an_arm_without_a_gripper_says_so() -> None:
+    with pytest.raises(SceneError, match="behind the planned ones"):
+        gripper_at("arm.gripper", load_robot("ur5e", MeshSource()), "tool0", "open")
+
+
+@pytest.mark.parametrize(("opening", "at"), [("open", 40.0), ("closed", 0.0)])
+def test_a_scene_and_its_legs_say_it_in_one_word(opening: Opening, at: float) -> None:
+    data: dict[str, Any] = {
+        "version": 1,
+        "unit": "mm",
+        "workspace": {"min": [0, -500, 0], "max": [800, 500, 1000]},
+        "start": {"joints": [0, -0.785, 0, -2.356, 0, 1.571, 0.785]},
+        "goal": [500, 0, 500],
+        "mesh": {"pitch": 200},
+        "arm": {"model": "urdf", "urdf": "panda", "base": [0, 0, 0], "gripper": opening},
+        "tasks": [{}, {"goal": [500, 100, 500], "gripper": opening}],
+    }
+    scene = Scene.from_dict(data)
+    assert scene.arm.gripper == pytest.approx({"panda_finger_joint1": at})
+    assert scene.tasks[1].gripper == scene.arm.gripper
+    assert Scene.from_dict(scene.to_dict()) == scene
+    with pytest.raises(SceneError, match=r"arm\.gripper"):
+        Scene.from_dict(data | {"arm": {"gripper": opening}, "tasks": []})
