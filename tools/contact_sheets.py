@@ -1,15 +1,16 @@
-"""Pictures of the page with each shipped scene, at several sizes and times, on one sheet a scene.
+"""Pictures of the page with each shipped scene, at several sizes and times, a sheet for each size.
 
     python -m tools.contact_sheets FOLDER [--scenes NAME …] [--sizes 1440x900 …] [--themes dark …]
 
-One looks at them for what is cut off, hidden or overlaps. A sheet has a row for each size of the
-page and a column for each time of the motion; each theme has sheets of its own.
+One looks at them for what is cut off, hidden or overlaps. A sheet has a row for each theme: the
+whole page at the begin of the motion, and the scene between the panels at each of its times. One
+page is opened for each scene, and resized.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from PIL import Image
@@ -22,47 +23,55 @@ from tools.visit import Visit, visit
 SIZES = ("1440x900", "1280x720", "1920x1080", "390x844")
 THEMES = ("dark", "light")
 TIMES = (0.0, 0.25, 0.5, 0.75, 1.0)
-_HEIGHT = 450
-"""Of a picture on a sheet, [px]."""
-_RATIO = 0.6
+_HEIGHT, _HEIGHT_UPRIGHT = 340, 500
+"""Of a picture on a sheet, [px], of pages that are wider than high and of others."""
+_RATIO = 0.4
 """Pixels of the scene for one of the page: the text around it is drawn in full all the same."""
 
 
 def sheets(
     browser: Browser, scene: str, sizes: Sequence[str], themes: Sequence[str]
-) -> dict[str, Image.Image]:
-    """The sheets of a scene, by theme."""
-    rows: dict[str, list[Image.Image]] = {theme: [] for theme in themes}
-    for size in sizes:
-        width, height = map(int, size.split("x"))
-        with visit(browser, scene, width, height, ratio=_RATIO) as visited:
-            for theme, found in rows.items():
-                visited.darken(theme == "dark")
-                found.append(_beside([_picture(visited, time) for time in TIMES]))
-    return {theme: _below(found) for theme, found in rows.items()}
+) -> Iterator[tuple[str, Image.Image]]:
+    """The sheets of a scene, with their sizes."""
+    with visit(browser, scene, *_numbers(sizes[0]), ratio=_RATIO) as visited:
+        for size in sizes:
+            width, height = _numbers(size)
+            visited.resize(width, height)
+            yield size, _below([_row(visited, theme, upright=width < height) for theme in themes])
 
 
-def _picture(visited: Visit, time: float) -> Image.Image:
+def _numbers(size: str) -> tuple[int, int]:
+    width, height = map(int, size.split("x"))
+    return width, height
+
+
+def _row(visited: Visit, theme: str, upright: bool) -> Image.Image:
+    """Pictures of the motion's times beside each other, and of the whole page."""
+    visited.darken(theme == "dark")
+    pictures = [] if upright else [visited.picture()]
     plan = visited.session.plan
-    if plan is not None and plan.profile is not None:
-        visited.time(time)
-    whole = visited.picture()
-    return whole.resize((whole.width * _HEIGHT // whole.height, _HEIGHT))
+    moves = plan is not None and plan.profile is not None
+    for time in TIMES if moves else TIMES[:1]:
+        if moves:
+            visited.time(time)
+        pictures.append(visited.picture(panels=upright))
+    return _beside(pictures, _HEIGHT_UPRIGHT if upright else _HEIGHT)
 
 
-def _beside(pictures: Sequence[Image.Image]) -> Image.Image:
-    row = Image.new("RGB", (sum(one.width for one in pictures), _HEIGHT))
+def _beside(pictures: Sequence[Image.Image], height: int) -> Image.Image:
+    small = [one.resize((one.width * height // one.height, height)) for one in pictures]
+    row = Image.new("RGB", (sum(one.width for one in small), height))
     left = 0
-    for one in pictures:
+    for one in small:
         row.paste(one, (left, 0))
         left += one.width
     return row
 
 
 def _below(rows: Sequence[Image.Image]) -> Image.Image:
-    sheet = Image.new("RGB", (max(row.width for row in rows), _HEIGHT * len(rows)))
+    sheet = Image.new("RGB", (max(row.width for row in rows), sum(row.height for row in rows)))
     for number, row in enumerate(rows):
-        sheet.paste(row, (0, _HEIGHT * number))
+        sheet.paste(row, (0, number * row.height))
     return sheet
 
 
@@ -77,8 +86,8 @@ def main() -> None:
     options.folder.mkdir(parents=True, exist_ok=True)
     with chromium() as browser:
         for name in options.scenes:
-            for theme, sheet in sheets(browser, name, options.sizes, options.themes).items():
-                file = options.folder / f"{name}-{theme}.png"
+            for size, sheet in sheets(browser, name, options.sizes, options.themes):
+                file = options.folder / f"{name}-{size}.png"
                 sheet.save(file)
                 print(file, flush=True)
 

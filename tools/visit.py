@@ -59,6 +59,16 @@ class Visit:
         self.session.panels.layer_switches.dark.value = dark
         self.follow()
 
+    def resize(self, width: int, height: int) -> None:
+        """Give the page another size, [px], of another height, and wait until all has followed."""
+        tab, camera = self.page.tab, self.session.client.camera
+        if tab.viewport_size == {"width": width, "height": height}:
+            return
+        told = camera.image_height
+        tab.set_viewport_size({"width": width, "height": height})
+        self.page.until(lambda: camera.image_height != told, "the new size", PATIENCE)
+        self.follow()
+
     def look(self, position: tuple[float, float, float], at: tuple[float, float, float]) -> None:
         """Put the camera somewhere, [unit], world."""
         with self.session.client.atomic():
@@ -85,7 +95,9 @@ class Visit:
         image = Image.open(io.BytesIO(self.page.tab.screenshot())).convert("RGB")
         if panels:
             return image
-        return image.crop((style.LEFT_WIDTH + 4, 0, image.width - style.RIGHT_WIDTH - 4, HEIGHT))
+        return image.crop(
+            (style.LEFT_WIDTH + 4, 0, image.width - style.RIGHT_WIDTH - 4, image.height)
+        )
 
 
 @contextmanager
