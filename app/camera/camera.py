@@ -28,7 +28,7 @@ _MOST_COVERED = 0.4
 _SAME_SHAPE = 0.1
 """Part by which the picture's shape may differ from one that the page tells of, both rounded."""
 _HEADLINE = 0.11
-"""Part of the picture's height over which the headline lies, usually."""
+"""Part of the picture's height over which the headline lies, at least."""
 _ARROWS = 0.36
 """Reach of the axes' arrows and letters beyond the workspace, as a part of its longest side."""
 _FOOT = 0.07
@@ -96,6 +96,7 @@ class Viewpoint:
         self._points: FloatArray | None = None
         self._wide = False
         self._extent: FloatArray | None = None
+        self._headline = _HEADLINE
         self._window = Window(camera.fov, _ASPECT)
         self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
         self._shown = False
@@ -104,7 +105,7 @@ class Viewpoint:
     def show(self, scene: Scene) -> None:
         """Put the camera in front of ``scene``."""
         self._scene, self._direction, self._shown = scene, USUAL, True
-        self._extent = None
+        self._extent, self._headline = None, _HEADLINE
         self._place()
 
     def face(self, plan: Plan) -> None:
@@ -166,15 +167,23 @@ class Viewpoint:
         if view is not None and view != View.of_camera(self._camera):
             view.show(self._camera)
 
-    def fit(self, area: PageArea | None) -> None:
-        """Follow the picture's shape and what covers it, unless the user moved the camera."""
+    def fit(self, area: PageArea | None, arrives: bool = False) -> None:
+        """Follow the picture's shape and what covers it, unless the user moved the camera.
+
+        Args:
+            area: of the page; None while that is not known.
+            arrives: whether the scene has just come, so that the text about it counts, too.
+        """
         if not self._camera.image_height * self._camera.image_width:
             return  # wholly covered for the moment, as by a phone's sheet
         factor = min(max(_ASPECT / aspect(self._camera), 1.0), _MAX_DISTANCE_FACTOR)
-        window = self._free(area)
-        if (factor, window) == (self._distance_factor, self._window):
+        window, headline = self._free(area), self._headline
+        if arrives and area is not None:
+            headline = max(_HEADLINE, min(area.above, _MOST_COVERED))
+        if (factor, window, headline) == (self._distance_factor, self._window, self._headline):
             return
         moved, self._distance_factor, self._window = self._is_moved(), factor, window
+        self._headline = headline
         if not moved:
             self._place()
 
@@ -201,7 +210,7 @@ class Viewpoint:
             look_at(self._camera, self._scene, self._distance_factor, self._direction)
             position, target, _ = _view(self._scene, self._distance_factor, self._direction)
             position, target = lift(_outline(self._scene), position, target, self._window)
-            window = replace(self._window, above=max(self._window.above, _HEADLINE))
+            window = replace(self._window, above=max(self._window.above, self._headline))
             if self._extent is not None and not holds(self._extent, position, target, window):
                 position, target = stand(self._extent, self._direction, window)
         else:

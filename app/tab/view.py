@@ -68,6 +68,7 @@ class TabView:
         self._watch = watch
         self.viewpoint = Viewpoint(client.camera, scene)
         self._to_face = True
+        self._faced: Plan | None = None
         self._surrounded: tuple[Plan, bool] | None = None
         self._arm: object = self
         self._before: TabState | None = None
@@ -185,7 +186,7 @@ class TabView:
         """Fit panels and camera to the page as it is now; whether ``frame`` fits it no longer."""
         area = self._watch.area()
         self._folding.update(area, self.panels.lecture.on)
-        self.viewpoint.fit(area)
+        self.viewpoint.fit(area, arrives=frame.plan is self._faced)
         shown = label_scale(area, frame.lecture), self._watch.plots
         return shown != (frame.label_scale, frame.plots)
 
@@ -198,7 +199,7 @@ class TabView:
     def face(self, plan: Plan) -> None:
         """Turn the camera to where the first plan of a scene is seen well."""
         if self._to_face and plan.bspline is not None:
-            self._to_face = False
+            self._to_face, self._faced = False, plan
             self.viewpoint.face(plan)
 
     def look_at(self, scene: Scene, face: bool = True) -> None:

@@ -205,6 +205,21 @@ def test_text_counts_only_where_it_was_measured_in_a_picture_of_this_shape(
     assert viewpoint._free(None).below < 0.3
 
 
+@pytest.mark.parametrize("arrives", [True, False])
+def test_text_about_a_scene_hides_none_of_the_arm_that_has_just_come(
+    tab: tuple[FakeTab, Session], arrives: bool
+) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    viewpoint, camera, plan = session._view.viewpoint, session.client.camera, session.plan
+    assert plan is not None
+    viewpoint.face(plan)
+    height = float(camera.image_height)
+    viewpoint.fit(PageArea(camera.image_width, height, above=0.35), arrives=arrives)
+    window = Window(camera.fov, camera.aspect, above=0.35)
+    assert holds(extent(plan), camera.position, camera.look_at, window) == arrives
+
+
 def _goal(session: Session) -> Any:
     return session.panels.ends.gizmos["goal"]
 
