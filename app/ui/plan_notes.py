@@ -125,13 +125,16 @@ def _tilt(plan: Plan) -> str:
 
 
 def _of_joints(search: JointSearch, time: float) -> str:
-    """Sentence on where a motion was found that follows no curve of the tool."""
+    """Sentence on where a motion was found that follows no curve of the tool.
+
+    At a ``time`` of 0, which is not known, it says none.
+    """
     nodes = sum(len(tree.positions) for tree in search.trees)
     proven = search.proofs - search.refused
+    took = f", in {format_time(time)}" if time else ""
     return (
         "The joints follow a curve of their own, found in their space: "
-        f"{nodes} poses in two trees, {search.proofs} edges tried and {proven} proven, "
-        f"in {format_time(time)}."
+        f"{nodes} poses in two trees, {search.proofs} edges tried and {proven} proven{took}."
     )
 
 
