@@ -17,10 +17,10 @@ from app.state.frame import Frame
 
 SEARCHES = {
     "on the mesh, else in the joints": "auto",
-    "on the mesh of tool positions": "mesh",
+    "on the mesh of the tool tip": "mesh",
     "in the space of the joints": "joints",
 }
-_POSE = "a pose of the tool"
+_POSE = "a pose of the tool tip"
 
 
 class EndBox:
@@ -89,8 +89,8 @@ class ArmEndsPanel:
             gui,
             "motion is sought",
             SEARCHES,
-            "On a mesh of places of the tool, or by two trees of joint positions that grow towards "
-            "each other; without a choice there if the mesh leads to none.",
+            "On a mesh of places of the tool tip, or by two trees of joint positions that grow "
+            "towards each other; without a choice there if the mesh leads to none.",
         )
         self.start, self.goal = EndBox(gui, "start"), EndBox(gui, "goal")
         self._fields = Fields({"arm.search": self.search}, wake)
