@@ -10,7 +10,8 @@ Students write one function of the method, and have it checked on hidden scenes.
 
     abi.teach.check("heuristic", heuristic)
 
-:func:`question` makes a question of a template for any seed, with its answer.
+:func:`question` makes a question of a template for any seed, with its answer, and :func:`notebook`
+a notebook with exercises, also for a course that nbgrader or Otter grades.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from abi.teach.catalogue import exercises
     from abi.teach.exercise import Exercise
+    from abi.teach.exercise_notebook import notebook
     from abi.teach.quiz.question import QuizQuestion
     from abi.teach.quiz.templates import question, templates
     from abi.teach.student_process import Limits
@@ -34,6 +36,7 @@ __all__ = [
     "QuizQuestion",
     "check",
     "exercises",
+    "notebook",
     "question",
     "templates",
 ]
@@ -46,6 +49,7 @@ _MODULES = {
     "ExerciseVerdict": "abi.teach.verdict",
     "check": "abi.teach.verdict",
     "exercises": "abi.teach.catalogue",
+    "notebook": "abi.teach.exercise_notebook",
     "question": "abi.teach.quiz.templates",
     "templates": "abi.teach.quiz.templates",
 }

@@ -54,7 +54,7 @@ def _in_search(function: Function, arguments: list[Any]) -> list[int]:
                 cost[other], entered = g, entered + 1
                 priority = function(g, math.dist(points[other], points[goal]))
                 if priority is None:
-                    raise TypeError("it returns None: is a return missing?")
+                    raise TypeError("it returned None; perhaps a return is missing")
                 heapq.heappush(heap, (priority, entered, other))
     return order
 

@@ -120,9 +120,9 @@ def judged(asked: Exercise, trials: tuple[Trial, ...], answers: Answers) -> dict
     right = len(answers.values)
     if right < len(trials):
         trial = trials[right]
-        alone = asked.caller == "alone"
-        given = f"Called with {_given(trial.calls[answers.call])}, it" if alone else "It"
-        fault = ExerciseFault(f"{given} failed: {answers.failure}.", answers.call)
+        given = f"({_given(trial.calls[answers.call])})" if asked.caller == "alone" else ""
+        sentence = f"{asked.name}{given} failed: {answers.failure}."
+        fault = ExerciseFault(sentence, answers.call)
         return _wrong(trial, right, len(trials), fault)
     sentence = f"All {len(trials)} hidden scenes are right."
     return {"passed": True, "sentence": sentence, "right": right}

@@ -10,19 +10,35 @@ import click
 from app.cli.exit_code import INCOMPLETE
 from app.cli.output import cause, print_text
 
+_NOTEBOOK = ".ipynb"
+
 
 @click.command(short_help="Check functions that students have written.")
 @click.argument("file", required=False, type=click.Path(path_type=Path))
-@click.option("--begin", is_flag=True, help="Write FILE with the beginning of each function.")
+@click.option(
+    "--begin",
+    is_flag=True,
+    help="Write FILE, a Python file or a notebook (.ipynb), with the beginning of each function.",
+)
+@click.option(
+    "--grader",
+    type=click.Choice(["nbgrader", "otter"]),
+    help="With --begin: write the notebook of a course that this program grades.",
+)
 @click.option("--only", multiple=True, metavar="NAME", help="Exercise to take; all without it.")
-@click.option("--seed", type=click.IntRange(0), help="Of the hidden scenes, for a class.")
+@click.option("--seed", type=click.IntRange(0), help="Of the hidden scenes that grade a class.")
 @click.option(
     "--results",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write the results to this file as Gradescope's autograder reads them.",
 )
 def exercises(
-    file: Path | None, begin: bool, only: tuple[str, ...], seed: int | None, results: Path | None
+    file: Path | None,
+    begin: bool,
+    grader: str | None,
+    only: tuple[str, ...],
+    seed: int | None,
+    results: Path | None,
 ) -> None:
     """List the exercises, or check the functions in the Python file FILE.
 
@@ -34,6 +50,7 @@ def exercises(
     from abi.teach.catalogue import exercise
     from abi.teach.catalogue import exercises as all_exercises
     from abi.teach.exercise_file import beginning, exercises_in
+    from abi.teach.exercise_notebook import GRADED, notebook
     from abi.teach.gradescope import results as results_of
     from abi.teach.verdict import SEED, check
 
@@ -42,6 +59,12 @@ def exercises(
         if begin or results is not None:
             raise click.UsageError("--begin and --results need a FILE.")
         print_text("\n\n\n".join(map(str, asked or all_exercises().values())))
+        return
+    if grader is not None and not (begin and file.suffix == _NOTEBOOK):
+        raise click.UsageError("--grader needs --begin and a FILE that ends in .ipynb.")
+    if begin and file.suffix == _NOTEBOOK:
+        made = notebook(only, grader=grader or "", seed=GRADED if seed is None else seed)
+        _write(file, json.dumps(made, indent=1, ensure_ascii=False) + "\n", new=True)
         return
     if begin:
         _write(file, beginning(asked or tuple(all_exercises().values())), new=True)

@@ -11,11 +11,13 @@ from abi.arrays import FloatArray
 from abi.teach.boxes import segment_meets
 from abi.teach.exercise import Exercise, ExerciseFault, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
-from abi.teach.numbers import point, shown
+from abi.teach.numbers import point, shown, text
 
 _NEAR = Fraction(1, 10**6)
 """Edges that a box grown or shrunk by so much decides otherwise are not asked about, [unit]."""
 _EDGES = 60
+_TIE = 1e-9
+"""Difference of distances that says nothing, [unit]."""
 
 
 def _trials(seed: int) -> tuple[Trial, ...]:
@@ -54,7 +56,10 @@ def _meets(a: Any, b: Any, low: Any, high: Any, grown: Fraction) -> bool:
 def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     for call, (value, meets) in enumerate(zip(values, trial.facts["meets"], strict=True)):
         if value is not True and value is not False and value not in (0, 1):
-            return ExerciseFault(f"It returns {shown(value)} instead of True or False.", call)
+            return ExerciseFault(
+                f"For {_segment(trial, call)} it returns {shown(value)} instead of True or False.",
+                call,
+            )
         if bool(value) == meets:
             continue
         return _fault(trial, call, meets)
@@ -64,11 +69,10 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
 def _fault(trial: Trial, call: int, meets: bool) -> ExerciseFault:
     a, b, low, high = trial.calls[call]
     box = f"the box from {point(low)} to {point(high)}"
-    truth, claim = ("meets", "is clear of") if meets else ("is clear of", "meets")
-    why = _why(a, b, low, high) if meets else "they pass each other."
+    truth, why = ("meets", _why_met) if meets else ("does not meet", _why_clear)
     return ExerciseFault(
-        f"The segment from {point(a)} to {point(b)} {truth} {box}, and yours says that it "
-        f"{claim} it: {why}",
+        f"{_segment(trial, call).capitalize()} {truth} {box}: {why(a, b, low, high)} Your function "
+        f"returns {not meets}.",
         call,
         str(not meets),
         str(meets),
@@ -76,7 +80,12 @@ def _fault(trial: Trial, call: int, meets: bool) -> ExerciseFault:
     )
 
 
-def _why(a: Any, b: Any, low: Any, high: Any) -> str:
+def _segment(trial: Trial, call: int) -> str:
+    a, b, _, _ = trial.calls[call]
+    return f"the segment from {point(a)} to {point(b)}"
+
+
+def _why_met(a: Any, b: Any, low: Any, high: Any) -> str:
     """Where a segment is inside, as the end of a sentence."""
     inside = [
         all(x0 <= x <= x1 for x, x0, x1 in zip(place, low, high, strict=True)) for place in (a, b)
@@ -85,12 +94,28 @@ def _why(a: Any, b: Any, low: Any, high: Any) -> str:
         return "it lies inside from end to end."
     if any(inside):
         return "one of its ends is inside."
-    steps = np.linspace(0.0, 1.0, 10_001)[:, None]
-    places = (1 - steps) * np.array(a) + steps * np.array(b)
+    places = _places(a, b)
     within = places[((places >= low) & (places <= high)).all(axis=1)]
     if not len(within):
         return "both ends are outside, and it cuts a corner off."
     return f"both ends are outside, but its point {point(within[len(within) // 2])} is inside."
+
+
+def _why_clear(a: Any, b: Any, low: Any, high: Any) -> str:
+    """How near a segment comes to a box, as the end of a sentence."""
+    places = _places(a, b)
+    away = np.linalg.norm(places - np.clip(places, low, high), axis=1)
+    nearest = int(np.flatnonzero(away <= away.min() + _TIE)[0])
+    if nearest in (0, len(places) - 1):
+        return f"its end {point(places[nearest])} comes nearest, and is {text(away[nearest])} away."
+    return f"its point {point(places[nearest])} comes nearest, and is {text(away[nearest])} away."
+
+
+def _places(a: Any, b: Any) -> FloatArray:
+    """Points (n, 3) of a segment, both ends among them."""
+    steps = np.linspace(0.0, 1.0, 10_001)[:, None]
+    places: FloatArray = (1 - steps) * np.array(a) + steps * np.array(b)
+    return places
 
 
 def _around(a: Any, b: Any, low: Any, high: Any) -> dict[str, Any]:

@@ -45,7 +45,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
         sentence = fault_of(value, *arguments)
         if sentence:
             r, z, upper, fore = arguments
-            case = f"For the tip at r = {text(r)}, z = {text(z)} and links of {text(upper)} and "
+            case = f"For a tip at r = {text(r)}, z = {text(z)} and links of {text(upper)} and "
             right = right_angles(*arguments)
             expected = "None" if right is None else f"({text(right[0])}, {text(right[1])})"
             return ExerciseFault(f"{case}{text(fore)}: {sentence}", call, shown(value), expected)
@@ -56,18 +56,41 @@ def fault_of(value: Any, r: float, z: float, upper: float, fore: float) -> str:
     """What is wrong with two angles, as the rest of a sentence; empty where nothing is."""
     if right_angles(r, z, upper, fore) is None:
         distance = math.hypot(r, z)
-        far = f"the tip is {text(distance)} away, out of reach, so that None is right"
-        return "" if value is None else f"{far}; it returns {shown(value)}."
+        far = f"the tip is {text(distance)} away, out of reach, and None would be right"
+        return "" if value is None else f"{far}; yours returns {shown(value)}."
     if not are_numbers(value, 2):
-        return f"it returns {shown(value)}, not two angles."
+        return f"yours returns {shown(value)}, not two angles."
     shoulder, elbow = value
-    joint = upper * math.cos(shoulder), upper * math.sin(shoulder)
-    tip = joint[0] + fore * math.cos(shoulder + elbow), joint[1] + fore * math.sin(shoulder + elbow)
-    if math.dist(tip, (r, z)) > _ROUNDING * (upper + fore):
-        return f"with {shown(value)} the tip is at r = {text(tip[0])}, z = {text(tip[1])}."
+    joint, tip = _posed(shoulder, elbow, upper, fore)
+    near = _ROUNDING * (upper + fore)
+    if math.dist(tip, (r, z)) > near:
+        guess = ""
+        if (
+            math.dist(_posed(math.radians(shoulder), math.radians(elbow), upper, fore)[1], (r, z))
+            <= near
+        ):
+            guess = " They seem to be degrees; radians are asked for."
+        elif math.dist(_posed(shoulder, elbow - shoulder, upper, fore)[1], (r, z)) <= near:
+            guess = " The elbow's angle seems to count from the r axis, not from the upper arm."
+        return (
+            f"with your angles {shown(value)} the tip is at r = {text(tip[0])}, "
+            f"z = {text(tip[1])}.{guess}"
+        )
     if r * joint[1] - z * joint[0] < -_ROUNDING:
-        return f"with {shown(value)} the tip is right, but the elbow is on the other side."
+        return (
+            f"with your angles {shown(value)} the tip is right, but the elbow is on the other side "
+            "of the line from the shoulder to the tip."
+        )
     return ""
+
+
+def _posed(
+    shoulder: float, elbow: float, upper: float, fore: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Where the elbow and the tip are, as (r, z)."""
+    joint = upper * math.cos(shoulder), upper * math.sin(shoulder)
+    angle = shoulder + elbow
+    return joint, (joint[0] + fore * math.cos(angle), joint[1] + fore * math.sin(angle))
 
 
 def right_angles(r: float, z: float, upper: float, fore: float) -> tuple[float, float] | None:

@@ -42,7 +42,8 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
         if not is_number(value):
             place = point(graph.points[nodes[call]].tolist())
             return ExerciseFault(
-                f"Of the node at {place} it returns {shown(value)}, no number.", call
+                f"For the node at {place} it returns {shown(value)}, which is no finite number.",
+                call,
             )
     estimates = dict(zip(nodes, map(float, values), strict=True))
     return _goal_fault(graph, estimates) or _edge_fault(graph, estimates) or _use(trial, estimates)
@@ -74,9 +75,9 @@ def _edge_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | No
     drop = estimates[node] - estimates[other]
     a, b = (point(graph.points[one].tolist()) for one in (node, other))
     return ExerciseFault(
-        f"From {a} to {b} the edge is {text(length)} long, but h falls by {text(drop)}, from "
-        f"{text(estimates[node])} to {text(estimates[other])}: it promises more than the edge can "
-        "give, and A* may miss the shortest path.",
+        f"The edge from {a} to {b} is {text(length)} long, but along it your h falls by "
+        f"{text(drop)}, from {text(estimates[node])} to {text(estimates[other])}. A consistent h "
+        "never falls by more than the edge is long; with yours A* may miss the shortest path.",
         list(estimates).index(node),
         f"h falls by {text(drop)}",
         f"by {text(length)} at most",
@@ -94,8 +95,8 @@ def _use(trial: Trial, estimates: dict[int, float]) -> ExerciseFault | None:
     if len(steps) < trial.facts["dijkstra"]:
         return None
     return ExerciseFault(
-        f"It is consistent, but spares nothing: A* expands {len(steps)} nodes with it, as many as "
-        f"Dijkstra's algorithm; with the straight distance it expands {len(best)}.",
+        f"It is consistent, but saves no work: with it A* expands {len(steps)} nodes, as many as "
+        f"Dijkstra's algorithm does; with the straight distance {len(best)} are enough.",
         got=f"{len(steps)} nodes expanded",
         expected=f"fewer than {trial.facts['dijkstra']}",
         steps=steps,

@@ -59,7 +59,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
 def _fault(
     value: Any, call: int, points: list[Any], knots: list[float], degree: int, place: float
 ) -> ExerciseFault | None:
-    asked = f"A knot at {text(place)} in a curve of degree {degree} with {len(points)} points"
+    asked = f"One more knot, at t = {text(place)}, in a curve of degree {degree}"
     if not are_points(value):
         return ExerciseFault(
             f"{asked}: it returns {shown(value)}, not a list of points (x, y, z).", call
@@ -67,7 +67,7 @@ def _fault(
     wanted = len(points) + 1
     if len(value) != wanted:
         return ExerciseFault(
-            f"{asked} makes {wanted} control points; yours are {len(value)}.",
+            f"{asked} turns {len(points)} control points into {wanted}; yours are {len(value)}.",
             *(call, str(len(value)), str(wanted)),
         )
     longer = np.sort([*knots, place])
@@ -79,8 +79,9 @@ def _fault(
     if away[worst] <= _ROUNDING * max(1.0, float(np.abs(points).max())):
         return None
     return ExerciseFault(
-        f"{asked} must leave the curve as it was; at the parameter {text(parameters[worst])} it "
-        f"was at {point(before[worst])} and with your points is at {point(after[worst])}.",
+        f"{asked} with {len(points)} control points must leave the curve where it was. At the "
+        f"parameter {text(parameters[worst])} it was at {point(before[worst])}; with your control "
+        f"points it is at {point(after[worst])}.",
         *(call, point(after[worst]), point(before[worst])),
     )
 

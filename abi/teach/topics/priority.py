@@ -46,13 +46,14 @@ def first_fault(graph: Graph, order: list[int]) -> tuple[int, str] | None:
     for number, node in enumerate(order):
         waiting = {other: g + heuristic[other] for other, g in cost.items() if other not in closed}
         if node not in waiting:
-            return number, f"Step {number + 1} expands a node that does not wait."
+            return number, f"In step {number + 1} your search expands a node that is not waiting."
         best = min(waiting, key=waiting.__getitem__)
         if waiting[node] > waiting[best] + _TIE * max(waiting[best], 1.0):
             return number, (
-                f"Step {number + 1} expands the node at {_place(graph, node)} with "
-                f"g + h = {_sum(cost, heuristic, node)}, but the node at {_place(graph, best)} "
-                f"waits with only {_sum(cost, heuristic, best)}."
+                f"In step {number + 1} your search expands the node at {_place(graph, node)} with "
+                f"g + h = {_sum(cost, heuristic, node)}, although the node at "
+                f"{_place(graph, best)} is waiting with a smaller g + h = "
+                f"{_sum(cost, heuristic, best)}."
             )
         _expand(graph, node, cost, closed)
     return None

@@ -35,7 +35,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     for name, asked, given in (("start", path[0], answer[0]), ("end", path[-1], answer[-1])):
         if math.dist(asked, given) > _ROUNDING:
             return ExerciseFault(
-                f"The path has to {name} at {point(asked)}; yours does at {point(given)}."
+                f"The path has to {name} at {point(asked)}; yours {name}s at {point(given)}."
             )
     return _blocked(answer, boxes) or _foreign(answer, path) or _left(answer, path, boxes)
 
@@ -43,7 +43,9 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
 def _blocked(answer: list[list[float]], boxes: list[Any]) -> ExerciseFault | None:
     for a, b in itertools.pairwise(answer):
         if segment_meets_any(a, b, boxes):
-            return ExerciseFault(f"The leg from {point(a)} to {point(b)} runs into a box.")
+            return ExerciseFault(
+                f"The leg of your path from {point(a)} to {point(b)} runs into a box."
+            )
     return None
 
 
@@ -55,7 +57,8 @@ def _foreign(answer: list[list[float]], path: list[list[float]]) -> ExerciseFaul
             place += 1
         if place == len(path):
             return ExerciseFault(
-                f"The corner {point(corner)} is not the path's, or not in its order."
+                f"Your path has the corner {point(corner)}, which the given path has not, or not "
+                "at this place of its order."
             )
         place += 1
     return None
@@ -68,10 +71,10 @@ def _left(
     for a, corner, b in zip(answer, answer[1:], answer[2:], strict=False):
         if not segment_meets_any(a, b, boxes):
             saved = math.dist(a, corner) + math.dist(corner, b) - math.dist(a, b)
-            gain = f"{text(saved)} shorter" if saved > _SHORTER else "no longer"
+            gain = f"{text(saved)} shorter" if saved > _SHORTER else "just as long"
             return ExerciseFault(
-                f"The corner {point(corner)} can be left out: from {point(a)} straight to "
-                f"{point(b)} is clear, and {gain}.",
+                f"Your path still has the corner {point(corner)}, which it does not need: the "
+                f"straight line from {point(a)} to {point(b)} is clear, and {gain}.",
                 got=f"{len(answer)} points of {len(path)}",
                 expected="no corner that can be left out",
             )

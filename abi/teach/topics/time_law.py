@@ -40,8 +40,8 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
             right = point(right_times(*arguments))
             length, speed, up, down = arguments
             case = (
-                f"Over {text(length)} cm at {text(speed)} cm/s at most, speeding up by {text(up)} "
-                f"and slowing down by {text(down)} cm/s²"
+                f"For a way of {text(length)} cm, at most {text(speed)} cm/s, speeding up at "
+                f"{text(up)} cm/s² and slowing down at {text(down)} cm/s²"
             )
             motion = {"speed": speed, "acceleration": up, "deceleration": down}
             return ExerciseFault(
@@ -56,19 +56,19 @@ def fault_of(value: Any, length: float, speed: float, up: float, down: float) ->
         return f"it returns {shown(value)}, not three durations."
     first, cruise, last = value
     if min(value) < -_ROUNDING:
-        return f"a duration is below 0: {shown(value)}."
+        return f"one of your durations {shown(value)} s is negative."
     peak = up * first
     if peak > speed + _ROUNDING:
-        return f"after {text(first)} s it moves at {text(peak)} cm/s, faster than allowed."
+        return f"your {text(first)} s of speeding up end at {text(peak)} cm/s, faster than allowed."
     if abs(peak - down * last) > _ROUNDING * max(1.0, peak):
         rest = peak - down * last
-        return f"at the end it does not rest, but moves at {text(rest)} cm/s."
+        return f"with your durations {shown(value)} s it ends at {text(rest)} cm/s, not at rest."
     travelled = up * first**2 / 2 + peak * cruise + down * last**2 / 2
     if abs(travelled - length) > _ROUNDING * max(1.0, length):
-        return f"in {shown(value)} s it travels {text(travelled)} cm."
+        return f"with your durations {shown(value)} s it travels {text(travelled)} cm."
     least, whole = sum(right_times(length, speed, up, down)), sum(value)
     if whole > least + _ROUNDING:
-        return f"it takes {text(whole)} s where {text(least)} s are enough."
+        return f"your motion takes {text(whole)} s, and {text(least)} s are enough."
     return ""
 
 

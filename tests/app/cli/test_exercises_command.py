@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 from abi.teach.catalogue import exercises as all_exercises
 from abi.teach.exercise_file import beginning, exercises_in
+from abi.teach.exercise_notebook import notebook
 from app.cli.exercises import exercises
 
 _RIGHT = "import math\n\ndef heuristic(node, goal):\n    return math.dist(node, goal)\n"
@@ -42,7 +43,7 @@ def test_results_are_those_of_an_autograder(tmp_path: Path) -> None:
     tests = json.loads(target.read_text())["tests"]
     assert [one["score"] for one in tests] == [0.0, 10.0]
     assert [one["status"] for one in tests] == ["failed", "passed"]
-    assert "waits with only" in tests[0]["output"]
+    assert "is waiting with a smaller" in tests[0]["output"]
 
 
 @pytest.mark.parametrize(
@@ -58,3 +59,15 @@ def test_a_file_that_is_none_is_refused(tmp_path: Path, text: str, told: str) ->
     file.write_text(text)
     found = CliRunner().invoke(exercises, [str(file)])
     assert told in str(found.exception)
+
+
+def test_a_notebook_begins_for_students_or_for_a_grader(tmp_path: Path) -> None:
+    file = tmp_path / "mine.ipynb"
+    asked = [str(file), "--begin", "--only", "heuristic"]
+    assert CliRunner().invoke(exercises, [*asked, "--grader", "otter"]).exit_code == 0
+    assert json.loads(file.read_text()) == notebook(["heuristic"], grader="otter")
+    assert "there already" in CliRunner().invoke(exercises, asked).output
+    wrong = CliRunner().invoke(
+        exercises, [str(tmp_path / "mine.py"), "--begin", "--grader", "otter"]
+    )
+    assert "ends in .ipynb" in wrong.output

@@ -35,7 +35,7 @@ def test_a_file_is_checked_when_it_is_saved_and_its_case_opens(tmp_path: Path) -
         fake = FakeTab(server.url)
         until(lambda: len(server.sessions) == 1)
         session = next(iter(server.sessions.values()))
-        until(lambda: session.plan is not None and "waits with only" in told(session))
+        until(lambda: session.plan is not None and "is waiting with a smaller" in told(session))
         own = session._scene
 
         fake.set(panel(session).open, True)
