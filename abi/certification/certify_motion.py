@@ -22,7 +22,7 @@ from abi.certification.clearance_proof import (
     task_of,
 )
 from abi.certification.exact_contact import ContactFinder
-from abi.certification.joint_limits import joint_limits
+from abi.certification.joint_limits import LimitsKept, joint_limits
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch, Touch, named
@@ -62,8 +62,22 @@ def certify_motion(
         ArgumentError: an argument is out of range.
     """
     clearance = arguments.number("clearance", clearance, 0.0, math.inf)
-    task = task_of(robot_motion(motion, scene, start), scene)
-    limits = joint_limits(task.motion, acceleration)
+    moves = robot_motion(motion, scene, start)
+    limits = joint_limits(moves, acceleration)
+    verdict = _verdict(task_of(moves, scene), scene, limits, clearance, most_tries)
+    if verdict.state != "undecided":
+        return verdict
+    # bodies of few corners, which are soon proven clear, may touch where the links do not
+    links = {str(name) for one in verdict.doubts for name in (one.link, one.obstacle)}
+    closely = links & {*moves.chain.robot.links}
+    return _verdict(task_of(moves, scene, closely), scene, limits, clearance, most_tries)
+
+
+def _verdict(
+    task: MotionTask, scene: Scene, limits: LimitsKept, clearance: float, most_tries: int
+) -> MotionVerdict:
+    """What the bodies of a task prove, and where they do not, what the exact shapes decide."""
+    motion = task.motion.motion
     proof = separation(task, clearance, most_tries)
     found = nearest(task, np.arange(0.0, len(motion.times) - 0.5, 0.5))
     least = _whose(task, found)

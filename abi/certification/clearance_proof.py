@@ -17,6 +17,7 @@ the largest coordinate is required. :mod:`abi.verify.verify_motion` checks it in
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -96,14 +97,16 @@ class MotionTask(ShortRepr):
     obstacles: ObstacleSet
 
 
-def task_of(motion: RobotMotion, scene: Scene) -> MotionTask:
-    """Bodies and surroundings of a motion in a scene."""
+def task_of(
+    motion: RobotMotion, scene: Scene, closely: Collection[str] = frozenset()
+) -> MotionTask:
+    """Bodies and surroundings of a motion in a scene; ``closely`` as of ``robot_bodies``."""
     metres = METRES[scene.unit]
     low = np.minimum(motion.chain.limits[:, 0], motion.points.min(axis=(0, 1)))
     high = np.maximum(motion.chain.limits[:, 1], motion.points.max(axis=(0, 1)))
     # a motion may pass limits; levers hold where it goes
     chain = replace(motion.chain, limits=read_only(np.stack([low, high], axis=1)))
-    bodies, obstacles = robot_bodies(chain, metres), ObstacleSet(scene.obstacles)
+    bodies, obstacles = robot_bodies(chain, metres, closely), ObstacleSet(scene.obstacles)
     floor = min(scene.arm.base[2], scene.workspace.min[2])
     return MotionTask(motion, bodies, _around(bodies, obstacles, floor, scene), obstacles)
 

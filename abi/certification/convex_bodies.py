@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -55,24 +55,27 @@ class RobotBodies(ShortRepr):
     @cached_property
     def pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
         """Numbers of two bodies that must keep apart, (p, 2), and links that may touch."""
-        held = tuple(sorted(self.chain.held.items()))
-        return _pairs(self.chain.robot, self.chain.names, held)
+        held, numbers = tuple(sorted(self.chain.held.items())), self._numbers()
+        links, allowed = _link_pairs(self.chain.robot, self.chain.names, held)
+        apart = [
+            pair
+            for first, second in links
+            for pair in itertools.product(numbers[first], numbers[second])
+        ]
+        return read_only(np.array(apart, dtype=np.int32).reshape(-1, 2)), allowed
 
-    def find_pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
-        """Find these pairs, which takes some hundred random poses."""
-        numbers: dict[str, list[int]] = {}
-        for number, body in enumerate(self.bodies):
-            numbers.setdefault(body.link, []).append(number)
-        apart: list[tuple[int, int]] = []
-        allowed: list[AllowedContact] = []
+    def link_pairs(self) -> tuple[tuple[tuple[str, str], ...], tuple[AllowedContact, ...]]:
+        """Find links that must keep apart, and that may touch, by some hundred random poses."""
+        numbers = self._numbers()
+        apart, allowed = list[tuple[str, str]](), list[AllowedContact]()
         for first, second in itertools.combinations(numbers, 2):
             pairs = [*itertools.product(numbers[first], numbers[second])]
             reason = self._reason(first, second, pairs)
             if reason is not None:
                 allowed.append(AllowedContact(first, second, reason))
             else:
-                apart += pairs
-        return read_only(np.array(apart, dtype=np.int32).reshape(-1, 2)), tuple(allowed)
+                apart.append((first, second))
+        return tuple(apart), tuple(allowed)
 
     @property
     def allowed(self) -> tuple[AllowedContact, ...]:
@@ -96,6 +99,13 @@ class RobotBodies(ShortRepr):
         return _hulls(self.bodies, self.metres)._replace(
             levers=flat(levers), pairs=read_only(apart.reshape(-1)), pair_levers=flat(pair_levers)
         )
+
+    def _numbers(self) -> dict[str, list[int]]:
+        """Numbers of each link's bodies."""
+        numbers: dict[str, list[int]] = {}
+        for number, body in enumerate(self.bodies):
+            numbers.setdefault(body.link, []).append(number)
+        return numbers
 
     def _pair_lever(self, i: int, j: int) -> FloatArray:
         """Bound of the motion of two bodies beside each other, per unit of each coordinate, [m]."""
@@ -125,21 +135,24 @@ class RobotBodies(ShortRepr):
 
 
 @lru_cache(maxsize=32)
-def _pairs(
+def _link_pairs(
     robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...]
-) -> tuple[IntArray, tuple[AllowedContact, ...]]:
-    """Pairs of bodies of a robot, wherever it stands."""
+) -> tuple[tuple[tuple[str, str], ...], tuple[AllowedContact, ...]]:
+    """Links of a robot that must keep apart, and that may touch, wherever it stands."""
     free = {joint.name for joint in robot.joints if joint.mimic is None}
     still = {name: at for name, at in held if name in free}
-    return robot_bodies(Chain.moved_by(robot, names, held=still), 1.0).find_pairs()
+    return robot_bodies(Chain.moved_by(robot, names, held=still), 1.0).link_pairs()
 
 
-def robot_bodies(chain: Chain, metres: float) -> RobotBodies:
+def robot_bodies(
+    chain: Chain, metres: float, closely: Collection[str] = frozenset()
+) -> RobotBodies:
     """Bodies of all links with collision shapes.
 
     Args:
         chain: the joints that move; slides get no farther than its limits.
         metres: one [unit] of the scene in metres.
+        closely: names of links that are held more closely, by more bodies with more corners.
 
     Raises:
         MotionError: no link has a shape.
@@ -147,7 +160,7 @@ def robot_bodies(chain: Chain, metres: float) -> RobotBodies:
     bodies = []
     for carried in chain.carried:
         turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-        for body in link_bodies(chain.robot.links[carried.link]):
+        for body in link_bodies(chain.robot.links[carried.link], carried.link in closely):
             placed = read_only(body.points @ turn.T + origin)
             bodies.append(ConvexBody(carried.link, carried.frame, placed, body.rounding))
     if not any(body.frame >= 0 for body in bodies):

@@ -24,14 +24,10 @@ if TYPE_CHECKING:
     import trimesh
 
 _SECTIONS = 32
-_PARTS = 6
-"""Pieces of a shape, at most."""
 _MOST = 12
 """Shapes of a link that are pieces of their own, at most; of more all are one."""
 _WORTH = 0.9
-"""A piece is cut where the hulls of both halves are smaller together than this part of its, ..."""
-_MUCH = 0.05
-"""... or where that saves this part of the whole volume."""
+"""A piece is cut where the hulls of both halves are smaller together than this part of its."""
 _SHARES = (0.2, 0.4, 0.6, 0.8)
 """Places of cuts that are tried, over the length of a piece."""
 _CORNERS = 64
@@ -39,12 +35,29 @@ _CORNERS = 64
 _FINE = 0.004
 """Distance of a piece's corners from a hull of fewer corners that is let pass, over its least
 extent."""
-_LEAST = 0.03
-"""Part of the whole volume that a cut must save."""
 _PAD = 1e-9
 """Rounding of a hull: a part of the largest coordinate, [m]."""
 _HEAVY = 1e3
 """Weight of that parts of a point add up to one, beside the place that they are to give."""
+
+
+class _Fit(NamedTuple):
+    """How closely bodies hold a shape.
+
+    Attributes:
+        parts: pieces of a shape, at most.
+        much: a piece is cut where that saves this part of the whole volume, too, ...
+        least: ... and a cut must save this part of it.
+        exact: whether a hull has all corners of its piece, and nothing around it.
+    """
+
+    parts: int
+    much: float
+    least: float
+    exact: bool
+
+
+_QUICK, _CLOSE = _Fit(6, 0.05, 0.03, exact=False), _Fit(24, 1e-3, 5e-4, exact=True)
 
 
 class Body(NamedTuple):
@@ -62,18 +75,24 @@ class Body(NamedTuple):
 
 
 @lru_cache(maxsize=512)
-def link_bodies(link: Link) -> tuple[Body, ...]:
+def link_bodies(link: Link, closely: bool = False) -> tuple[Body, ...]:
     """Bodies whose union contains a link's collision shapes; none for a frame.
 
     All but spheres take long to make, and are kept from one start to the next.
+
+    Args:
+        link: the link.
+        closely: whether to take more pieces, and all of their corners.
     """
+    fit = _CLOSE if closely else _QUICK
     if all(shape.kind == "sphere" for shape in link.shapes):
-        return _fitted(link)
+        return _fitted(link, fit)
     key = body_store.key_of(link.shapes, (__file__, bounding_capsules.__file__))
+    key += "-close" * closely
     kept = body_store.find(key)
     if kept is not None:
         return tuple(map(_unpacked, kept))
-    bodies = _fitted(link)
+    bodies = _fitted(link, fit)
     body_store.keep(key, [_packed(one) for one in bodies])
     return bodies
 
@@ -90,11 +109,11 @@ def _unpacked(numbers: FloatArray) -> Body:
     return Body(BoundingCapsule(low, high, float(numbers[6])), points, float(numbers[7]))
 
 
-def _fitted(link: Link) -> tuple[Body, ...]:
+def _fitted(link: Link, fit: _Fit) -> tuple[Body, ...]:
     groups = [[shape] for shape in link.shapes]
     if len(groups) > _MOST:
         groups = [list(link.shapes)]
-    return tuple(_body(piece) for group in groups for piece in _pieces_of(group))
+    return tuple(_body(piece, fit) for group in groups for piece in _pieces_of(group, fit))
 
 
 def triangles_of(link: Link) -> FloatArray:
@@ -113,30 +132,32 @@ _Piece = FloatArray | _Ball
 """Points (n, 3) around which a body is made, or a ball."""
 
 
-def _pieces_of(shapes: list[LinkShape]) -> list[_Piece]:
+def _pieces_of(shapes: list[LinkShape], fit: _Fit) -> list[_Piece]:
     """Pieces of shapes that belong together."""
     if len(shapes) == 1 and shapes[0].kind == "sphere":
         return [_Ball(shapes[0].pose[:3, 3], shapes[0].size[0])]
-    return [*_parts(np.concatenate([_triangles(shape) for shape in shapes]))]
+    return [*_parts(np.concatenate([_triangles(shape) for shape in shapes]), fit)]
 
 
-def _body(piece: _Piece) -> Body:
+def _body(piece: _Piece, fit: _Fit) -> Body:
     if isinstance(piece, _Ball):
         centre, radius = read_only(piece.centre.copy()), piece.radius * (1 + _PAD)
         return Body(BoundingCapsule(centre, centre, radius + 1e-12), centre[None], radius)
-    corners, rounding = _few_corners(piece)
+    corners, rounding = _corners_of(piece, fit)
     pad = _PAD * (1e-3 + float(np.abs(corners).max()))
     return Body(smallest_capsule(piece), read_only(corners), rounding + pad)
 
 
-def _few_corners(points: FloatArray) -> tuple[FloatArray, float]:
+def _corners_of(points: FloatArray, fit: _Fit) -> tuple[FloatArray, float]:
     """Corners (k, 3) of points' hull, and the farthest that one of the points is from their hull.
 
     Those corners are taken, one by one, that are farthest outside of the hull of those before; all
-    where they are in a plane.
+    where they are in a plane, or where the fit is to be exact.
     """
     try:
         corners = points[scipy.spatial.ConvexHull(points).vertices]
+        if fit.exact:
+            return corners, 0.0
         fine = _FINE * float(np.ptp(corners @ principal_axes(corners).T, axis=0).min())
         chosen = {int(np.argmax(corners @ way)) for way in _WAYS}
         while True:
@@ -164,25 +185,25 @@ _WAYS = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) i
 """Directions in which a hull's first corners are sought."""
 
 
-def _parts(triangles: FloatArray) -> list[FloatArray]:
+def _parts(triangles: FloatArray, fit: _Fit) -> list[FloatArray]:
     """Points (n, 3) of each part of triangles, as few parts as are worth it.
 
     All cuts are across the two longest axes. Where two planes meet inside the solid, their line
     leaves it through a triangle, so that the parts' hulls hold what is inside, too.
     """
     parts = [_HulledPart(triangles, _volume(triangles.reshape(-1, 3)))]
-    if _filled(triangles) > (1 - _MUCH) * parts[0].volume:
+    if _filled(triangles) > (1 - fit.much) * parts[0].volume:
         return [triangles.reshape(-1, 3)]
     axes, whole = principal_axes(triangles.reshape(-1, 3))[:2], parts[0].volume
     halves = [_halves(parts[0], axes)]
-    while len(parts) < _PARTS:
+    while len(parts) < fit.parts:
         gains = [
             one.volume - sum(half.volume for half in both)
             for one, both in zip(parts, halves, strict=True)
         ]
         best = int(np.argmax(gains))
-        enough = min((1 - _WORTH) * parts[best].volume, _MUCH * whole)
-        if gains[best] <= max(enough, _LEAST * whole):
+        enough = min((1 - _WORTH) * parts[best].volume, fit.much * whole)
+        if gains[best] <= max(enough, fit.least * whole):
             break
         both = halves[best]
         parts[best : best + 1] = both

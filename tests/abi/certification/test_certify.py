@@ -89,6 +89,25 @@ def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:
     assert proof.proven, proof.reason
 
 
+def test_a_way_narrower_than_what_quick_bodies_leave_is_proven() -> None:
+    motion = swing() | {"positions": np.array([UP, UP]) + np.outer([-0.001, 0.001], [1] + [0] * 5)}
+    ceiling = {"shape": "box", "size": [2, 2, 0.1], "position": [0.0, 0.0, 3.0]}
+    task = verdict_of(scene_with([ceiling]), motion).task
+    # as the shoulder turns about the vertical, no link gets higher than at first
+    least = min(
+        ContactFinder(task).distance(0.0, one.link, 0)
+        for one in task.bodies.chain.carried
+        if one.frame > 0 and task.bodies.chain.robot.links[one.link].shapes
+    )
+    gap = 5e-4
+    ceiling["position"] = [0.0, 0.0, 3.0 - least + gap]
+    verdict = verdict_of(scene_with([ceiling]), motion)
+    assert verdict.state == "clear"
+    assert 0 < verdict.clearance <= gap
+    (proof,) = verify(verdict.to_dict())
+    assert proof.proven, proof.reason
+
+
 def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
     """A certificate that proves nothing any more."""
     data = json.loads(json.dumps(data))

@@ -32,7 +32,7 @@ def test_bodies_are_made_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     made = numbers(made_again(LINK))
     (file,) = body_store._folder().iterdir()
 
-    def fail(link: Link) -> tuple[Body, ...]:
+    def fail(link: Link, fit: object) -> tuple[Body, ...]:
         raise AssertionError(link.name)
 
     with monkeypatch.context() as without:
@@ -55,7 +55,7 @@ def test_a_folder_that_cannot_be_written_costs_time_alone(
 ) -> None:
     (tmp_path / "abi-visualiser").write_bytes(b"a file, not a folder")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert numbers(made_again(LINK)) == numbers(link_bodies._fitted(LINK))
+    assert numbers(made_again(LINK)) == numbers(link_bodies._fitted(LINK, link_bodies._QUICK))
 
 
 def test_the_oldest_files_make_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
