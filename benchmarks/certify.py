@@ -48,12 +48,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=10_000)
     parser.add_argument("--two-arms", action="store_true", help="two UR5e in one URDF, 12 joints")
     chosen = parser.parse_args()
-    for kernel in (
-        *(separate_motion, nearest_obstacle, surface_kernels.blocked_segments),
-        *(surface_kernels.signed_distances, obstacle_set_kernels.blocked_segments),
-        *(obstacle_set_kernels.nearest, obstacle_set_kernels.near_boxes, chain_poses),
-    ):
-        kernel.compile()
+    compile_kernels()
     states: dict[str, list[float]] = {"clear": [], "touches": [], "undecided": []}
     refuted = missed = plates = 0
     place = _two_arms() if chosen.two_arms else None
@@ -69,7 +64,8 @@ def main() -> None:
         samples = np.linspace(0, _WAYPOINTS - 1, chosen.samples)
         refuted += nearest(verdict.task, samples).distance < verdict.clearance
         plates += 1
-        damaged = scene.replace(obstacles=[*scene.obstacles, plate(verdict, seed)])
+        thin, _ = plate(verdict, seed)
+        damaged = scene.replace(obstacles=[*scene.obstacles, thin])
         missed += certify_motion(motion, damaged).state == "clear"
     together = [one for times in states.values() for one in times]
     for state, times in {**states, "all": together}.items():
@@ -79,6 +75,16 @@ def main() -> None:
             print(f"{state:10} {share:6.1%}  median {low:6.0f} ms  95 % {high:6.0f} ms")
     print(f"proofs refuted by {chosen.samples:,} samples: {refuted} of {len(states['clear'])}")
     print(f"motions with a thin plate in the way called clear: {missed} of {plates}")
+
+
+def compile_kernels() -> None:
+    """Wait for the kernels of a verdict."""
+    for kernel in (
+        *(separate_motion, nearest_obstacle, surface_kernels.blocked_segments),
+        *(surface_kernels.signed_distances, obstacle_set_kernels.blocked_segments),
+        *(obstacle_set_kernels.nearest, obstacle_set_kernels.near_boxes, chain_poses),
+    ):
+        kernel.compile()
 
 
 def random_motion(seed: int, place: Scene | None = None) -> tuple[Motion, Scene]:
@@ -128,8 +134,8 @@ def _two_arms() -> Scene:
         return robot_scene(file)
 
 
-def plate(verdict: MotionVerdict, seed: int) -> dict[str, Any]:
-    """A plate across the way of the last link, where it is at a random time."""
+def plate(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
+    """A plate across the way of the last link, and the random parameter at which it is there."""
     random = np.random.default_rng(seed)
     at = random.uniform(0.1, len(verdict.task.motion.points) - 0.1)
     task = verdict.task
@@ -139,7 +145,7 @@ def plate(verdict: MotionVerdict, seed: int) -> dict[str, Any]:
     axis = int(np.abs(way).argmax())
     size = [0.2, 0.2, 0.2]
     size[axis] = _PLATE
-    return {"shape": "box", "size": size, "position": places[0].tolist()}
+    return {"shape": "box", "size": size, "position": places[0].tolist()}, at
 
 
 def _place(verdict: MotionVerdict, point: FloatArray, frame: int, at: float) -> FloatArray:

@@ -1,48 +1,53 @@
-"""Verdicts on paths of OMPL's RRTConnect, which checks edges at samples, as its users do.
+"""Verdicts on paths of OMPL's RRTConnect, which checks poses of exact meshes, as its users do.
 
     python -m benchmarks.certify_paths records.jsonl --random 0:100
     python -m benchmarks.certify_paths records.jsonl --set vamp_planner-0.6.4.tar.gz --each 3
     python -m benchmarks.certify_paths records.jsonl --table
 
-A run appends a line a path. Every contact that is told is looked up by coal, with the links' exact
-meshes, at the time that is told. Every motion that is proven is damaged: a waypoint is shifted, or
-a plate of a hundredth of a millimetre is put where a link passes.
+A run appends a line a path, and goes on where the last one ended. Coal, with the links' exact
+meshes, checks poses for OMPL; looks up every contact that is told, at the time that is told; and
+looks for contacts at 10,000 poses of every motion that is proven. These are then damaged: a
+waypoint is shifted, or a plate of a hundredth of a millimetre is put where a link passes.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import time
 import zlib
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.joint_search.joint_space import JointSpace
-from abi.arm_planning.world.collision_world import chain_world
-from abi.arm_planning.world.solid_rows import RowTable
 from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
-from abi.certification.clearance_proof import nearest
+from abi.certification.clearance_proof import PARTS, nearest, task_of
 from abi.certification.motion import Motion
+from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
-from abi.certification.verdict import MotionVerdict, Touch
-from abi.obstacles.obstacle_set import ObstacleSet
+from abi.certification.verdict import MotionVerdict
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene
-from benchmarks.certify import obstacle, plate
-from benchmarks.motion_bench_oracles import ompl_path, solids_touch
+from benchmarks.certify import compile_kernels, obstacle, plate
+from benchmarks.mesh_oracle import MeshOracle
+from benchmarks.motion_bench_oracles import ompl_path
 from benchmarks.motion_bench_set import TIP, panda, problems
 
 _ARMS = ("ur5e", "panda", "xarm7")
 _SAMPLES = 10_000
 _OBSTACLES = 8
-_TOUCHING = 1e-6
-"""Distance of exact meshes at which coal calls them touching, [m]: about its rounding."""
+_STEP = 0.005
+"""Way between two poses that OMPL tests, over the extent of the joints: MoveIt's default."""
+_CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+_THIN = 1e-5
+"""Thickness of a plate, [m]."""
+_FEW, _NEAR, _BEFORE = 100, 300, 500
+"""Poses at which coal looks for plates, beside what was damaged, and before a first contact."""
 
 
 class Task(NamedTuple):
@@ -54,6 +59,10 @@ class Task(NamedTuple):
     start: FloatArray
     goal: FloatArray
 
+    def motion(self, path: FloatArray) -> Motion:
+        """A path (k, n) as a motion without times."""
+        return Motion(self.arm.joints, np.arange(float(len(path))), path, timed=False)
+
 
 def main() -> None:
     """Run a piece of the campaign, or print what all pieces have found."""
@@ -62,36 +71,44 @@ def main() -> None:
     parser.add_argument("--random", default="", help="seeds of random scenes, FIRST:LAST")
     parser.add_argument("--set", type=Path, help="the source distribution with MotionBenchMaker")
     parser.add_argument("--each", type=int, default=3, help="problems of each environment")
-    parser.add_argument("--damages", type=int, default=10, help="of each motion that is proven")
+    parser.add_argument("--damages", type=int, default=20, help="of each motion that is proven")
     parser.add_argument("--seconds", type=float, default=270, help="no path is begun after that")
+    parser.add_argument("--again", action="store_true", help="what was not decided")
     parser.add_argument("--table", action="store_true")
     chosen = parser.parse_args()
     if chosen.table:
-        print(table([json.loads(line) for line in chosen.records.read_text().splitlines()]))
+        print(table([*_read(chosen.records).values()]))
         return
+    compile_kernels()
     tasks = _of_set(chosen.set, chosen.each) if chosen.set else _random(chosen.random)
-    begin, known = time.monotonic(), set()
-    if chosen.records.exists():
-        lines = chosen.records.read_text().splitlines()
-        known = {json.loads(line)["name"] for line in lines}
+    begin, known = time.monotonic(), _read(chosen.records)
     with chosen.records.open("a") as file:
         for task in tasks:
             if time.monotonic() - begin > chosen.seconds:
                 break
-            if task.name not in known:
-                print(json.dumps(record(task, chosen.damages)), file=file, flush=True)
+            last = known.get(task.name)
+            if last is None or (chosen.again and "path" in last):
+                print(json.dumps(record(task, chosen.damages, last)), file=file, flush=True)
 
 
-def record(task: Task, damages: int) -> dict[str, Any]:
-    """What came of a task: the verdict on OMPL's path, and on its damaged forms."""
-    metres = task.scene.arm.clearance
-    lowest = min(task.scene.arm.base[2], task.scene.workspace.min[2])
-    around = chain_world(task.arm, ObstacleSet(task.scene.obstacles), lowest, RowTable())
-    path = ompl_path(JointSpace(task.arm, around, metres), task.start, task.goal)
+def record(task: Task, damages: int, last: dict[str, Any] | None = None) -> dict[str, Any]:
+    """What came of a task: the verdict on OMPL's path, and on its damaged forms.
+
+    Args:
+        task: the task.
+        damages: how many forms.
+        last: the last record of the task, whose path is taken.
+    """
+    oracle = _oracle(task)
+    step = _STEP * float(np.linalg.norm(np.ptp(task.arm.limits, axis=1)))
+    is_clear = partial(_is_clear, oracle)
+    if last is None:
+        path = ompl_path(is_clear, task.arm.limits, task.start, task.goal, step)
+    else:
+        path = np.array(last["path"])
     if path is None:
         return {"name": task.name, "state": "no path"}
-    rows = np.arange(float(len(path)))
-    motion = Motion(task.arm.joints, rows, path, timed=False)
+    motion = task.motion(path)
     begin = time.thread_time()
     verdict = certify_motion(motion, task.scene)
     found: dict[str, Any] = {
@@ -101,45 +118,103 @@ def record(task: Task, damages: int) -> dict[str, Any]:
         "ms": 1e3 * (time.thread_time() - begin),
     }
     if verdict.state == "touches":
-        confirmed = [confirms(task, verdict, one) for one in verdict.touches]
-        return found | {"contacts": len(confirmed), "confirmed": sum(confirmed)}
-    if verdict.state == "clear":
+        found |= confirmed(oracle, verdict)
+    elif verdict.state == "undecided":
+        found |= {"sentence": verdict.sentence, "path": path.tolist()}
+    else:
         samples = np.linspace(0, len(path) - 1, _SAMPLES)
-        found["refuted"] = bool(nearest(verdict.task, samples).distance < verdict.clearance)
-        found |= damaged(task, verdict, motion, damages)
+        nearer = nearest(verdict.task, samples).distance < verdict.clearance
+        touched = oracle.touches(verdict.task.motion.positions_at(samples))
+        found["refuted"] = bool(nearer or touched)
+        found |= damaged(task, verdict, path, damages)
     return found
 
 
-def confirms(task: Task, verdict: MotionVerdict, touch: Touch) -> bool:
-    """Whether coal finds that contact, too, at the time that is told."""
-    pose = verdict.task.motion.positions_at(np.array([touch.time]))[0]
-    if touch.obstacle == "floor":
-        return True  # a height, which needs no oracle
-    return solids_touch(task.arm, task.scene.obstacles, pose, touch, _TOUCHING)
+def confirmed(oracle: MeshOracle, verdict: MotionVerdict) -> dict[str, int]:
+    """How many contacts are told, and of how many coal finds time, depth, and none before."""
+    motion = verdict.task.motion
+    touches = verdict.touches
+    at = [motion.positions_at(np.array([one.time, one.deepest])) for one in touches]
+    before = np.linspace(0, max(touches[0].time - len(motion.points) / PARTS, 0), _BEFORE)
+    return {
+        "contacts": len(touches),
+        "confirmed": sum(map(oracle.confirms, [one[0] for one in at], touches)),
+        "deep": sum(map(oracle.confirms_depth, [one[1] for one in at], touches)),
+        "early": int(oracle.touches(motion.positions_at(before))),
+    }
 
 
-def damaged(task: Task, verdict: MotionVerdict, motion: Motion, count: int) -> dict[str, Any]:
+def damaged(task: Task, verdict: MotionVerdict, path: FloatArray, count: int) -> dict[str, int]:
     """Verdicts on a motion that was damaged so many times."""
     random = np.random.default_rng(zlib.crc32(task.name.encode()))
-    found = {"damaged": 0, "touching": 0, "false": 0}
+    names = ("damaged", "hit", "touching", "doubted", "unseen", "false")
+    found = dict.fromkeys(names, 0)
     for number in range(count):
-        scene, moved = task.scene, motion
-        if number % 2:
-            thin = plate(verdict, int(random.integers(2**31)))
-            scene = scene.replace(obstacles=[*scene.obstacles, thin])
+        scene, moved, kind = task.scene, path.copy(), number % 3
+        if kind == 0:
+            at, joint = float(random.integers(len(path))), random.integers(path.shape[1])
+            moved[int(at), joint] += random.normal(0, 0.4)
         else:
-            positions = motion.positions.copy()
-            row, joint = random.integers(len(positions)), random.integers(positions.shape[1])
-            positions[row, joint] += random.normal(0, 0.4)
-            moved = Motion(motion.joints, motion.times, positions, timed=False)
-        again = certify_motion(moved, scene)
+            put = plate if kind == 1 else grazed
+            thin, at = put(verdict, int(random.integers(2**31)))
+            scene = scene.replace(obstacles=[*scene.obstacles, thin])
+        again = certify_motion(task.motion(moved), scene)
+        oracle, motion = MeshOracle(again.task), again.task.motion
+        near = np.linspace(max(at - 1, 0), min(at + 1, len(path) - 1), _NEAR)
+        hit = oracle.touches(motion.positions_at(np.insert(near, 0, at)))
         found["damaged"] += 1
+        found["hit"] += hit
         found["touching"] += again.state == "touches"
-        if again.state == "clear":
-            samples = np.linspace(0, len(motion.times) - 1, 1_000)
-            touched = nearest(again.task, samples).distance < again.clearance
-            found["false"] += bool(number % 2) or bool(touched)
+        found["doubted"] += again.state == "undecided"
+        found["false"] += hit and again.state == "clear"
+        if hit and kind:
+            few = np.linspace(0, len(path) - 1, _FEW)
+            found["unseen"] += not oracle.touches(motion.positions_at(few))
     return found
+
+
+def grazed(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
+    """A small plate that the last link grazes between two waypoints, and the parameter there."""
+    random = np.random.default_rng(seed)
+    motion, chain = verdict.task.motion, verdict.task.bodies.chain
+    last = [one for one in chain.carried if chain.robot.links[one.link].shapes][-1]
+    shape = chain.robot.links[last.link].shapes[0]
+    pose = last.pose @ shape.pose
+    corners = shape.vertices if len(shape.vertices) else (_CORNERS - 0.5) * shape.size
+    corners = corners @ pose[:3, :3].T + pose[:3, 3]
+    at = random.integers(len(motion.points)) + np.linspace(0, 1, 201)
+    frames = chain.poses(motion.positions_at(at))[:, last.frame]
+    for _ in range(20):
+        normal = random.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        heights = normal @ frames[:, :, :3] @ corners.T + (frames[:, :, 3] @ normal)[:, None]
+        highest, corner = np.unravel_index(int(heights.argmax()), heights.shape)
+        if 0 < highest < len(at) - 1:
+            break
+    frame = frames[highest]
+    place = frame[:, :3] @ corners[corner] + frame[:, 3]
+    quaternion = np.array([1 + normal[2], -normal[1], normal[0], 0.0])
+    wxyz = (quaternion / np.linalg.norm(quaternion)).tolist()
+    size = [0.05, 0.05, _THIN]
+    thin = {"shape": "box", "size": size, "position": place.tolist(), "wxyz": wxyz}
+    return thin, float(at[highest])
+
+
+def _oracle(task: Task) -> MeshOracle:
+    """The exact shapes of a task."""
+    straight = task.motion(np.stack([task.start, task.goal]))
+    return MeshOracle(task_of(robot_motion(straight, task.scene, None), task.scene))
+
+
+def _is_clear(oracle: MeshOracle, pose: FloatArray) -> bool:
+    """Whether nothing touches at a pose (n,)."""
+    return not oracle.touches(pose[None])
+
+
+def _read(records: Path) -> dict[str, dict[str, Any]]:
+    """The last record of each task that there is, by its name."""
+    lines = records.read_text().splitlines() if records.exists() else []
+    return {one["name"]: one for one in map(json.loads, lines)}
 
 
 def table(records: list[dict[str, Any]]) -> str:
@@ -158,10 +233,15 @@ def table(records: list[dict[str, Any]]) -> str:
             lines.append(f"  {state:9} {len(times):4} ({share:.1%}){middle}")
     for name, words in (
         ("contacts", "contacts told"),
-        ("confirmed", "of these found by coal"),
+        ("confirmed", "of these found by coal at the time told"),
+        ("deep", "of these as deep as told"),
+        ("early", "motions that coal finds to touch before"),
         ("refuted", f"proofs refuted by {_SAMPLES:,} samples"),
         ("damaged", "damaged motions"),
-        ("touching", "of these found to touch"),
+        ("hit", "of these touching by coal"),
+        ("touching", "of these touching by the verdict"),
+        ("doubted", "of these not decided"),
+        ("unseen", f"of these with a plate that {_FEW} samples do not see"),
         ("false", "of these called clear although they touch"),
     ):
         lines.append(f"{words}: {sum(one.get(name, 0) for one in records):,}")
@@ -174,20 +254,16 @@ def _random(seeds: str) -> Iterator[Task]:
     for seed in range(int(first or 0), int(last or 0)):
         random = np.random.default_rng(seed)
         name = _ARMS[seed % len(_ARMS)]
-        scene, arm = robot_scene(name), _arm(name)
+        arm = _arm(name)
         low, high = np.clip(arm.limits.T, -2.5, 2.5)
         solids = [obstacle(random) for _ in range(_OBSTACLES)]
-        scene = scene.replace(obstacles=solids)
-        lowest = min(scene.arm.base[2], scene.workspace.min[2])
-        around = chain_world(arm, ObstacleSet(scene.obstacles), lowest, RowTable())
-        space, ends = JointSpace(arm, around, 0.0), list[FloatArray]()
-        for _ in range(2_000):
-            pose = random.uniform(low, high)
-            if space.clear(np.stack([pose, pose])):
-                ends.append(pose)
-                if len(ends) == 2:
-                    yield Task(f"random {seed}", scene, arm, *ends)
-                    break
+        scene = robot_scene(name).replace(obstacles=solids)
+        oracle = _oracle(Task("", scene, arm, low, high))
+        poses = random.uniform(low, high, (2_000, len(low)))
+        clear = filter(partial(_is_clear, oracle), poses)
+        ends = list(itertools.islice(clear, 2))
+        if len(ends) == 2:
+            yield Task(f"random {seed}", scene, arm, *ends)
 
 
 @lru_cache(maxsize=4)

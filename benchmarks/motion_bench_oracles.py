@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arrays import FloatArray
-from abi.certification.verdict import Touch
-from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
-from abi.obstacles.pose import rotation
-from abi.obstacles.primitives import Box, Cylinder, Sphere
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import UrdfArm
 
 _EVERY = 4
@@ -26,43 +23,33 @@ def poses_touching(arm: UrdfArm, obstacles: ObstacleSet, positions: FloatArray) 
     """Number of poses, of every fourth of some (k, n), at which a mesh touches an obstacle."""
     import coal
 
-    solids = [(_solid(one), _placed(one)) for one in obstacles]
+    from benchmarks.mesh_oracle import obstacle_object
+
+    solids = [obstacle_object(one) for one in obstacles]
     request, touching = coal.CollisionRequest(), 0
     for poses in arm.chain.poses(positions[::_EVERY] / arm.scales):
-        touching += any(
-            coal.collide(mesh, _transform(poses, frame, pose), solid, place, request, _result())
+        links = [
+            coal.CollisionObject(mesh, _transform(poses, frame, pose))
             for mesh, frame, pose in _meshes(arm)
-            for solid, place in solids
+        ]
+        touching += any(
+            coal.collide(link, solid, request, coal.CollisionResult())
+            for link in links
+            for solid in solids
         )
     return touching
-
-
-def _result() -> Any:
-    import coal
-
-    return coal.CollisionResult()
 
 
 @lru_cache(maxsize=4)
 def _meshes(arm: UrdfArm) -> list[tuple[Any, int, FloatArray]]:
     """Every mesh of a link, the joint that moves it, and its pose in that frame."""
-    import coal
+    from benchmarks.mesh_oracle import geometry
 
-    found = []
-    for carried in arm.chain.carried:
-        for shape in arm.chain.robot.links[carried.link].shapes:
-            assert shape.kind == "mesh"
-            model = coal.BVHModelOBBRSS()
-            model.beginModel(len(shape.faces), len(shape.vertices))
-            points, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-            for point in shape.vertices:
-                points.append(np.array(point))
-            for face in shape.faces:
-                faces.append(coal.Triangle(*map(int, face)))
-            model.addSubModel(points, faces)
-            model.endModel()
-            found.append((model, carried.frame, carried.pose @ shape.pose))
-    return found
+    return [
+        (geometry(shape), carried.frame, carried.pose @ shape.pose)
+        for carried in arm.chain.carried
+        for shape in arm.chain.robot.links[carried.link].shapes
+    ]
 
 
 def _transform(poses: FloatArray, frame: int, pose: FloatArray) -> Any:
@@ -73,97 +60,49 @@ def _transform(poses: FloatArray, frame: int, pose: FloatArray) -> Any:
     return coal.Transform3s(world[:3, :3].copy(), world[:3, 3].copy())
 
 
-def _solid(shape: Obstacle) -> Any:
-    import coal
-
-    if isinstance(shape, Box):
-        return coal.Box(*shape.size)
-    if isinstance(shape, Cylinder):
-        return coal.Cylinder(shape.radius, shape.height)
-    assert isinstance(shape, Sphere)
-    return coal.Sphere(shape.radius)
-
-
-def _placed(shape: Obstacle) -> Any:
-    import coal
-
-    return coal.Transform3s(rotation(shape.wxyz).copy(), np.array(shape.position))
-
-
-def solids_touch(
-    arm: UrdfArm,
-    obstacles: Sequence[Obstacle],
-    pose: FloatArray,
-    touch: Touch,
-    margin: float,
-) -> bool:
-    """Whether coal has a link nearer than a margin to what it is said to touch, at a pose (n,).
-
-    Args:
-        arm: the arm, in metres.
-        obstacles: the obstacles.
-        pose: joint positions, [rad].
-        touch: the contact.
-        margin: [m].
-    """
-    import coal
-
-    poses = arm.chain.poses(pose[None])[0]
-    request = coal.CollisionRequest()
-    request.security_margin = margin
-    first = _of_link(arm, touch.link, poses)
-    if isinstance(touch.obstacle, int):
-        solid = obstacles[touch.obstacle]
-        second = [(_solid(solid), _placed(solid))]
-    else:
-        second = _of_link(arm, touch.obstacle, poses)
-    return any(
-        coal.collide(mesh, at, other, there, request, _result())
-        for mesh, at in first
-        for other, there in second
-    )
-
-
-def _of_link(arm: UrdfArm, link: str, poses: FloatArray) -> list[tuple[Any, Any]]:
-    """Meshes of a link, each with its place in the world."""
-    names = [one.link for one in arm.chain.carried for _ in arm.chain.robot.links[one.link].shapes]
-    return [
-        (mesh, _transform(poses, frame, pose))
-        for name, (mesh, frame, pose) in zip(names, _meshes(arm), strict=True)
-        if name == link
-    ]
-
-
 def ompl_length(space: JointSpace, start: FloatArray, goal: FloatArray) -> float:
     """Length of OMPL's path with simplification, [rad]; inf if it finds none in five seconds."""
-    path = ompl_path(space, start, goal)
+    check = partial(_is_clear, space)
+    path = ompl_path(check, space.arm.limits, start, goal, _RESOLUTION)
     if path is None:
         return float("inf")
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
-def ompl_path(space: JointSpace, start: FloatArray, goal: FloatArray) -> FloatArray | None:
-    """OMPL's path with simplification, (k, n), [rad]; None if it finds none in five seconds."""
+def _is_clear(space: JointSpace, pose: FloatArray) -> bool:
+    """Whether a pose (n,) of the joints is clear."""
+    return space.clear(np.stack([pose, pose]))
+
+
+def ompl_path(
+    is_clear: Callable[[FloatArray], bool],
+    limits: FloatArray,
+    start: FloatArray,
+    goal: FloatArray,
+    step: float,
+) -> FloatArray | None:
+    """Path of OMPL's RRTConnect with simplification, (k, n), [rad]; None if it finds none.
+
+    Args:
+        is_clear: of a pose (n,).
+        limits: of the joints, (n, 2), [rad].
+        start: pose at the start, (n,), [rad].
+        goal: pose at the goal, (n,), [rad].
+        step: way between two poses that are tested on an edge, [rad].
+    """
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LOG_NONE)
     count = len(start)
     joints = base.RealVectorStateSpace(count)
     bounds = base.RealVectorBounds(count)
-    for k, (low, high) in enumerate(space.arm.limits.tolist()):
+    for k, (low, high) in enumerate(limits.tolist()):
         bounds.setLow(k, low)
         bounds.setHigh(k, high)
     joints.setBounds(bounds)
     setup = geometric.SimpleSetup(joints)
-
-    def is_clear(state: Any) -> bool:
-        pose = np.array([state[k] for k in range(count)])
-        return space.clear(np.stack([pose, pose]))
-
-    setup.setStateValidityChecker(is_clear)
-    setup.getSpaceInformation().setStateValidityCheckingResolution(
-        _RESOLUTION / joints.getMaximumExtent()
-    )
+    setup.setStateValidityChecker(partial(_is_valid, is_clear, count))
+    setup.getSpaceInformation().setStateValidityCheckingResolution(step / joints.getMaximumExtent())
     ends = []
     for pose in (start, goal):
         state = joints.allocState()
@@ -177,3 +116,8 @@ def ompl_path(space: JointSpace, start: FloatArray, goal: FloatArray) -> FloatAr
     setup.simplifySolution()
     states = setup.getSolutionPath().getStates()
     return np.array([[state[k] for k in range(count)] for state in states])
+
+
+def _is_valid(is_clear: Callable[[FloatArray], bool], count: int, state: Any) -> bool:
+    """Whether a state of OMPL is clear."""
+    return is_clear(np.array([state[k] for k in range(count)]))
