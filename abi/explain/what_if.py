@@ -13,6 +13,7 @@ from abi import progress
 from abi.arrays import IntArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.branch import STAGES
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.joint_branch import HASTY
 from abi.planner.plan import Plan
@@ -26,7 +27,6 @@ from abi.search.graph import Graph
 MOST_NODES = 60_000
 """Largest number of nodes of a mesh that is tried."""
 
-_STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
 _NEGLIGIBLE = 1e-3  # part of the scene's clearance below which a clearance counts as none
 _RESOLUTION = 1e-2  # of the largest clearance, as a part of it
 
@@ -48,7 +48,7 @@ class WhatIf:
         """
         progress.check()
         plan = self._planner(self.scene.replace(**change))
-        if plan.error is None or _STAGES.index(plan.error.stage) > _STAGES.index(stage):
+        if plan.error is None or STAGES.index(plan.error.stage) > STAGES.index(stage):
             return plan
         return None
 

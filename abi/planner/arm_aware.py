@@ -16,11 +16,10 @@ from abi.arm_planning.arm_model import ArmBranch, BranchTask
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.errors import ArmNotClear
-from abi.planner.branch import BranchResults, ShortestPath
-from abi.planner.pipeline import find_path, follow_path, seek_path
+from abi.planner.branch import BranchRun
 from abi.planner.planning_task import PlanningTask
+from abi.planner.stage_results import ShortestPath, StageResults
 from abi.planner.whole_arm_branch import WholeArmBranch
-from abi.search.graph import Graph
 
 _NO_PATH = ("start", "goal", "path")
 """Faults that there are before a path is found."""
@@ -34,18 +33,14 @@ class _Candidate(NamedTuple):
     Attributes:
         cost: of its path, or a lower bound of that as long as there is none.
         number: of the branch.
-        branch: the branch.
-        graph: in which the path is sought.
+        run: its stages, the graph's among those that have run.
         path: the path, None as long as it has not been sought.
-        results: the results so far.
     """
 
     cost: float
     number: int
-    branch: WholeArmBranch
-    graph: Graph
+    run: BranchRun
     path: ShortestPath | None
-    results: BranchResults
 
 
 class ArmAware:
@@ -55,8 +50,8 @@ class ArmAware:
         self._exclude: dict[str, ArmExclusionCache] = {}
 
     def __call__(
-        self, task: PlanningTask, collision_world: CollisionWorld, tool: BranchResults
-    ) -> BranchResults:
+        self, task: PlanningTask, collision_world: CollisionWorld, tool: StageResults
+    ) -> StageResults:
         """Results on a branch on which the whole arm is proven clear.
 
         Args:
@@ -89,7 +84,7 @@ class ArmAware:
         self,
         task: PlanningTask,
         collision_world: CollisionWorld,
-        tool: BranchResults,
+        tool: StageResults,
         arm_branch: ArmBranch,
         memory: str,
     ) -> WholeArmBranch:
@@ -100,8 +95,8 @@ class ArmAware:
 
 
 def _shortest_motion(
-    branches: Sequence[WholeArmBranch], tool: BranchResults
-) -> tuple[BranchResults | None, dict[str, ArmNotClear]]:
+    branches: Sequence[WholeArmBranch], tool: StageResults
+) -> tuple[StageResults | None, dict[str, ArmNotClear]]:
     """Results on the branch with the shortest path that leads to a motion; None without any.
 
     Whether a path's edges are clear takes longest, so it is asked only of a branch whose path may
@@ -114,41 +109,40 @@ def _shortest_motion(
     failed: dict[str, ArmNotClear] = {}
     waiting: list[_Candidate] = []
     for number, branch in enumerate(branches):
-        results = tool.for_arm()
+        run = BranchRun(branch, tool.for_arm())
         try:
-            results.free = branch.free_mesh()
-            graph = results.graph = branch.graph(results.free)
-            cost = branch.least_cost(graph)
+            cost = branch.least_cost(run.build_graph())
         except ArmNotClear as fault:
             shut[number] = fault
         else:
-            waiting.append(_Candidate(cost, number, branch, graph, None, results))
+            waiting.append(_Candidate(cost, number, run, None))
     found = None
     while waiting and found is None:
         best = min(waiting, key=_order)
         waiting.remove(best)
         try:
             if best.path is None:
-                path = seek_path(best.branch, best.graph, best.results)
+                assert best.run.results.graph is not None
+                path = best.run.search(best.run.results.graph)
                 waiting.append(best._replace(cost=path.path.cost, path=path))
             else:
-                follow_path(best.branch, best.path, best.results)
-                found = best.results
+                best.run.move_arm(best.run.fit_curves(best.path))
+                found = best.run.results
         except ArmNotClear as fault:
             if best.path is None:
                 shut[best.number] = fault
             else:
-                failed[best.branch.arm_branch.name] = fault
+                failed[branches[best.number].arm_branch.name] = fault
     names = [one.arm_branch.name for one in branches]
     return found, {names[number]: shut[number] for number in sorted(shut)} | failed
 
 
 def _first_motion(
     branches: Iterable[WholeArmBranch],
-    tool: BranchResults,
+    tool: StageResults,
     faults: Sequence[ArmNotClear],
     note: str,
-) -> BranchResults:
+) -> StageResults:
     """Results on the first of the further branches that leads to a motion.
 
     Args:
@@ -162,13 +156,13 @@ def _first_motion(
     """
     found = []
     for branch in branches:
-        results = tool.for_arm()
+        run = BranchRun(branch, tool.for_arm())
         try:
-            follow_path(branch, find_path(branch, results), results)
+            run.move_arm(run.fit_curves(run.find_path()))
         except ArmNotClear as fault:
             found.append(fault)
         else:
-            return results
+            return run.results
     raise ArmNotClear.of_all(faults, found, note)
 
 

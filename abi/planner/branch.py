@@ -1,82 +1,31 @@
-"""A branch: one way to plan a scene, stage by stage, and what the stages give.
+"""A branch: one way to plan a scene, stage by stage.
 
-The pipeline (:mod:`abi.planner.pipeline`) runs the same six stages for every branch. There are two
-kinds: the tool alone (:mod:`abi.planner.tool_branch`), and the whole arm on one side of its elbow
-or from one start pose (:mod:`abi.planner.whole_arm_branch`). To add a kind, write a class with the
-methods of :class:`Branch`, and have :class:`abi.planner.arm_aware.ArmAware` try it, which decides
-in what order the branches of an arm are tried.
+The stages are the same for every branch. There are two kinds: the tool alone
+(:mod:`abi.planner.tool_branch`), and the whole arm on one side of its elbow or from one start pose
+(:mod:`abi.planner.whole_arm_branch`). To add a kind, write a class with the methods of
+:class:`Branch`, and have :class:`abi.planner.arm_aware.ArmAware` try it, which decides in what
+order the branches of an arm are tried.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol, TypeAlias
+from dataclasses import replace
+from typing import Protocol
 
-from abi.arm_planning.joint_search.search_joints import JointSearch
-from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
-from abi.arm_planning.motion.trajectory import ArmMotion
-from abi.curves.bspline import BSpline
-from abi.curves.curve import ArcLength
-from abi.curves.fit import Fit
-from abi.curves.quadratic import Quadratic
-from abi.curves.timed_profile import PathProfile
+from abi.planner.stage_results import (
+    CurveName,
+    QuadraticOnSpline,
+    ShortestPath,
+    SplineOnPath,
+    StageResults,
+    TimedMotion,
+)
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
-from abi.search.taut.lower_bound import Bound
-from abi.search.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
-AnyFit: TypeAlias = Fit[BSpline] | Fit[Quadratic]
-CurveName: TypeAlias = Literal["bspline", "quadratic"]
-
-
-class ShortestPath(NamedTuple):
-    """Result of stage 3.
-
-    Attributes:
-        graph: in which it was found: that of stage 2, without edges that turned out not to be free.
-        path: result of the search that the scene chooses.
-        clearance: distance of the path to the obstacles, [unit].
-    """
-
-    graph: Graph
-    path: SearchResult
-    clearance: float
-
-
-class SplineOnPath(NamedTuple):
-    """Result of stages 3½ and 4.
-
-    Attributes:
-        taut: the path pulled taut; None if the scene does not ask for that.
-        fit: the B-spline and its clearance.
-        arc: its arc length.
-    """
-
-    taut: TautPath | None
-    fit: Fit[BSpline]
-    arc: ArcLength
-
-
-class QuadraticOnSpline(NamedTuple):
-    """Result of stage 5: the quadratic and its clearance, and its arc length."""
-
-    fit: Fit[Quadratic]
-    arc: ArcLength
-
-
-class TimedMotion(NamedTuple):
-    """Result of stage 6: the motion along the curve, the joints over time, and their clearance."""
-
-    profile: PathProfile
-    motion: ArmMotion
-    clearance: ArmClearance
-
-    @property
-    def is_clear(self) -> bool:
-        """Whether the whole arm is proven clear all along it, in reach and range."""
-        return is_clear(self.motion, self.clearance)
+STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
+"""Names that errors have for the stages, in order."""
 
 
 class Branch(Protocol):
@@ -110,36 +59,77 @@ class Branch(Protocol):
         """Stage 6: the motion of the arm along that curve."""
 
 
-@dataclass(slots=True, eq=False)
-class BranchResults:
-    """What the stages have given for a branch so far; the attributes are those of a Plan.
+class BranchRun:
+    """A branch whose stages run in their order, and what they have given.
 
-    What was not reached is None, or empty.
+    Results are kept as they come, so that a plan which ends early shows how far it came.
+
+    Attributes:
+        branch: the branch.
+        results: what its stages have given so far.
     """
 
-    free: FreeMesh | None = None
-    graph: Graph | None = None
-    searches: tuple[SearchResult, ...] = ()
-    path: SearchResult | None = None
-    path_clearance: float = math.inf
-    optimum: Bound | None = None
-    taut: TautPath | None = None
-    bspline: Fit[BSpline] | None = None
-    bspline_arc: ArcLength | None = None
-    quadratic: Fit[Quadratic] | None = None
-    quadratic_arc: ArcLength | None = None
-    followed: CurveName | None = None
-    profile: PathProfile | None = None
-    motion: ArmMotion | None = None
-    arm_clearance: ArmClearance | None = None
-    tool_only: AnyFit | None = None
-    joint_search: JointSearch | None = None
+    def __init__(self, branch: Branch, results: StageResults) -> None:
+        """Begin with ``results``, of which those of the stages that run are replaced."""
+        self.branch, self.results = branch, results
 
-    @property
-    def followed_fit(self) -> AnyFit | None:
-        """The curve that the arm follows."""
-        return self.bspline if self.followed == "bspline" else self.quadratic
+    def find_path(self) -> ShortestPath:
+        """Stages 1 to 3: the free mesh, the graph and the shortest path.
 
-    def for_arm(self) -> BranchResults:
-        """Results to begin with on an arm's branch, of those of the tool alone."""
-        return BranchResults(optimum=self.optimum, tool_only=self.followed_fit)
+        Raises:
+            StageError: there is no path.
+        """
+        return self.search(self.build_graph())
+
+    def build_graph(self) -> Graph:
+        """Stages 1 and 2: the free mesh and the graph.
+
+        Raises:
+            StageError: start or goal cannot be used.
+        """
+        free = self.branch.free_mesh()
+        self.results = replace(self.results, free=free)
+        graph = self.branch.graph(free)
+        self.results = replace(self.results, graph=graph)
+        return graph
+
+    def search(self, graph: Graph) -> ShortestPath:
+        """Stage 3: the shortest path in the graph.
+
+        Raises:
+            StageError: there is no path.
+        """
+        found = self.branch.shortest(graph)
+        self.results = replace(
+            self.results, graph=found.graph, path=found.path, path_clearance=found.clearance
+        )
+        return found
+
+    def fit_curves(self, path: ShortestPath) -> SplineOnPath | QuadraticOnSpline:
+        """Stages 4 and 5: the B-spline, the quadratic, and which of them the arm follows.
+
+        Raises:
+            StageError: there is no curve to follow.
+        """
+        self.results = replace(self.results, searches=self.branch.searches(path))
+        bspline = self.branch.bspline(path)
+        taut, fit, arc = bspline
+        self.results = replace(self.results, taut=taut, bspline=fit, bspline_arc=arc)
+        quadratic = self.branch.quadratic(bspline)
+        self.results = replace(self.results, quadratic=quadratic.fit, quadratic_arc=quadratic.arc)
+        followed = self.branch.followed(bspline, quadratic)
+        self.results = replace(self.results, followed=followed)
+        return bspline if followed == "bspline" else quadratic
+
+    def move_arm(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
+        """Stage 6: the arm's motion along the curve that it follows.
+
+        Raises:
+            StageError: there is none on this branch.
+        """
+        moved = self.branch.motion(followed)
+        profile, motion, clearance = moved
+        self.results = replace(
+            self.results, profile=profile, motion=motion, arm_clearance=clearance
+        )
+        return moved

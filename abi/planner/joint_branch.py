@@ -31,8 +31,8 @@ from abi.arrays import FloatArray
 from abi.errors import NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, rotation
-from abi.planner.branch import TimedMotion
 from abi.planner.planning_task import sample_count
+from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene

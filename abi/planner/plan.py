@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,57 +10,23 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates, joint_rates, passed_limits
-from abi.arm_planning.joint_search.search_joints import JointSearch
-from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
 from abi.arm_planning.motion.liquid import largest_tilt
-from abi.arm_planning.motion.trajectory import ArmMotion, Violation
+from abi.arm_planning.motion.trajectory import Violation
 from abi.arrays import ReadOnlyCopies
-from abi.curves.bspline import BSpline
-from abi.curves.curve import ArcLength
-from abi.curves.fit import Fit
-from abi.curves.quadratic import Quadratic
-from abi.curves.timed_profile import PathProfile
 from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
-from abi.planner.branch import AnyFit, CurveName
+from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
-from abi.search.graph import Graph
-from abi.search.search import SearchResult
-from abi.search.taut.lower_bound import Bound
-from abi.search.taut.taut_path import TautPath
-from abi.tet_mesh.exclusion import FreeMesh
-from abi.tet_mesh.tet_mesh import TetMesh
 
 
 @dataclass(frozen=True, eq=False)
-class Plan(ReadOnlyCopies):
-    """Results of the stages for a scene; a stage that was not reached is None.
-
-    Lengths are in the scene's [unit], points in the world frame. Arrays are read-only.
+class Plan(StageResults, ReadOnlyCopies):
+    """Results of the stages for a scene, and how they came about. Arrays are read-only.
 
     Attributes:
         scene: the scene.
-        mesh: stage 1, the tetrahedral mesh of the whole workspace.
-        free: the mesh without the nodes and edges that the obstacles exclude.
-        graph: stage 2, the free mesh with start and goal.
-        searches: stage 3, the result of each search.
-        path: the result of the search that the scene chooses.
-        path_clearance: distance of that path to the obstacles; inf without obstacles.
-        taut: stage 3½, the path pulled taut; None if that is switched off.
-        optimum: lower bound of the length of any curve that keeps the clearance.
-        bspline: stage 4, the B-spline and its clearance.
-        bspline_arc: its arc length.
-        quadratic: stage 5, the quadratic and its clearance.
-        quadratic_arc: its arc length.
-        followed: ``bspline`` or ``quadratic``, whichever the arm follows.
-        profile: stage 5, the motion along that curve.
-        arm: stage 6, the arm.
-        motion: its joint positions over time.
-        arm_clearance: distance of its links to the obstacles along the motion.
-        tool_only: the curve planned for the tool alone, if the whole arm follows another one.
-        joint_search: the search in the space of the joints, if the motion is found there; the arm
-            then follows no curve of the tool.
+        arm: the arm.
         legs: plans of a sequence of tasks, all of whose motions this one joins.
         error: why the plan ends early, or None.
         ms: time of each stage when it last ran, [ms].
@@ -70,25 +35,7 @@ class Plan(ReadOnlyCopies):
     """
 
     scene: Scene
-    mesh: TetMesh | None = None
-    free: FreeMesh | None = None
-    graph: Graph | None = None
-    searches: tuple[SearchResult, ...] = ()
-    path: SearchResult | None = None
-    path_clearance: float = math.inf
-    taut: TautPath | None = None
-    optimum: Bound | None = None
-    bspline: Fit[BSpline] | None = None
-    bspline_arc: ArcLength | None = None
-    quadratic: Fit[Quadratic] | None = None
-    quadratic_arc: ArcLength | None = None
-    followed: CurveName | None = None
-    profile: PathProfile | None = None
     arm: AnyArm | None = None
-    motion: ArmMotion | None = None
-    arm_clearance: ArmClearance | None = None
-    tool_only: AnyFit | None = None
-    joint_search: JointSearch | None = None
     legs: tuple[Plan, ...] = ()
     error: StageError | None = None
     ms: Mapping[str, float] = field(default_factory=dict)
@@ -111,34 +58,6 @@ class Plan(ReadOnlyCopies):
     def __getstate__(self) -> dict[str, Any]:
         """What ``pickle`` and ``copy`` keep; a view of a dict is not among what they can."""
         return {**vars(self), "ms": dict(self.ms)}
-
-    @property
-    def curves(self) -> dict[str, tuple[AnyFit | None, ArcLength | None]]:
-        """Curves of stages 4 and 5 by name, each with its arc length."""
-        quadratic = self.quadratic, self.quadratic_arc
-        return {"bspline": (self.bspline, self.bspline_arc), "quadratic": quadratic}
-
-    @property
-    def followed_curve(self) -> AnyFit | None:
-        """The curve that the arm executes."""
-        return self.curves[self.followed][0] if self.followed else None
-
-    @property
-    def followed_arc(self) -> ArcLength | None:
-        """Arc length of the curve that the arm executes."""
-        return self.curves[self.followed][1] if self.followed else None
-
-    @property
-    def _moves_along(self) -> str | None:
-        """Name of the curve that is followed: one of the tool, or ``joints``."""
-        return self.followed if self.joint_search is None else "joints"
-
-    @property
-    def is_arm_clear(self) -> bool:
-        """Whether the whole arm is proven clear all along its motion, in reach and range."""
-        if self.motion is None or self.arm_clearance is None:
-            return False
-        return is_clear(self.motion, self.arm_clearance)
 
     @cached_property
     def liquid_tilt(self) -> float | None:
@@ -171,29 +90,6 @@ class Plan(ReadOnlyCopies):
         """Length of the straight line from start to goal, [unit]: no curve is shorter."""
         return float(np.linalg.norm(np.subtract(self.scene.goal, self.scene.start)))
 
-    @property
-    def lengths(self) -> dict[str, float | None]:
-        """Lengths of paths and curves by stage, [unit]; None for a stage without a result."""
-        path, taut, spline, quadratic = self.path, self.taut, self.bspline_arc, self.quadratic_arc
-        return {
-            "path": None if path is None else path.length,
-            "taut": None if taut is None else taut.length,
-            "bspline": None if spline is None else spline.length,
-            "quadratic": None if quadratic is None else quadratic.length,
-        }
-
-    @property
-    def kept_lengths(self) -> dict[str, float]:
-        """Lengths of the paths and curves proven to keep the clearance, by stage, [unit]."""
-        lacking = {name for name, (fit, _) in self.curves.items() if fit is None or not fit.holds}
-        kept = {name: length for name, length in self.lengths.items() if name not in lacking}
-        return {name: length for name, length in kept.items() if length is not None}
-
-    @property
-    def best_known(self) -> float | None:
-        """Length of the shortest of this plan's curves that keep the clearance, [unit]."""
-        return min(self.kept_lengths.values(), default=None)
-
     def to_dict(self, full: bool = False) -> dict[str, Any]:
         """Plain data, ready for JSON, as ``docs/scene-and-plan.md`` describes it.
 
@@ -205,17 +101,11 @@ class Plan(ReadOnlyCopies):
         return {
             "version": 1,
             "scene": self.scene.to_dict(),
-            "mesh": plan_json.mesh(self.free, self.ms, full),
-            "graph": plan_json.graph(self.graph, self.ms),
-            "searches": plan_json.searches(self.searches, self.ms),
-            "path": plan_json.path(self.path),
-            "taut": plan_json.taut(self.taut, self.ms),
-            "bspline": plan_json.bspline(self.bspline, self.bspline_arc, self.ms),
-            "quadratic": plan_json.quadratic(
-                self.quadratic, self.quadratic_arc, self.scene.quadratic.mode, self.ms
-            ),
-            "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
-            "timing": plan_json.timing(self.profile, self._moves_along, self.liquid_tilt, self.ms),
+            **{
+                name: section(self, self.scene, self.ms, full)
+                for name, section in plan_json.SECTIONS.items()
+            },
+            "timing": plan_json.timing(self.profile, self.moves_along, self.liquid_tilt, self.ms),
             "joint_search": plan_json.joint_search(self.joint_search, self.arm, self.ms, full),
             "arm": plan_json.arm(
                 self.arm,

@@ -1,12 +1,13 @@
 """Sections of a plan as plain data: the JSON that scripts read.
 
-A stage that was not reached is None. ``ms`` holds the time of each stage, [ms].
+A stage that was not reached is None. ``ms`` holds the time of each stage, [ms]; ``full`` adds what
+most readers do without, such as the nodes of the mesh.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from abi.arm_planning.motion.trajectory import ArmMotion, Violation
 from abi.arrays import FloatArray
 from abi.clearance.certificate import Certificate
 from abi.curves.bspline import BSpline
-from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import SpeedProfile
@@ -27,13 +27,10 @@ from abi.curves.timed_profile import PathProfile
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_certificate_json import arm_certificate
+from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
 from abi.robot.urdf_arm import UrdfArm
-from abi.search.graph import Graph
-from abi.search.search import SearchResult
-from abi.search.taut.lower_bound import Bound
-from abi.search.taut.taut_path import TautPath
-from abi.tet_mesh.exclusion import FreeMesh
+from abi.scene.scene import Scene
 
 SAMPLES = 200
 """Largest number of samples of the arm's motion, unless the JSON is full."""
@@ -42,8 +39,9 @@ Section = dict[str, Any] | None
 Times = Mapping[str, float]
 
 
-def mesh(free: FreeMesh | None, ms: Times, full: bool) -> Section:
+def mesh(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 1; ``full`` adds nodes and edges."""
+    free = results.free
     if free is None:
         return None
     mesh = free.mesh
@@ -62,21 +60,24 @@ def mesh(free: FreeMesh | None, ms: Times, full: bool) -> Section:
     return section
 
 
-def graph(result: Graph | None, ms: Times) -> Section:
+def graph(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 2."""
-    if result is None:
+    graph = results.graph
+    if graph is None:
         return None
     return {
-        "nodes": result.free_nodes,
-        "edges": result.edge_count,
-        "removed_edges": result.removed_edges,
+        "nodes": graph.free_nodes,
+        "edges": graph.edge_count,
+        "removed_edges": graph.removed_edges,
         "ms": ms["graph"],
     }
 
 
-def searches(results: Sequence[SearchResult], ms: Times) -> list[dict[str, Any]] | None:
+def searches(
+    results: StageResults, scene: Scene, ms: Times, full: bool
+) -> list[dict[str, Any]] | None:
     """Stage 3, every search that ran."""
-    if not results:
+    if not results.searches:
         return None
     return [
         {
@@ -91,35 +92,38 @@ def searches(results: Sequence[SearchResult], ms: Times) -> list[dict[str, Any]]
             "relaxed": result.relaxed,
             "ms": ms[result.algorithm],
         }
-        for result in results
+        for result in results.searches
     ]
 
 
-def path(result: SearchResult | None) -> Section:
+def path(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 3, the path of the chosen search."""
-    if result is None:
+    path = results.path
+    if path is None:
         return None
     return {
-        "algorithm": result.algorithm,
-        "points": result.points.tolist(),
-        "length": result.length,
+        "algorithm": path.algorithm,
+        "points": path.points.tolist(),
+        "length": path.length,
     }
 
 
-def taut(result: TautPath | None, ms: Times) -> Section:
+def taut(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 3½."""
-    if result is None:
+    taut = results.taut
+    if taut is None:
         return None
     return {
-        "points": result.points.tolist(),
-        "length": result.length,
-        "clearance": finite(result.clearance),
+        "points": taut.points.tolist(),
+        "length": taut.length,
+        "clearance": finite(taut.clearance),
         "ms": ms["taut"],
     }
 
 
-def bspline(fit: Fit[BSpline] | None, arc: ArcLength | None, ms: Times) -> Section:
+def bspline(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 4."""
+    fit, arc = results.bspline, results.bspline_arc
     if fit is None or arc is None:
         return None
     spline = fit.curve
@@ -135,12 +139,13 @@ def bspline(fit: Fit[BSpline] | None, arc: ArcLength | None, ms: Times) -> Secti
     }
 
 
-def quadratic(fit: Fit[Quadratic] | None, arc: ArcLength | None, mode: str, ms: Times) -> Section:
+def quadratic(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 5, the curve."""
+    fit, arc = results.quadratic, results.quadratic_arc
     if fit is None or arc is None:
         return None
     return {
-        "mode": mode,
+        "mode": scene.quadratic.mode,
         "pieces": [
             {"t0": t0, "t1": t1, "coefficients": coefficients.tolist()}
             for t0, t1, coefficients in fit.curve.pieces
@@ -152,24 +157,34 @@ def quadratic(fit: Fit[Quadratic] | None, arc: ArcLength | None, mode: str, ms: 
     }
 
 
-def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None) -> Section:
-    """Lower bound, ``exact`` where it is the optimum; best known is the best of this plan.
+def optimum(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
+    """Lower bound, ``exact`` where it is the optimum, beside the best length of this plan.
 
-    Args:
-        bound: lower bound of the length of curves that keep the clearance.
-        kept: lengths of the paths and curves that keep it, by stage, [unit]; no other length has a
-            ratio to the bound.
-        followed: name of the curve that the arm executes.
+    The followed curve has a ratio to the bound only if it keeps the clearance.
     """
+    bound, kept = results.optimum, results.kept_lengths
     if bound is None:
         return None
-    length = kept.get(followed or "")
+    length = kept.get(results.followed or "")
     return {
         "lower_bound": bound.length,
         "exact": bound.exact,
-        "best_known": min(kept.values(), default=None),
+        "best_known": results.best_known,
         "ratio": None if length is None else length / bound.length,
     }
+
+
+SECTIONS: Mapping[str, Callable[[StageResults, Scene, Times, bool], Any]] = {
+    "mesh": mesh,
+    "graph": graph,
+    "searches": searches,
+    "path": path,
+    "taut": taut,
+    "bspline": bspline,
+    "quadratic": quadratic,
+    "optimum": optimum,
+}
+"""Sections that follow from the results of the stages, the scene and the times, in order."""
 
 
 def timing(

@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from types import MappingProxyType
 
 from abi import compiling, progress
@@ -19,11 +20,11 @@ from abi.errors import ArmNotClear, NoJointMotion, StageError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
-from abi.planner.branch import BranchResults, QuadraticOnSpline, SplineOnPath, TimedMotion
+from abi.planner.branch import BranchRun
 from abi.planner.joint_branch import THOROUGH, asks_for_joints, may_search_joints
-from abi.planner.pipeline import find_path, fit_curves, move_arm
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
+from abi.planner.stage_results import QuadraticOnSpline, SplineOnPath, StageResults, TimedMotion
 from abi.planner.tool_branch import ToolBranch, ToolStages
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_end import ENDS
@@ -110,10 +111,10 @@ class Planner:
         self._arm_aware_ms, self._arm_aware_interpreted = 0.0, False
         searches = (scene.search.algorithm,) if chosen_only else tuple(SEARCHES)
         tool = ToolBranch.of(scene, searches, self._stages)
-        results, fault = BranchResults(), None
+        run, fault = BranchRun(tool, StageResults()), None
         try:
-            results = self._run(tool, results)
-            refuse_slow(results, tool.task.model.arm, scene)
+            run.results = self._run(tool, run)
+            refuse_slow(run.results, tool.task.model.arm, scene)
         except StageError as error:
             # a copy: the stage remembers its error for scenes in another unit
             fault = error.in_unit(scene.unit)
@@ -122,38 +123,21 @@ class Planner:
         if self._compile:
             compiling.begin()
         return Plan(
-            scene=scene,
-            mesh=None if results.free is None else results.free.mesh,
-            free=results.free,
-            graph=results.graph,
-            searches=results.searches,
-            path=results.path,
-            path_clearance=results.path_clearance,
-            taut=results.taut,
-            optimum=results.optimum,
-            bspline=results.bspline,
-            bspline_arc=results.bspline_arc,
-            quadratic=results.quadratic,
-            quadratic_arc=results.quadratic_arc,
-            followed=results.followed,
-            profile=results.profile,
+            scene,
+            **vars(run.results),
             arm=tool.task.model.arm,
-            motion=results.motion,
-            arm_clearance=results.arm_clearance,
-            tool_only=results.tool_only,
-            joint_search=results.joint_search,
             error=fault,
             ms=MappingProxyType(self._times()),
             interpreted=self._interpreted(),
             total_ms=total,
         )
 
-    def _run(self, tool: ToolBranch, results: BranchResults) -> BranchResults:
+    def _run(self, tool: ToolBranch, run: BranchRun) -> StageResults:
         """Plan for the tool alone and, if the arm is not clear along that, for the whole arm.
 
         Args:
             tool: the branch of the tool alone.
-            results: gets its results, as far as it comes.
+            run: runs its stages, and has their results as far as it comes.
 
         Returns:
             Results of the branch that counts.
@@ -164,41 +148,41 @@ class Planner:
         scene = tool.task.scene
         if asks_for_joints(scene.arm):
             with suppress(StageError):  # what there is of the tool's own curve is shown, too
-                self._curve(tool, results)
-            return self._through_joints(tool, results)
-        curve = self._curve(tool, results)
+                self._curve(tool, run)
+            return self._through_joints(tool, run.results)
+        curve = self._curve(tool, run)
         if not scene.arm.avoid:
-            if (error := move_arm(tool, curve, results).motion.error) is not None:
+            if (error := run.move_arm(curve).motion.error) is not None:
                 raise error
-            return results
+            return run.results
         refuted = tool.is_refuted(curve)
-        if not refuted and move_arm(tool, curve, results).is_clear:
-            return results
+        if not refuted and run.move_arm(curve).is_clear:
+            return run.results
         try:
-            return self._avoid(tool, results)
+            return self._avoid(tool, run.results)
         except ArmNotClear as fault:
-            moved = move_arm(tool, curve, results)
+            moved = run.move_arm(curve)
             on_mesh = moved.motion.error or _with_contact(fault, moved, scene)
         if not may_search_joints(scene.arm):
             raise on_mesh
         try:
-            return self._through_joints(tool, results)
+            return self._through_joints(tool, run.results)
         except NoJointMotion as fault:
             if isinstance(on_mesh, ArmNotClear) and fault.where not in ENDS:
                 on_mesh = on_mesh.nor_in_joints(fault)
             raise on_mesh from None
 
-    def _curve(self, tool: ToolBranch, results: BranchResults) -> SplineOnPath | QuadraticOnSpline:
+    def _curve(self, tool: ToolBranch, run: BranchRun) -> SplineOnPath | QuadraticOnSpline:
         """The curve of the tool alone that the arm is to follow.
 
         Raises:
             StageError: there is no path or no curve.
         """
-        path = find_path(tool, results)
-        results.optimum = tool.optimum()
-        return fit_curves(tool, path, results)
+        path = run.find_path()
+        run.results = replace(run.results, optimum=tool.optimum())
+        return run.fit_curves(path)
 
-    def _through_joints(self, tool: ToolBranch, results: BranchResults) -> BranchResults:
+    def _through_joints(self, tool: ToolBranch, results: StageResults) -> StageResults:
         """Results of a motion that is sought in the space of the joints.
 
         Raises:
@@ -209,12 +193,18 @@ class Planner:
         found = self._stages.joints(
             task.scene, task.model.arm, task.obstacles, tool.collision_world, self._effort
         )
-        results.tool_only, results.followed = results.followed_fit, None
-        results.joint_search = found.search
-        results.profile, results.motion, results.arm_clearance = found.moved
-        return results
+        profile, motion, clearance = found.moved
+        return replace(
+            results,
+            profile=profile,
+            motion=motion,
+            arm_clearance=clearance,
+            followed=None,
+            tool_only=results.followed_curve,
+            joint_search=found.search,
+        )
 
-    def _avoid(self, tool: ToolBranch, results: BranchResults) -> BranchResults:
+    def _avoid(self, tool: ToolBranch, results: StageResults) -> StageResults:
         """Results on the branch of the arm whose motion is clear and shortest.
 
         Raises:

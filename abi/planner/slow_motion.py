@@ -7,7 +7,7 @@ import numpy as np
 from abi.arm_planning.joint_rates import joint_rates
 from abi.curves.speed_profile import three_phase
 from abi.errors import TooSlow
-from abi.planner.branch import BranchResults
+from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
 
@@ -15,7 +15,7 @@ _LONG, _TIMES = 60.0, 20.0
 """A motion is refused if it takes longer than this, [s], and so many times what would be enough."""
 
 
-def refuse_slow(results: BranchResults, arm: AnyArm, scene: Scene) -> None:
+def refuse_slow(results: StageResults, arm: AnyArm, scene: Scene) -> None:
     """Raise for a motion that a law has slowed down beyond all use.
 
     Enough is the time that the way takes at the scene's speed, and each joint for its own way at

@@ -21,18 +21,18 @@ from abi.curves.curve import arc_length
 from abi.curves.timed_profile import PathProfile
 from abi.errors import ClearanceNotHeld
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.branch import (
+from abi.planner.exclusion_cache import ExclusionCache
+from abi.planner.joint_branch import move_joints
+from abi.planner.planning_task import PlanningTask, sample_count
+from abi.planner.shared_mesh import shared_mesh
+from abi.planner.stage import Stage
+from abi.planner.stage_results import (
     CurveName,
     QuadraticOnSpline,
     ShortestPath,
     SplineOnPath,
     TimedMotion,
 )
-from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.joint_branch import move_joints
-from abi.planner.planning_task import PlanningTask, sample_count
-from abi.planner.shared_mesh import shared_mesh
-from abi.planner.stage import Stage
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
 from abi.search.build_graph import build_graph

@@ -19,14 +19,14 @@ from abi.curves import fit_quadratic
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
 from abi.errors import ArmNotClear, NoPath
-from abi.planner.branch import (
+from abi.planner.planning_task import PlanningTask, sample_count
+from abi.planner.stage_results import (
     CurveName,
     QuadraticOnSpline,
     ShortestPath,
     SplineOnPath,
     TimedMotion,
 )
-from abi.planner.planning_task import PlanningTask, sample_count
 from abi.robot.any_arm import AnyArm
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from abi.curves.curve import ArcLength
-from abi.planner.branch import AnyFit
 from abi.planner.plan import Plan
+from abi.planner.stage_results import AnyFit
 from app.ui import style
 from app.ui.numbers import format_length
 

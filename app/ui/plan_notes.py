@@ -10,8 +10,8 @@ from abi.arm_planning.motion_law import LAWS
 from abi.curves.timed_profile import TimedProfile
 from abi.explain.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
-from abi.planner.branch import AnyFit
 from abi.planner.plan import Plan
+from abi.planner.stage_results import AnyFit
 from app.shared.once_a_plan import once_a_plan
 from app.ui import style
 from app.ui.numbers import (

@@ -17,9 +17,10 @@ from abi.errors import NoPath, PointBlocked
 from abi.explain.diagnosis import explain
 from abi.explain.nearest_free_point import nearest_free_point, rounded
 from abi.explain.reason import Reason
-from abi.explain.what_if import _STAGES, MOST_NODES, WhatIf, rounded_down
+from abi.explain.what_if import MOST_NODES, WhatIf, rounded_down
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner import shared_mesh
+from abi.planner.branch import STAGES
 from abi.planner.plan import Plan
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
@@ -32,7 +33,7 @@ def is_within(box: Workspace, point: Any) -> bool:
 
 
 def passes(made: Plan, stage: str) -> bool:
-    return made.error is None or _STAGES.index(made.error.stage) > _STAGES.index(stage)
+    return made.error is None or STAGES.index(made.error.stage) > STAGES.index(stage)
 
 
 def reason_of(scene: Scene) -> tuple[Plan, Reason]:

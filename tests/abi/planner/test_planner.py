@@ -16,7 +16,8 @@ from abi.arm_planning.motion_law import motion_law
 from abi.curves import fit_bspline
 from abi.curves.timed_profile import PathProfile
 from abi.errors import StageError
-from abi.planner import planner, tool_branch
+from abi.planner import tool_branch
+from abi.planner.branch import BranchRun
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from abi.scene.settings import MotionSettings
@@ -131,7 +132,7 @@ def test_the_first_plan_of_a_urdf_arm_waits_for_kept_kernels(
         calls.append("run")
         raise StageError("search", "no_path", "None.", "None.")
 
-    monkeypatch.setattr(planner, "find_path", find_path)
+    monkeypatch.setattr(BranchRun, "find_path", find_path)
     scene = load_scene("paper")
     Planner()(scene)
     assert calls == ["wait_for_loading", "run", "begin"]
