@@ -13,12 +13,8 @@ from abi.arrays import FloatArray
 from abi.export import mcap_entities
 from abi.export.mcap_entities import Colour, Part
 from abi.obstacles.pose import Vec3
-from abi.robot.any_arm import AnyArm
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Link, LinkShape
-from abi.robot.urdf.robot_files import packed, robot_from_archive
-from abi.robot.urdf.usual_tip import usual_tip
-from abi.robot.urdf_arm import UrdfArm
 
 _GREY: Colour = (0.72, 0.75, 0.79, 1.0)
 
@@ -46,15 +42,6 @@ class LinkFrame(NamedTuple):
             "translation": mcap_entities.by_letter("xyz", self.positions[sample]),
             "rotation": mcap_entities.by_letter("wxyz", self.wxyz[sample]),
         }
-
-
-def chain_of(arm: AnyArm) -> Chain:
-    """The chain of any arm, with all links, as it stands in the scene; lengths in [m]."""
-    if isinstance(arm, UrdfArm):
-        return arm.chain
-    robot = robot_from_archive(packed(arm.files()))
-    x, y, z = (arm.base * arm.metres).tolist()
-    return Chain.of(robot, usual_tip(robot), (x, y, z), None, arm.wxyz)
 
 
 def scene_frame(chain: Chain) -> str:

@@ -16,7 +16,6 @@ from abi.export.carried_objects import carried_objects
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import (
     LinkFrame,
-    chain_of,
     link_entities,
     link_frames,
     quaternions,
@@ -86,7 +85,7 @@ def write(plan: Plan, name: str) -> bytes:
 
 def _messages(plan: Plan, description: str) -> Iterator[_RecordedMessage]:
     assert plan.arm is not None
-    chain = chain_of(plan.arm)
+    chain = plan.arm.chain
     frame, root = scene_frame(chain), chain.robot.root
     trajectory, tool = joint_trajectory(plan), motion_of(plan).tool * plan.arm.metres
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from abi.export.joint_trajectory import JointTrajectory, joint_trajectory, motion_of, motion_state
-from abi.export.mcap_arm import LinkFrame, chain_of, link_frames, quaternions, scene_frame
+from abi.export.mcap_arm import LinkFrame, link_frames, quaternions, scene_frame
 from abi.export.ros_definitions import DEFINITIONS
 from abi.export.ros_trajectory import trajectory_message
 from abi.obstacles.pose import METRES
@@ -48,7 +48,7 @@ def write(plan: Plan, name: str) -> bytes:
 
 def _messages(plan: Plan) -> Iterator[_BagMessage]:
     assert plan.arm is not None
-    chain, trajectory = chain_of(plan.arm), joint_trajectory(plan)
+    chain, trajectory = plan.arm.chain, joint_trajectory(plan)
     frame, root = scene_frame(chain), chain.robot.root
     tool = (motion_of(plan).tool * METRES[plan.scene.unit]).tolist()
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()

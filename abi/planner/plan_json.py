@@ -29,7 +29,6 @@ from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_certificate_json import arm_certificate
 from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
-from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 
 SAMPLES = 200
@@ -209,7 +208,7 @@ def timing(
 
 def joint_search(found: JointSearch | None, model: AnyArm | None, ms: Times, full: bool) -> Section:
     """The search in the space of the joints; ``full`` adds its trees, and the tool's places."""
-    if found is None or found.path is None or not isinstance(model, UrdfArm):
+    if found is None or found.path is None or model is None:
         return None
     section: dict[str, Any] = {
         "path": found.path.tolist(),

@@ -11,7 +11,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
-from abi.robot.urdf_arm import UrdfArm
+from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 
@@ -33,7 +33,7 @@ def next_scene(scene: Scene, number: int, last: Plan) -> Scene:
     """
     leg, motion = scene.tasks[number], last.motion
     assert motion is not None
-    assert isinstance(last.arm, UrdfArm)
+    assert last.arm is not None
     joints = motion.positions[-1]
     here = _after_gripper(scene, number - 1, last.scene, _tool_pose(last.arm, joints))
     arm: dict[str, Any] = {
@@ -73,7 +73,7 @@ def _after_gripper(scene: Scene, number: int, here: Scene, tool: FloatArray) -> 
     return here
 
 
-def _tool_pose(arm: UrdfArm, joints: FloatArray) -> FloatArray:
+def _tool_pose(arm: AnyArm, joints: FloatArray) -> FloatArray:
     """World from tip at joint positions (n,), (4, 4), [unit]."""
     pose = np.eye(4)
     pose[:3] = arm.chain.poses(joints[None] / arm.scales)[0, -1]

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Quaternion
+from abi.robot.kinematics.chain import Chain
 
 
 class AnyCapsule(Protocol):
@@ -51,6 +52,14 @@ class AnyArm(Protocol):
     """An arm: its chain of joints, and the capsules around its links."""
 
     @property
+    def chain(self) -> Chain:
+        """The chain with all its links as it stands in the scene, in [m]."""
+
+    @property
+    def scales(self) -> FloatArray:
+        """Factors from positions in [rad] or [m] to [rad] or [unit], (n,)."""
+
+    @property
     def root(self) -> str:
         """Name of the link that stands at its base."""
 
@@ -93,6 +102,9 @@ class AnyArm(Protocol):
         self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray
     ) -> FloatArray | None:
         """Torques (k, n) that a motion takes, [N·m] or [N]; None where no masses are known."""
+
+    def tool(self, positions: FloatArray) -> FloatArray:
+        """Positions (k, 3) of the tool at joint positions (k, n), [unit], world."""
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
         """Capsules of all links at joint positions (k, n)."""

@@ -11,7 +11,6 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.paper_arm import PaperArm, place
 
 
 def links_clearance(
@@ -39,9 +38,10 @@ def links_clearance(
     if clearance.obstacle < 0:
         return None
     least = clearance.distances[samples].copy()
-    if isinstance(arm, PaperArm):
-        ends = place(arm, motion.positions[samples])
-        radii = [capsule.radius for capsule in arm.capsules]
+    if arm.has_exact_bodies:
+        placed = arm.placed(motion.positions[samples])
+        ends = np.stack([capsule.ends for capsule in placed], axis=1)
+        radii = [capsule.radius for capsule in placed]
         p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
         for mesh in ObstacleSet(tuple(obstacles)).meshes:
             gaps = mesh.segment_distance(p, q).reshape(ends.shape[:2]) - radii

@@ -22,10 +22,13 @@ from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.any_arm import PlacedCapsule, RateLimits
 from abi.robot.bodies.urdf_writer import joint, write
+from abi.robot.kinematics.chain import Chain
 from abi.robot.paper_arm import arm_links
 from abi.robot.paper_arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
 from abi.robot.paper_arm.place_capsules_kernels import place_capsules
 from abi.robot.paper_arm.pose_kernels import ArmNumbers, ArmTable
+from abi.robot.urdf.robot_files import packed, robot_from_archive
+from abi.robot.urdf.usual_tip import usual_tip
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Names of the joints, in the order of all arrays of joint positions."""
@@ -162,6 +165,18 @@ class PaperArm(ShortRepr):
         rows = [(c.body, c.low, c.high, c.radius) for c in self.capsules]
         return read_only(np.array(rows, dtype=float).ravel())
 
+    @cached_property
+    def chain(self) -> Chain:
+        """The chain of its URDF as it stands in the scene, in [m]."""
+        robot = robot_from_archive(packed(self.files()))
+        x, y, z = (self.base * self.metres).tolist()
+        return Chain.of(robot, usual_tip(robot), (x, y, z), None, self.wxyz)
+
+    @cached_property
+    def scales(self) -> FloatArray:
+        """Factors from positions in [rad] or [m] to [rad] or [unit], (6,)."""
+        return read_only(np.where(SLIDES, 1 / self.metres, 1.0))
+
     @property
     def metres(self) -> float:
         """One [unit] in metres."""
@@ -195,6 +210,10 @@ class PaperArm(ShortRepr):
 
     def torques(self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray) -> None:
         """Torques of a motion: None, as the paper gives masses for its last three drives alone."""
+
+    def tool(self, positions: FloatArray) -> FloatArray:
+        """Positions (k, 3) of the tool at joint positions (k, 6), [unit], world."""
+        return forward(self, positions)
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
         """Capsules of all links at joint positions (k, 6)."""

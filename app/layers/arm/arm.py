@@ -2,45 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
-import viser
 
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
-from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.robot.urdf_arm import UrdfArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, rows_at, segments
-from app.layers.arm import paper_arm, urdf_arm
-from app.layers.arm.arm_nodes import ArmNodes, JointNode
+from app.layers.arm.arm_nodes import JointNode
 from app.layers.arm.arm_playback import ArmPlayback, samples_of
-from app.layers.arm.paper_arm import PaperArmNodes
-from app.layers.arm.urdf_arm import UrdfArmNodes
+from app.layers.arm.kinds import KINDS, kind_of
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.layout import Layout
 
-_KINDS: dict[type[AnyArm], Callable[[viser.SceneApi], ArmNodes]] = {
-    PaperArm: PaperArmNodes,
-    UrdfArm: UrdfArmNodes,
-}
-"""Nodes of each kind of arm."""
-_BODIES: dict[type[AnyArm], Callable[[AnyArm], object]] = {
-    PaperArm: paper_arm.bodies,
-    UrdfArm: urdf_arm.bodies,
-}
-"""How to make the bodies of each kind, which all tabs share."""
 _TRACE_SAMPLES = 100
 _NO_JOINTS: list[JointNode] = []
 
 
 def prepare_bodies(arm: AnyArm) -> None:
     """Make what takes long to make of an arm's picture, before a tab needs it."""
-    _BODIES[type(arm)](arm)
+    kind_of(arm).bodies(arm)
 
 
 class ArmLayer(Layer):
@@ -59,7 +43,7 @@ class ArmLayer(Layer):
     def __init__(self, layout: Layout) -> None:
         scene = layout.client.scene
         self._playback = ArmPlayback(layout.client)
-        self._kinds = {kind: nodes(scene) for kind, nodes in _KINDS.items()}
+        self._kinds = {kind: one.nodes(scene) for kind, one in KINDS.items()}
         self._nodes = next(iter(self._kinds.values()))
         self._arm: AnyArm | None = None
         self._posed: object = None
@@ -121,7 +105,7 @@ class ArmLayer(Layer):
         if motion is None:
             self._trace.points = NO_SEGMENTS
             if plan.arm is not None and plan.arm is self._arm:
-                self._move(self._nodes.rest_pose(plan))
+                self._move(self._nodes.rest_pose(plan.arm, plan.scene))
             return
         if plan.arm is self._arm:
             self._move(rows_at(time, motion.time, motion.positions))

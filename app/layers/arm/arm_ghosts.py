@@ -8,14 +8,11 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.inverse_kinematics import solve
-from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.robot.urdf_arm import REACHED, UrdfArm
-from abi.scene.settings import Elbow
-from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters, rows_at
-from app.layers.arm.arm_playback import samples_of
+from abi.robot.urdf_arm import REACHED
+from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.arm.ghost_bodies import GhostBodies, places_of
-from app.layers.arm.urdf_poses import OtherPoses, end_pose, other_joint_paths, other_poses
+from app.layers.arm.kinds import kind_of
+from app.layers.arm.other_poses import OtherPoses
 from app.shared.once_a_plan import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
@@ -100,39 +97,13 @@ class ArmGhostsLayer(Layer):
 def _poses_of(name: str, frame: Frame) -> FloatArray:
     """Joint positions (k, n) of a ghost, [rad] or [unit]."""
     plan, arm = frame.plan, frame.plan.arm
-    if isinstance(arm, PaperArm):
-        if name == "now":
-            return _paper_poses(arm, _tool_at(plan, frame.time)[None], plan, other=True)
-        return _paper_poses(arm, np.array([getattr(plan.scene, name)]), plan)
-    if not isinstance(arm, UrdfArm):
+    if arm is None:
         return np.empty((0, 0))
+    poses = kind_of(arm).poses
     if name == "now":
-        return other_poses(plan, arm, frame.time)
-    pose = end_pose(plan, arm, name)
+        return poses.other_poses(plan, arm, frame.time)
+    pose = poses.end_pose(plan, arm, name)
     return np.empty((0, 0)) if pose is None else pose[None]
-
-
-def _paper_poses(arm: PaperArm, tool: FloatArray, plan: Plan, other: bool = False) -> FloatArray:
-    """Joint positions (k, 6) of the paper's arm with its tool at (k, 3), on its branch or not."""
-    elbow = elbow_of(plan)
-    if other:
-        elbow = "down" if elbow == "up" else "up"
-    q5, still = np.full(len(tool), plan.scene.arm.q5), np.zeros(len(tool))
-    found = solve(arm, tool, q5, elbow, np.zeros_like(tool))
-    return np.column_stack([found.q1, found.q2, found.q3, still, q5, still])
-
-
-def elbow_of(plan: Plan) -> Elbow:
-    """Branch of the plan's arm."""
-    return plan.scene.arm.branches[0] if plan.motion is None else plan.motion.elbow
-
-
-def _tool_at(plan: Plan, time: float) -> FloatArray:
-    """Place of the tool at a time, (3,), [unit], world."""
-    motion = plan.motion
-    if motion is None:
-        return np.array(plan.scene.start)
-    return rows_at(time, motion.time, motion.tool)
 
 
 @once_a_plan
@@ -152,10 +123,5 @@ def _places(plan: Plan) -> FloatArray:
 
 def _joint_paths(plan: Plan) -> tuple[OtherPoses, ...]:
     """Joint paths of the other poses, at the page's samples of the motion."""
-    arm, motion = plan.arm, plan.motion
-    if not isinstance(arm, PaperArm):
-        return other_joint_paths(plan)
-    assert motion is not None
-    rows = samples_of(motion)
-    positions = _paper_poses(arm, motion.tool[rows], plan, other=True)
-    return (OtherPoses(motion.time[rows], positions, np.zeros(len(rows))),)
+    assert plan.arm is not None
+    return kind_of(plan.arm).poses.other_joint_paths(plan, plan.arm)

@@ -5,15 +5,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Generic, TypeVar
 
 import numpy as np
 import viser
 import viser.transforms
 
 from abi.arrays import FloatArray
-from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
+from abi.scene.scene import Scene
 from app.ui import node_poses
+
+A = TypeVar("A", bound=AnyArm)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +84,7 @@ class LinkBody:
         self._own.visible = not on
 
 
-class ArmNodes(ABC):
+class ArmNodes(ABC, Generic[A]):
     """Nodes of one kind of arm; one place of the scene is for each kind.
 
     Attributes:
@@ -99,7 +102,7 @@ class ArmNodes(ABC):
         self._look: object = None
         self._touching: frozenset[str] = frozenset()
 
-    def place(self, arm: AnyArm) -> None:
+    def place(self, arm: A) -> None:
         """Put an arm on its base; build its nodes anew where it looks otherwise."""
         if (look := self._look_of(arm)) != self._look or self._base is None:
             if self._base is not None:
@@ -120,19 +123,19 @@ class ArmNodes(ABC):
         return True
 
     @abstractmethod
-    def rest_pose(self, plan: Plan) -> FloatArray:
-        """Positions (n,) in which the arm of a plan without a motion stands, [rad] and [unit]."""
+    def rest_pose(self, arm: A, scene: Scene) -> FloatArray:
+        """Positions (n,) in which an arm stands that has no motion, [rad] and [unit]."""
 
     @abstractmethod
     def values(self, positions: FloatArray) -> FloatArray:
         """Positions (k, m) of the joints that have nodes, of those (k, n) of a motion."""
 
     @abstractmethod
-    def _look_of(self, arm: AnyArm) -> object:
+    def _look_of(self, arm: A) -> object:
         """Values that the nodes depend on."""
 
     @abstractmethod
-    def _build(self, arm: AnyArm) -> None:
+    def _build(self, arm: A) -> None:
         """Add the joints and bodies of an arm to the base's node."""
 
     def _add_joint(

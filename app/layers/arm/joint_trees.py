@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arm_planning.joint_search.joint_tree import JointTree
 from abi.planner.plan import Plan
-from abi.robot.urdf_arm import UrdfArm
+from abi.robot.any_arm import AnyArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, segments
 from app.shared.once_a_plan import once_a_plan
 from app.state.frame import Frame, Layer
@@ -57,7 +57,7 @@ class JointTreesLayer(Layer):
 def tree_lines(plan: Plan) -> _TreeLines:
     """Ways of the tool tip along the edges of a plan's trees, and along the path found."""
     search, arm = plan.joint_search, plan.arm
-    if search is None or search.path is None or not isinstance(arm, UrdfArm):
+    if search is None or search.path is None or arm is None:
         return _TreeLines(NO_SEGMENTS, NO_SEGMENTS, NO_SEGMENTS)
     rows = np.arange(len(search.path), dtype=np.int32)
     path = JointTree(search.path, rows - 1)
@@ -65,7 +65,7 @@ def tree_lines(plan: Plan) -> _TreeLines:
     return _TreeLines(start, goal, found)
 
 
-def _along_edges(tree: JointTree, arm: UrdfArm) -> Segments:
+def _along_edges(tree: JointTree, arm: AnyArm) -> Segments:
     """Ways of the tool tip along the edges of a tree."""
     ends = tree.positions[tree.edges[:_MOST]]
     if not len(ends):

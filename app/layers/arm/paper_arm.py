@@ -8,12 +8,11 @@ import viser.transforms
 
 from abi.arm_planning.motion.trajectory import rest_pose
 from abi.arrays import FloatArray
-from abi.planner.plan import Plan
-from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
 from abi.robot.paper_arm import arm_links
 from abi.robot.paper_arm.paper_arm import JOINT_AXES, SLIDES, PaperArm
 from abi.robot.urdf.robot import LinkShape
+from abi.scene.scene import Scene
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs
 from app.shared.computed_once import computed_once
@@ -22,25 +21,24 @@ _KEPT = 8
 """Arms of different sizes that are kept."""
 
 
-class PaperArmNodes(ArmNodes):
+class PaperArmNodes(ArmNodes[PaperArm]):
     """One node for each joint and one for the tool."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
         super().__init__(scene, "/arm", "links")
 
-    def rest_pose(self, plan: Plan) -> FloatArray:
+    def rest_pose(self, arm: PaperArm, scene: Scene) -> FloatArray:
         """Pose with the tool on the start."""
-        assert isinstance(plan.arm, PaperArm)
-        return rest_pose(plan.arm, plan.scene.arm, plan.scene.start)
+        return rest_pose(arm, scene.arm, scene.start)
 
     def values(self, positions: FloatArray) -> FloatArray:
         """Values of the scene nodes' joints, which are the joint positions."""
         return positions
 
-    def _look_of(self, arm: AnyArm) -> tuple[float, ...]:
+    def _look_of(self, arm: PaperArm) -> tuple[float, ...]:
         return _lengths(arm)
 
-    def _build(self, arm: AnyArm) -> None:
+    def _build(self, arm: PaperArm) -> None:
         lengths = _lengths(arm)
         (base, glbs), *moved = bodies(arm).items()
         *heights, tool = map(_above, arm_links.joint_heights(*lengths))
@@ -54,13 +52,12 @@ class PaperArmNodes(ArmNodes):
         self._scene.add_frame(f"{name}/tool", show_axes=False, position=tool.translation())
 
 
-def bodies(arm: AnyArm) -> dict[str, tuple[bytes, bytes]]:
+def bodies(arm: PaperArm) -> dict[str, tuple[bytes, bytes]]:
     """Bodies of the links that have any, from the base to the gripper, as :func:`link_glbs`."""
     return _links(*_lengths(arm))
 
 
-def _lengths(arm: AnyArm) -> tuple[float, ...]:
-    assert isinstance(arm, PaperArm)
+def _lengths(arm: PaperArm) -> tuple[float, ...]:
     return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
 
 

@@ -10,11 +10,10 @@ import viser.transforms
 
 from abi.arrays import ByteArray, FloatArray
 from abi.obstacles.pose import rotation
-from abi.planner.plan import Plan
-from abi.robot.any_arm import AnyArm
 from abi.robot.kinematics.chain_kernels import POSE
 from abi.robot.urdf.robot import LinkShape, Robot
 from abi.robot.urdf_arm import UrdfArm
+from abi.scene.scene import Scene
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs
 from app.layers.arm.link_colours import muted
@@ -40,34 +39,31 @@ class _Look:
     arm: UrdfArm = field(compare=False)
 
 
-class UrdfArmNodes(ArmNodes):
+class UrdfArmNodes(ArmNodes[UrdfArm]):
     """One node a joint that moves, and the links that it carries."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
         super().__init__(scene, "/robot", "base")
         self._arm: UrdfArm | None = None
 
-    def place(self, arm: AnyArm) -> None:
+    def place(self, arm: UrdfArm) -> None:
         """Put an arm on its base; its geometry stays where robot, tip and unit do."""
-        assert isinstance(arm, UrdfArm)
         self._arm = arm
         super().place(arm)
 
-    def rest_pose(self, plan: Plan) -> FloatArray:
+    def rest_pose(self, arm: UrdfArm, scene: Scene) -> FloatArray:
         """The first pose found with the tool on the start."""
-        assert isinstance(plan.arm, UrdfArm)
-        return plan.arm.first_poses(np.array(plan.scene.start))[0]
+        return arm.first_poses(np.array(scene.start))[0]
 
     def values(self, positions: FloatArray) -> FloatArray:
         """Positions (k, m) of the chain's joints, those that mimic another among them."""
         assert self._arm is not None
         return joint_values(self._arm, positions)
 
-    def _look_of(self, arm: AnyArm) -> _Look:
+    def _look_of(self, arm: UrdfArm) -> _Look:
         return _look_of(arm)
 
-    def _build(self, arm: AnyArm) -> None:
-        assert isinstance(arm, UrdfArm)
+    def _build(self, arm: UrdfArm) -> None:
         names = [self._base_name]
         for number, joint in enumerate(arm.chain.joints):
             # the base is first, so that the joint before one is where its number plus one is
@@ -79,13 +75,12 @@ class UrdfArmNodes(ArmNodes):
             self._add_body(carried.link, f"{names[carried.frame + 1]}/{number}", glbs)
 
 
-def bodies(arm: AnyArm) -> dict[int, tuple[bytes, bytes]]:
+def bodies(arm: UrdfArm) -> dict[int, tuple[bytes, bytes]]:
     """Bodies of the links that are drawn, by their numbers among those that the chain carries."""
     return _bodies(_look_of(arm))
 
 
-def _look_of(arm: AnyArm) -> _Look:
-    assert isinstance(arm, UrdfArm)
+def _look_of(arm: UrdfArm) -> _Look:
     held = frozenset(arm.held.items())
     return _Look(arm.chain.robot, arm.tip, arm.unit, held, arm.joints, arm)
 

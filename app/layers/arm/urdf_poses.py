@@ -1,18 +1,28 @@
-"""Poses of a URDF arm beside that of its motion: those that put the tool at the same place."""
+"""Poses of a URDF arm with the tool where its motion has it, and its regions."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
+from abi.arm_planning.exclusion.chain_regions import (
+    chain_reach,
+    chain_shadow,
+    configurations_in,
+    reach_box,
+)
+from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
+from abi.arm_planning.world.collision_world import chain_world
 from abi.arrays import FloatArray, read_only
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from app.drawing.lines import rows_at
 from app.layers.arm.arm_playback import samples_of
+from app.layers.arm.other_poses import OtherPoses
 from app.shared.once_a_plan import once_a_plan
 
 _OTHERS = 4
@@ -21,18 +31,8 @@ _ALIKE = 0.05
 """Links that are nowhere further from each other than this look the same, over the reach."""
 
 
-class OtherPoses(NamedTuple):
-    """Another pose that leads the tool along the motion.
-
-    Attributes:
-        time: of the samples, (k,), [s].
-        positions: joints, (k, n), [rad] or [unit].
-        missed: by how much the tool is beside its place, (k,), [unit].
-    """
-
-    time: FloatArray
-    positions: FloatArray
-    missed: FloatArray
+SLOW_REGIONS = True
+"""They take longer than a frame where the start is another."""
 
 
 def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
@@ -56,7 +56,7 @@ def end_pose(plan: Plan, arm: UrdfArm, end: str) -> FloatArray | None:
 def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
     """Other poses (k, n) that put the tool where it is at a time [s]."""
     found = []
-    for other in other_joint_paths(plan):
+    for other in other_joint_paths(plan, arm):
         at = int(np.searchsorted(other.time, time).clip(0, len(other.time) - 1))
         if other.missed[max(at - 1, 0) : at + 1].max() <= REACHED * arm.reach:
             found.append(rows_at(time, other.time, other.positions))
@@ -64,10 +64,9 @@ def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
 
 
 @once_a_plan
-def other_joint_paths(plan: Plan) -> tuple[OtherPoses, ...]:
+def other_joint_paths(plan: Plan, arm: UrdfArm) -> tuple[OtherPoses, ...]:
     """Joint paths of the other first poses; without a motion these poses alone."""
-    arm, motion = plan.arm, plan.motion
-    assert isinstance(arm, UrdfArm)
+    motion = plan.motion
     first = end_pose(plan, arm, "start")
     if first is None:
         return ()
@@ -78,6 +77,35 @@ def other_joint_paths(plan: Plan) -> tuple[OtherPoses, ...]:
     rows = samples_of(motion)
     joint_paths = [arm.follow(pose, motion.tool[rows]) for pose in others]
     return tuple(OtherPoses(motion.time[rows], *joint_path) for joint_path in joint_paths)
+
+
+def region_start(plan: Plan, arm: UrdfArm) -> object:
+    """What its regions depend on beside its settings; None where it does not reach the start."""
+    pose = end_pose(plan, arm, "start")
+    return None if pose is None else (plan.scene.start, *np.round(pose, 6).tolist())
+
+
+def region(name: str, plan: Plan, arm: UrdfArm) -> FloatArray:
+    """Triangles (n, 3, 3) of its ``shadow`` or ``reach``, [unit], world."""
+    scene, first = plan.scene, end_pose(plan, arm, "start")
+    assert first is not None
+    lowest = scene.workspace.min[2]
+    if name == "reach":
+        box = reach_box(arm, min(lowest, scene.arm.base[2]))
+    else:
+        box = scene.workspace.min, scene.workspace.max
+    configurations = _configurations(arm, tuple(np.round(first, 6).tolist()), scene.start, box)
+    if name == "reach":
+        return chain_reach(configurations)
+    return chain_shadow(arm, configurations, chain_world(arm, ObstacleSet(scene.obstacles), lowest))
+
+
+@functools.lru_cache(8)
+def _configurations(
+    arm: UrdfArm, first: tuple[float, ...], start: Vec3, box: tuple[Vec3, Vec3]
+) -> NodeConfigurations:
+    """Configurations in a box, which stay while obstacles are dragged."""
+    return configurations_in(arm, np.array(first), np.array(start, dtype=float), box)
 
 
 def _different(arm: UrdfArm, first: FloatArray, poses: Sequence[FloatArray]) -> list[FloatArray]:
