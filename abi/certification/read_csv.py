@@ -2,6 +2,8 @@
 
 ``time, elbow [deg], rail [mm]``: units stand in brackets behind a name, without them angles are in
 [rad], lengths in [m] and times in [s]. Columns of other names than the robot's joints are ignored.
+Between semicolons or tabs numbers may have decimal commas, as spreadsheets write them in many
+countries.
 """
 
 from __future__ import annotations
@@ -34,6 +36,7 @@ _UNITS = {
 }
 _HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*)\s*[\])])?$")
 _DELIMITERS = ",;\t"
+_DECIMAL_COMMA = re.compile(r"(\d),(\d)")
 
 
 class _Column(NamedTuple):
@@ -58,6 +61,8 @@ def read_csv(text: str, joints: Collection[str]) -> Motion:
     if not lines:
         raise MotionError("The file is empty.", "Give a header with the joints' names, then rows.")
     delimiter = max(_DELIMITERS, key=lines[0].count)
+    if delimiter != ",":
+        lines[1:] = [_DECIMAL_COMMA.sub(r"\1.\2", line) for line in lines[1:]]
     rows = list(
         csv.reader(io.StringIO("\n".join(lines[: MOST_WAYPOINTS + 2])), delimiter=delimiter)
     )
@@ -72,7 +77,11 @@ def read_csv(text: str, joints: Collection[str]) -> Motion:
         )
     positions = np.stack([_numbers(rows, one) for one in found], axis=1)
     times = _numbers(rows, time[0]) if time else np.arange(len(rows) - 1, dtype=float)
-    left_out = [one.name for one in columns if one not in found and one not in time[:1]]
+    left_out = [
+        one.name or "one without a name"
+        for one in columns
+        if one not in found and one not in time[:1]
+    ]
     notes = []
     if left_out:
         notes.append(f"Columns that are no joint were ignored: {', '.join(left_out[:8])}.")

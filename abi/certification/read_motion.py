@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
 
@@ -92,10 +93,11 @@ def joint_names(robot: Robot) -> tuple[str, ...]:
 
 
 def _csv(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
-        raise MotionError(f"{short(name)} is no text in UTF-8.") from None
+        raise MotionError(f"{short(name)} is no text in UTF-8 or UTF-16.") from None
     return read_csv(text, slides.keys())
 
 

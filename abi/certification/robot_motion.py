@@ -149,8 +149,7 @@ def _matched(motion: Motion, robot: Robot) -> tuple[Motion, list[str]]:
     ]
     kept = [name for name in free if name in motion.joints]
     if missing := _missing(robot, kept):
-        like = difflib.get_close_matches(missing, motion.joints, 1)
-        hint = "Give its positions, too" + (f"; is it {like[0]}?" if like else ".")
+        hint = " ".join(("Give its positions, too.", *motion.notes))  # what was left out, too
         raise MotionError(f"The motion does not say where {missing} is.", hint, joint=missing)
     columns = [motion.joints.index(name) for name in kept]
     rates = [

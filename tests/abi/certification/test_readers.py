@@ -33,6 +33,9 @@ def csv_text(rows: list[list[object]], names: tuple[str, ...] = JOINTS) -> bytes
     return "\n".join([head, *(",".join(map(str, row)) for row in rows)]).encode()
 
 
+_COMMAS = str.maketrans(",.", ";,")
+
+
 def message(**changed: object) -> dict[str, Any]:
     points = [
         {
@@ -57,6 +60,9 @@ def written() -> dict[str, bytes]:
         "a.csv": csv_text(rows),
         "b.csv": in_degrees.replace(b"time", b"time [ms]", 1),
         "c.csv": csv_text(rows).replace(b",", b";"),
+        # as spreadsheets write it where commas are decimal, with a mark of byte order
+        "c2.csv": ("\ufeff" + csv_text(rows).decode().translate(_COMMAS)).encode(),
+        "c3.csv": csv_text(rows).decode().replace(",", "\t").encode("utf-16"),
         "d.json": json.dumps(plain).encode(),
         "e.json": json.dumps(message()).encode(),
         "f.yaml": (yaml_text(message()) + "---\n").encode(),
@@ -104,7 +110,12 @@ def rows_with(row: int, column: int, value: object) -> list[list[object]]:
         ("a.json", b"{", ["JSON"]),
         ("a.json", b"[]", ["no motion"]),
         ("a.bag", b"", [".csv"]),
-        ("a.csv", b"\xff\xfe", ["UTF-8"]),
+        ("a.csv", b"\xff\xfe\x00", ["UTF-8"]),
+        (
+            "a.csv",
+            csv_text(rows_with(0, 0, 0), ("shoulder", *JOINTS[1:])),
+            ["where shoulder_pan_joint is", "ignored: shoulder."],
+        ),
     ],
 )
 def test_wrong_input_is_one_sentence(name: str, content: bytes, words: list[str]) -> None:
