@@ -16,14 +16,27 @@ LONGEST = 3.0
 class Details:
     """Layers that are drawn with every frame unless a crowd waits, and always once the hand rests.
 
+    Once something else has been chosen than what is drawn, they wait for the frame of that.
+
     Attributes:
         parts: the layers, in the order in which they are drawn.
     """
 
-    def __init__(self, parts: Iterable[Drawable], waiting: Callable[[], int]) -> None:
-        """Draw ``parts``; ``waiting()`` is how many other tabs wait for their turn."""
+    def __init__(
+        self,
+        parts: Iterable[Drawable],
+        waiting: Callable[[], int],
+        overtaken: Callable[[], bool],
+    ) -> None:
+        """Begin with nothing drawn.
+
+        Args:
+            parts: the layers.
+            waiting: how many other tabs wait for their turn.
+            overtaken: whether something else has been chosen.
+        """
         self.parts = tuple(parts)
-        self._waiting = waiting
+        self._waiting, self._overtaken = waiting, overtaken
         self._drawn = -LONGEST
         self._shown: tuple[object, ...] = ()
 
@@ -36,4 +49,7 @@ class Details:
             return
         self._drawn, self._shown = time.monotonic(), shown
         for part in self.parts:
+            if self._overtaken():
+                self._drawn = -LONGEST
+                return
             part.draw(frame)

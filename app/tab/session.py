@@ -108,7 +108,16 @@ class Session:
         self._memory = TabMemory(client, self.wake)
         self._look = look
         with client.atomic():
-            self._view = TabView(client, name, scene, self.wake, bool(look.dark), library, watch)
+            self._view = TabView(
+                client,
+                name,
+                scene,
+                self.wake,
+                bool(look.dark),
+                library,
+                watch,
+                lambda: self._watch.overtaken,
+            )
             self.panels, self.playback = self._view.panels, self._view.playback
             self._built = True
             self._class: ClassroomPanel | None = None

@@ -62,8 +62,12 @@ class TabView:
         dark: bool,
         library: Library,
         watch: PageWatch,
+        overtaken: Callable[[], bool],
     ) -> None:
-        """Add panels and layers, in the order of the page where they share a tab or a folder."""
+        """Add panels and layers, in the order of the page where they share a tab or a folder.
+
+        What takes long to draw waits once the frame is ``overtaken`` by another choice.
+        """
         self._client = client
         self._watch = watch
         self.viewpoint = Viewpoint(client.camera, scene)
@@ -83,7 +87,7 @@ class TabView:
         details = [part for part in drawn if isinstance(part, _DETAILS)]
         others = [part for part in drawn if not isinstance(part, _DETAILS)]
         self.parts: tuple[tuple[Drawable, ...], ...] = (
-            (*others, Details(details, lambda: TURNS.waiting)),
+            (*others, Details(details, lambda: TURNS.waiting, overtaken)),
             tuple(slow_layers),
         )
 

@@ -45,9 +45,13 @@ def dragged() -> Frame:
     return Frame(Plan(load_scene("two-boxes")), interactive=True)
 
 
+def _never() -> bool:
+    return False
+
+
 def test_alone_a_tab_draws_every_detail_of_every_frame(clock: Clock, dragged: Frame) -> None:
     layer = Recorder()
-    alone = Details([layer], lambda: 0)
+    alone = Details([layer], lambda: 0, _never)
     for _ in range(5):
         alone.draw(replace(dragged))
     assert len(layer.frames) == 5
@@ -58,7 +62,7 @@ def test_in_a_crowd_details_pause_but_never_for_long(
     clock: Clock, dragged: Frame, waiting: int, pause: float
 ) -> None:
     layer = Recorder()
-    crowded = Details([layer], lambda: waiting)
+    crowded = Details([layer], lambda: waiting, _never)
     crowded.draw(dragged)
     clock.now += 0.9 * pause
     crowded.draw(replace(dragged))
@@ -75,7 +79,19 @@ def test_what_is_asked_for_and_the_last_frame_do_not_wait(
     clock: Clock, dragged: Frame, change: dict[str, object]
 ) -> None:
     layer = Recorder()
-    crowded = Details([layer], lambda: 1000)
+    crowded = Details([layer], lambda: 1000, _never)
     crowded.draw(dragged)
     crowded.draw(other := replace(dragged, **change))  # type: ignore[arg-type]
     assert layer.frames == [dragged, other]
+
+
+def test_once_another_choice_is_made_the_rest_waits_for_its_frame(
+    clock: Clock, dragged: Frame
+) -> None:
+    layers = [Recorder(), Recorder(), Recorder()]
+    chosen = iter([False, True, False, False, False])
+    crowded = Details(layers, lambda: 1000, lambda: next(chosen))
+    crowded.draw(dragged)
+    assert [layer.frames for layer in layers] == [[dragged], [], []]
+    crowded.draw(last := replace(dragged))
+    assert [layer.frames for layer in layers] == [[dragged, last], [last], [last]]
