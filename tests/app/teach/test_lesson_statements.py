@@ -176,6 +176,16 @@ def a_mirrored_y_is_the_same_only_at_0() -> bool:
     return bool(np.allclose(reached, tool * [1, -1, 1], atol=1e-9)) and y[same].tolist() == [0.0]
 
 
+def a_thousand_points_miss_the_plate_that_the_quadratic_goes_through() -> bool:
+    frame = planned("13-samples", 0)
+    quadratic, clearance = frame.plan.quadratic, MEASURES["quadratic.clearance"](frame)
+    assert quadratic is not None
+    assert clearance is not None
+    points = quadratic.curve(np.linspace(*quadratic.curve.interval, 1000))
+    (plate,) = frame.plan.scene.obstacles
+    return bool(plate.signed_distance(points).min() > 0 > clearance)
+
+
 STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
     ("01-mesh", "3 times as many"): the_other_powers_are_those_of_a_line_and_a_surface,
     ("01-mesh", "9 times as many"): the_other_powers_are_those_of_a_line_and_a_surface,
@@ -196,6 +206,10 @@ STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
     ("09-links", "Below 0 they are inside"): links_with_less_than_0_are_inside,
     ("12-errata", "Only where Py = 0"): a_mirrored_y_is_the_same_only_at_0,
     ("12-errata", "t² Q / (2 I)"): the_force_gives_the_acceleration_q_by_i,
+    (
+        "13-samples",
+        "1,000 points",
+    ): a_thousand_points_miss_the_plate_that_the_quadratic_goes_through,
     ("10-optimal", "13.295, 13.695 and 13.496"): the_lengths_are_those_of_table_one,
     ("10-optimal", "each edge costs **1**"): by_hops_each_edge_costs_1,
 }
