@@ -11,16 +11,22 @@ _JUNK = ("__MACOSX", ".DS_Store", "Thumbs.db", "desktop.ini")
 def members_of(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
     """Files of an archive by their names, with ``/`` between folders and none that lead outside.
 
-    Folders, and what file managers add for themselves, are left out. Of several files with one
-    name the last counts, as when they are unpacked one after the other.
+    Folders, and what file managers add for themselves, are left out. Of two files with one name it
+    is not known which is meant, unless they are the same.
+
+    Raises:
+        BadZipFile: there are two.
     """
-    found = {}
+    found: dict[str, zipfile.ZipInfo] = {}
     for entry in archive.infolist():
         name = entry.filename.replace("\\", "/")
         parts = [part for part in name.split("/") if part not in ("", ".")]
         # is_dir() asks for the last letter of a name that may have none
         if parts and not name.endswith("/") and ".." not in parts and not _is_junk(parts):
-            found["/".join(parts)] = entry
+            path = "/".join(parts)
+            other = found.setdefault(path, entry)
+            if (other.CRC, other.file_size) != (entry.CRC, entry.file_size):
+                raise zipfile.BadZipFile(f"two files {path}")
     return found
 
 

@@ -42,6 +42,8 @@ from abi.verify.sides import check_apart
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
+_ROUNDED = Fraction(1, 1 << 46)
+"""The same over the largest coordinate, as numbers are rounded."""
 _ASKED = 1e-5
 """Error of a joint, or of the tool's direction, that is let pass at start and goal."""
 _PAST = Fraction(1, 10**9)
@@ -233,6 +235,7 @@ def _check_ends(motion: _JointMotion, scene: Scene) -> None:
         frame, end = chain.place(row)[-1], getattr(scene.arm, name)
         place, _ = frame.place(zero)
         allowed = _REACHED * length + Fraction(0 if end is None else end.position_tolerance)
+        allowed += _ROUNDED * max(map(abs, place))
         if max(map(abs, sub(place, vector(getattr(scene, name))))) > allowed:
             raise Fault(f"the tool tip is not at the {name}")
         if end is not None and end.is_pose and _turned(frame, end.wxyz) > end.angle_tolerance:

@@ -27,8 +27,12 @@ def unpacked(data: bytes) -> dict[str, bytes]:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             entries = archive.infolist()
             small = sum(entry.file_size for entry in entries) <= _MOST_UNPACKED
-            if small and len(entries) <= _MOST_ENTRIES:
+            names = {entry.filename.lower() for entry in entries}
+            twice = len(names) < len(entries)
+            if small and len(entries) <= _MOST_ENTRIES and not twice:
                 return {entry.filename.lower(): archive.read(entry) for entry in entries}
     except DAMAGED_ZIP:
         raise ValueError("a whole 3MF file, which is a zip archive") from None
+    if twice:
+        raise ValueError("a 3MF file in which each part is once, whatever the case of its name")
     raise ValueError(f"an archive of at most {_MOST_UNPACKED // 1_000_000} MB unpacked")

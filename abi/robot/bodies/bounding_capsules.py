@@ -50,7 +50,7 @@ def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> BoundingCapsule
         centre = centre + (across[farthest] - centre) / (step + 1)
     radial = np.linalg.norm(across - centre, axis=1)
     radius = float(radial.max())
-    cap = np.sqrt(radius**2 - radial**2)
+    cap = np.sqrt(np.maximum(radius**2 - radial**2, 0.0))  # both squares round on their own
     low, high = float((points @ axis + cap).min()), float((points @ axis - cap).max())
     if low > high:
         low = high = (low + high) / 2

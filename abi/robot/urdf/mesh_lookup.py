@@ -34,7 +34,8 @@ class MeshLookup:
         self._read: dict[str, Parts] = {}
         self._taken: set[str] = set()
         self._guessed: dict[str, str] = {}
-        self._names = {file.removesuffix(_PLAIN): file for file in files}
+        own = {file: file for file in files}
+        self._names = {file.removesuffix(_PLAIN): file for file in files} | own
         self._triangles = 0
         kept = files.get(_NOTES, b"").decode(errors="replace").splitlines()[:_MOST_NOTES]
         self._left_out = {line[:200]: None for line in kept}

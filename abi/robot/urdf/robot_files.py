@@ -13,6 +13,7 @@ from pathlib import PurePosixPath
 from abi import assets
 from abi.archive_members import members_of
 from abi.errors import SceneError
+from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.mesh_lookup import MeshLookup, is_plain
@@ -190,7 +191,7 @@ def _opened(content: bytes) -> Iterator[zipfile.ZipFile]:
                 raise SceneError("arm.urdf", value, expected)
             yield archive
     except DAMAGED_ZIP as error:
-        expected = "a whole zip archive without a password"
+        expected = "a whole zip archive without a password, in which each file is once"
         raise SceneError("arm.urdf", str(error)[:60], expected) from None
 
 
@@ -252,15 +253,16 @@ def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
         return robot
     srdf = read_srdf(files[found[0]], PurePosixPath(found[0]).name, robot)
     notes = [*robot.notes]
+    if srdf.name != robot.name:
+        notes.append(f"Its SRDF is that of a robot {shown(srdf.name)}, and counts all the same.")
     if srdf.may_touch:
-        count = len(srdf.may_touch)
-        notes.append(
-            f"{count} pairs of links are not checked against each other: its SRDF says so."
-        )
+        pairs = counted(len(srdf.may_touch), "pair of links", "pairs of links")
+        notes.append(f"{pairs} not checked against each other: its SRDF says so.")
     if srdf.states:
         names = some_of([one.name for one in srdf.states], 6)
         notes.append(f"Named states of its SRDF: {names}.")
-    return replace(robot, **srdf._asdict(), notes=(*notes,))
+    read = {name: value for name, value in srdf._asdict().items() if name != "name"}
+    return replace(robot, **read, notes=(*notes,))
 
 
 @lru_cache(maxsize=8)

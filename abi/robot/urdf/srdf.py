@@ -18,11 +18,13 @@ class Srdf(NamedTuple):
     """Content of an SRDF.
 
     Attributes:
+        name: of the robot that it is of.
         may_touch: pairs of links that are excluded from collision checks.
         groups: names of the joints that move in each group, by its name.
         states: positions of a group's joints that have a name.
     """
 
+    name: str
     may_touch: frozenset[frozenset[str]]
     groups: Mapping[str, tuple[str, ...]]
     states: tuple[NamedState, ...]
@@ -44,7 +46,8 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
     for group in root.all("group"):
         if group.text("name"):  # one inside another is a reference to one before
             groups[group.text("name")] = _joints(group, robot, groups)
-    return Srdf(_may_touch(root, robot), MappingProxyType(groups), _states(root, robot))
+    touching, states = _may_touch(root, robot), _states(root, robot)
+    return Srdf(root.text("name"), touching, MappingProxyType(groups), states)
 
 
 def _may_touch(root: XmlElement, robot: Robot) -> frozenset[frozenset[str]]:

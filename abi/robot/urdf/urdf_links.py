@@ -140,6 +140,8 @@ def _shape(part: XmlElement, kind: str, pose: FloatArray, meshes: Meshes) -> Lin
         )
     else:
         size = part.vector("scale", (1.0, 1.0, 1.0), -1e4, 1e4)
+        if not all(size):
+            raise part.refuse("scale", size, "three numbers other than 0")
         vertices, faces, colours = meshes(file_name(part))
         vertices = vertices * size
         if not np.isfinite(vertices).all() or np.abs(vertices).max(initial=0) > _LARGEST:

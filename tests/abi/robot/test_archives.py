@@ -238,3 +238,32 @@ def test_vertices_are_those_of_the_mesh_that_is_meant() -> None:
     corners = np.ascontiguousarray(expected).view("<f4").reshape(-1, 3)
     np.testing.assert_allclose(np.sort(shape.vertices[shape.faces].reshape(-1, 3), axis=0),
                                np.sort(corners, axis=0))  # fmt: skip
+
+
+def test_a_file_keeps_its_own_name_whatever_one_is_called_that_was_made_of_it() -> None:
+    files: Files = {"r.urdf": using("a.stl"), "a.stl": ball(2), "a.stl.plain.stl": ball(0)}
+    for order in (files, dict(reversed(files.items()))):
+        assert triangles(from_zip(order)) == triangles(from_zip({**files, "a.stl.plain.stl": b""}))
+
+
+@pytest.mark.parametrize("scale", ["0 0 0", "1 1 0", "-0 1 1"])
+def test_a_mesh_that_is_scaled_to_nothing_is_refused(scale: str) -> None:
+    flat = arm((BOX, f'<mesh filename="a.stl" scale="{scale}"/>'))
+    with pytest.raises(SceneError, match=r"scale is .* other than 0"):
+        from_zip({"r.urdf": flat, "a.stl": ball(1)})
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("other", ["m/a.stl", r"m\a.stl", "./m/a.stl"])
+def test_two_files_of_one_name_are_refused_unless_they_are_the_same(other: str) -> None:
+    def packed_twice(second: bytes) -> bytes:
+        content = io.BytesIO()
+        with zipfile.ZipFile(content, "w") as archive:
+            archive.writestr("r.urdf", using("m/a.stl"))
+            archive.writestr("m/a.stl", ball(1))
+            archive.writestr(other, second)
+        return content.getvalue()
+
+    assert triangles(robot_from_archive(packed_twice(ball(1))))
+    with pytest.raises(SceneError, match=r"two files m/a\.stl.*each file is once"):
+        robot_from_archive(packed_twice(ball(0)))

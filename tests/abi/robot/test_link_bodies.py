@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 import scipy
 import trimesh
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.bodies.bounding_capsules import smallest_capsule
 from abi.robot.bodies.link_bodies import Body, link_bodies
 from abi.robot.urdf.robot import Link
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
@@ -45,6 +48,17 @@ def surface(link: Link) -> FloatArray:
         points = np.concatenate([solid.sample(2000, seed=1), solid.vertices])
         parts.append(points @ shape.pose[:3, :3].T + shape.pose[:3, 3])
     return np.concatenate(parts)
+
+
+@given(st.integers(0, 10**6))
+@example(785)
+@example(974)
+def test_a_capsule_holds_its_points(seed: int) -> None:
+    points = np.random.default_rng(seed).uniform(-1, 1, (8, 3))
+    low, high, radius = smallest_capsule(points)
+    way = high - low
+    share = np.clip((points - low) @ way / max(float(way @ way), 1e-300), 0, 1)
+    assert np.linalg.norm(points - low - share[:, None] * way, axis=1).max() <= radius
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -63,6 +63,14 @@ def test_all_pairs_of_a_link_may_be_disabled_but_for_some() -> None:
     assert robot.may_touch == {frozenset("db"), frozenset("dc")}
 
 
+def test_an_srdf_of_another_robot_is_told_of() -> None:
+    text = '<robot name="other"><disable_collisions link1="a" link2="c"/></robot>'
+    robot = robot_from_archive(packed({"a.urdf": arm(), "a.srdf": text}))
+    assert robot.may_touch == {frozenset("ac")}
+    assert any("'other'" in note for note in robot.notes)
+    assert not any("of a robot" in note for note in with_srdf().notes)
+
+
 def test_a_scene_names_the_srdf_that_counts(tmp_path: Path) -> None:
     for name, pair in (("one", "ac"), ("two", "bd")):
         text = f'<disable_collisions link1="{pair[0]}" link2="{pair[1]}"/>'

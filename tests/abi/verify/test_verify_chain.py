@@ -20,7 +20,7 @@ from abi.planner.planner import Planner
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
-from abi.scene.scene import load_scene
+from abi.scene.scene import Scene, load_scene
 from abi.verify.exact import Vec3, vector
 from abi.verify.exact_chain import exact_chain, sine_and_cosine
 from abi.verify.verify import Verdict, verify
@@ -214,3 +214,30 @@ def test_links_that_the_scene_lets_touch_are_left_out() -> None:
     found = of_arm(data)
     assert found.proven, found.reason
     assert "2 asked" in found.reason
+
+
+def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding() -> None:
+    box = '<collision><geometry><box size="0.1 0.1 0.3"/></geometry></collision>'
+    text = (
+        f'<robot name="r"><link name="a"/><link name="b">{box}</link><joint name="p" '
+        'type="revolute"><parent link="a"/><child link="b"/><origin xyz="0.1 0.3 0.7" rpy="1 2 3"/>'
+        '<axis xyz="0.6 0 0.8"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>'
+        "</robot>"
+    )
+    files = {"r.urdf": text.encode()}
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "cm",
+            "workspace": {"min": [-200, -200, 0], "max": [200, 200, 200]},
+            "mesh": {"pitch": 40},
+            "start": {"joints": {"p": -1.0}},
+            "goal": {"joints": {"p": -0.2}},
+            "arm": {"model": "urdf", "urdf": "r.urdf", "base": [3.3, 1.7, 5.1], "axis": None},
+        },
+        MeshSource(files),
+    )
+    data: Data = Planner()(scene).to_dict()
+    assert data["error"] is None
+    verdicts = verify(json.loads(json.dumps(data)), MeshSource(files))
+    assert next(one for one in verdicts if one.curve == "arm").proven

@@ -52,6 +52,14 @@ def archived(model: bytes) -> bytes:
     return packed.getvalue()
 
 
+def test_a_3mf_with_two_parts_of_one_name_is_refused() -> None:
+    packed = io.BytesIO(exported(".3mf"))
+    with zipfile.ZipFile(packed, "a") as archive:
+        archive.writestr("3D/3DMODEL.model", b"<model/>")
+    with pytest.raises(SceneError, match="each part is once"):
+        read(packed.getvalue(), "a.3mf")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "expected"),
