@@ -13,7 +13,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
 from abi.errors import MotionError
-from abi.robot.bodies.allowed_contacts import AllowedContact, Reason
+from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
 from abi.robot.bodies.chain_capsules import lever, meeting
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.kinematics.chain import Chain
@@ -119,12 +119,11 @@ class RobotBodies(ShortRepr):
 
         ``always`` means that they overlap in nearly all random poses.
         """
-        chain, robot = self.chain, self.chain.robot
-        frames = (self.bodies[number].frame for number in pairs[0])
-        one, other = ({*chain.behind(frame)} for frame in frames)
-        if len(one ^ other) <= 1:
-            return "adjacent"
-        if frozenset((first, second)) in robot.may_touch:
+        chain, (one, other) = self.chain, pairs[0]
+        frames = self.bodies[one].frame, self.bodies[other].frame
+        if reason := tree_reason(chain, (first, second), frames):
+            return reason
+        if frozenset((first, second)) in chain.robot.may_touch:
             return "srdf"
         low, high = chain.usual_range().T
         poses = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))

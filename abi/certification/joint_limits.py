@@ -13,8 +13,11 @@ from abi.certification.robot_motion import RobotMotion
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
 
 _ROUNDING = 1 + 1e-9
-_SAMPLES = 5
-"""Places between two waypoints at which torques are computed, the first waypoint among them."""
+_SAMPLES, _STEP = 5, 0.05
+"""Places between two waypoints at which torques are computed, both among them, at least; and the
+largest way of a joint between two of them, [rad] or [m]."""
+_MOST_ROWS = 200_000
+"""Places of a motion at most, beyond those at least."""
 
 Quantity = Literal["position", "speed", "acceleration", "torque"]
 
@@ -67,7 +70,8 @@ def joint_limits(motion: RobotMotion, acceleration: float | None = None) -> Limi
     """Find the limits that a motion passes.
 
     Positions, speeds and accelerations are polynomials, whose largest values are found at the roots
-    of their derivatives; torques are computed at places between the waypoints.
+    of their derivatives; torques are computed at places so near that no joint moves by more than
+    0.05 rad or m between them, up to 200,000 places.
 
     Args:
         motion: the motion.
@@ -180,7 +184,10 @@ def _past(
 
 def _torques(motion: RobotMotion, speed: FloatArray, growth: FloatArray | None) -> FloatArray:
     """Torques at places between waypoints, (k, samples, n); straight motions do not accelerate."""
-    shares = np.linspace(0.0, 1.0, _SAMPLES)
+    ways = np.abs(np.diff(motion.points, axis=1)).sum(axis=1)
+    wanted = math.ceil(float(ways.max()) / _STEP) + 1
+    count = max(_SAMPLES, min(wanted, _MOST_ROWS // len(ways)))
+    shares = np.linspace(0.0, 1.0, count)
     tables = [_values(motion.points, shares), _values(speed, shares)]
     tables.append(np.zeros_like(tables[0]) if growth is None else _values(growth, shares))
     rows = [table.reshape(-1, table.shape[2]) for table in tables]
@@ -203,7 +210,7 @@ def _torques_past(motion: RobotMotion, torques: FloatArray) -> list[LimitPassed]
         values = torques[:, :, joint]
         piece, sample = np.unravel_index(int(np.abs(values).argmax()), values.shape)
         value = float(values[piece, sample])
-        time = motion.time_at(int(piece) + int(sample) / (_SAMPLES - 1))
+        time = motion.time_at(int(piece) + int(sample) / (values.shape[1] - 1))
         limit = math.copysign(float(limits[joint]), value)
         found.append(LimitPassed("torque", motion.chain.names[joint], time, value, limit))
     return found

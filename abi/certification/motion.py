@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,18 @@ _ONE = {"positions": "position", "velocities": "velocity", "accelerations": "acc
 Interpolation = Literal["linear", "cubic", "quintic"]
 
 
+class RobotState(NamedTuple):
+    """Where a motion's file says that the robot stands before it.
+
+    Attributes:
+        joints: positions by name, also of joints that the motion does not move, [rad] or [m].
+        objects: names of the objects that it holds.
+    """
+
+    joints: Mapping[str, float]
+    objects: tuple[str, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Motion(ReadOnlyCopies):
     """Positions of n joints at m >= 2 waypoints, and their derivatives if they are known.
@@ -32,6 +45,7 @@ class Motion(ReadOnlyCopies):
         accelerations: shape (m, n), [rad/s²] or [m/s²]; None if they are not known.
         timed: whether ``times`` are in seconds.
         notes: sentences on how the file was read.
+        start: of the robot, as far as the file says.
 
     Raises:
         MotionError: fewer than two waypoints, a joint named twice, another number of values than
@@ -45,6 +59,7 @@ class Motion(ReadOnlyCopies):
     accelerations: FloatArray | None = None
     timed: bool = True
     notes: tuple[str, ...] = ()
+    start: RobotState = field(default=RobotState({}, ()))
 
     def __post_init__(self) -> None:
         _check_names(self.joints)

@@ -12,7 +12,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -22,37 +22,28 @@ from abi.certification.motion import MOST_WAYPOINTS, Motion
 from abi.errors import MotionError, short
 
 _TIMES = ("time", "t", "time_from_start", "timestamp")
-_UNITS = {
-    "": 1.0,
-    "rad": 1.0,
-    "deg": math.pi / 180,
-    "°": math.pi / 180,
-    "m": 1.0,
-    "cm": 0.01,
-    "mm": 0.001,
-    "s": 1.0,
-    "ms": 0.001,
-    "ns": 1e-9,
-}
+_ANGLES = {"": 1.0, "rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180}
+_LENGTHS = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001}
+_DURATIONS = {"": 1.0, "s": 1.0, "ms": 0.001, "ns": 1e-9}
 _HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*)\s*[\])])?$")
 _DELIMITERS = ",;\t"
 _DECIMAL_COMMA = re.compile(r"(\d),(\d)")
 
 
 class _Column(NamedTuple):
-    """A column of the table: its place, its name without the unit, and the unit's factor."""
+    """A column of the table: its place, its name without the unit, and the unit."""
 
     place: int
     name: str
-    factor: float
+    unit: str
 
 
-def read_csv(text: str, joints: Collection[str]) -> Motion:
+def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     """Read a motion from comma-, semicolon- or tab-separated values.
 
     Args:
         text: the whole file.
-        joints: names of the robot's joints: its columns.
+        slides: the robot's joints by their names, which are columns, and which of them slide.
 
     Raises:
         MotionError: no header, no column of a joint, a double one, or what is no number.
@@ -67,16 +58,17 @@ def read_csv(text: str, joints: Collection[str]) -> Motion:
         csv.reader(io.StringIO("\n".join(lines[: MOST_WAYPOINTS + 2])), delimiter=delimiter)
     )
     columns = [_column(k, cell) for k, cell in enumerate(rows[0])]
-    time = [one for one in columns if one.name.lower() in _TIMES and one.name not in joints]
-    found = [one for one in columns if one.name in joints]
+    time = [one for one in columns if one.name.lower() in _TIMES and one.name not in slides]
+    found = [one for one in columns if one.name in slides]
     if not found:
         names = ", ".join(short(one.name) for one in columns[:6])
         raise MotionError(
             f"No column of the file is named after a joint: its first row has {names}.",
-            f"Give a header with the robot's joints: {', '.join(list(joints)[:8])}.",
+            f"Give a header with the robot's joints: {', '.join(list(slides)[:8])}.",
         )
-    positions = np.stack([_numbers(rows, one) for one in found], axis=1)
-    times = _numbers(rows, time[0]) if time else np.arange(len(rows) - 1, dtype=float)
+    tables = [_numbers(rows, one, _LENGTHS if slides[one.name] else _ANGLES) for one in found]
+    positions = np.stack(tables, axis=1)
+    times = _numbers(rows, time[0], _DURATIONS) if time else np.arange(len(rows) - 1, dtype=float)
     left_out = [
         one.name or "one without a name"
         for one in columns
@@ -98,16 +90,17 @@ def _column(place: int, cell: str) -> _Column:
     match = _HEADING.match(cell.strip().strip('"'))
     assert match is not None  # every text is a name
     unit = (match["unit"] or "").strip().lower()
-    # speeds and other columns that are no joint may have any unit
-    return _Column(place, match["name"].strip(), _UNITS.get(unit, math.nan))
+    return _Column(place, match["name"].strip(), unit)
 
 
-def _numbers(rows: list[list[str]], column: _Column) -> FloatArray:
-    """Numbers of a column below the header, in [rad], [m] or [s]."""
-    if math.isnan(column.factor):
-        units = ", ".join(f"[{unit}]" for unit in _UNITS if unit)
+def _numbers(rows: list[list[str]], column: _Column, factors: Mapping[str, float]) -> FloatArray:
+    """Numbers of a column below the header, times the factor of its unit."""
+    if column.unit not in factors:
+        units = ", ".join(f"[{unit}]" for unit in factors if unit)
         raise MotionError(
-            f"The unit of {column.name} is unknown.", f"Use one of {units}.", joint=column.name
+            f"The unit of {column.name} is {short(column.unit)}.",
+            f"Use one of {units}.",
+            joint=column.name,
         )
     values = []
     for row, cells in enumerate(rows[1:], start=1):
@@ -120,4 +113,4 @@ def _numbers(rows: list[list[str]], column: _Column) -> FloatArray:
                 row=row,
                 joint=column.name,
             ) from None
-    return column.factor * np.array(values)
+    return factors[column.unit] * np.array(values)

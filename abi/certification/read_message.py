@@ -7,17 +7,19 @@ A ``trajectory_msgs/msg/JointTrajectory`` may stand alone or inside MoveIt's ``R
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.certification.motion import Motion
+from abi.certification.motion import Motion, RobotState
 from abi.errors import MotionError, short
 from abi.obstacles.pose import METRES
 
 _INSIDE = ("joint_trajectory", "trajectory", "solution", "motion")
+_STATES = ("trajectory_start", "start_state")
 _DEEPEST = 4
 
 
@@ -31,14 +33,16 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
     Raises:
         MotionError: it is none of the known forms, or a part of it is missing or wrong.
     """
-    found = data
+    found, start = data, RobotState({}, ())
     for _ in range(_DEEPEST):
         if isinstance(found, list) and len(found) == 1:
             found = found[0]
         if not isinstance(found, dict):
             break
+        _check_base(found)
+        start = next((_state(found[name]) for name in _STATES if name in found), start)
         if "joint_names" in found and "points" in found:
-            return _trajectory(found)
+            return replace(_trajectory(found), start=start)
         if "joints" in found and "positions" in found:
             return _plain(found)
         if isinstance(found.get("arm"), dict) and isinstance(found.get("scene"), dict):
@@ -48,6 +52,30 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
         "The file holds no motion.",
         "Give a JointTrajectory with joint_names and points, a plan, or joints and positions.",
     )
+
+
+def _check_base(message: Mapping[str, Any]) -> None:
+    """Raise where a message moves a robot's base, or another joint of several coordinates."""
+    moved = message.get("multi_dof_joint_trajectory")
+    if isinstance(moved, dict) and moved.get("points"):
+        raise MotionError(
+            f"The message moves {short(moved.get('joint_names'))} in space, which is not read.",
+            "Give the motion of a robot whose base stands still.",
+        )
+
+
+def _state(state: object) -> RobotState:
+    """Where a message says that the robot stands, and what it holds."""
+    if not isinstance(state, dict):
+        return RobotState({}, ())
+    held = state.get("attached_collision_objects") or []
+    parts = [one.get("object") if isinstance(one, dict) else None for one in held]
+    objects = [str(one.get("id", "")) if isinstance(one, dict) else "" for one in parts]
+    joints = state.get("joint_state")
+    names, at = ((joints or {}).get(name) or [] for name in ("name", "position"))
+    if len(names) != len(at) or not all(map(_is_number, at)):
+        raise MotionError("The message's start state has not one position for each joint.")
+    return RobotState(dict(zip(_names(names), map(float, at), strict=True)), tuple(objects))
 
 
 def _trajectory(message: dict[str, Any]) -> Motion:

@@ -98,7 +98,7 @@ def _csv(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
         text = content.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         raise MotionError(f"{short(name)} is no text in UTF-8 or UTF-16.") from None
-    return read_csv(text, slides.keys())
+    return read_csv(text, slides)
 
 
 def _mapping(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:

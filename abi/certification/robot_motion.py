@@ -11,7 +11,7 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.certification.motion import Motion
-from abi.errors import MotionError, SceneError
+from abi.errors import MotionError, SceneError, short
 from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import held_in_metres, planned_joints
@@ -20,9 +20,9 @@ from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 
-_PAST, _FAR = 1.0, 0.05
-"""Angle past a limit from which on degrees are suspected, and distance of the first waypoint from
-the start state that is refused, [rad] or [m]."""
+_PAST, _FAR, _APART = 1.0, 0.05, 1e-3
+"""Angle past a limit from which on degrees are suspected, distance of the first waypoint from the
+start state that is refused, and that of a joint which stands still, [rad] or [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,13 +96,16 @@ def robot_motion(
         start: positions of joints that the robot stands at, [rad] or [m]; None if not known.
 
     Raises:
-        MotionError: a joint is unknown or missing, angles look like degrees, or the first waypoint
-            is far from the start; names row, joint and unit.
+        MotionError: a joint is unknown or missing, angles look like degrees, the first waypoint is
+            far from the start, or the robot's state in the file is another than the scene's; names
+            row, joint and unit.
     """
     robot = scene.robot
     motion, notes = _matched(motion, robot)
     _suspect_degrees(motion, robot)
-    _check_start(motion, robot, start or {})
+    if start is None:
+        start = {name: at for name, at in motion.start.joints.items() if name in motion.joints}
+    _check_start(motion, robot, start)
     held = held_in_metres(robot, scene.arm.gripper, METRES[scene.unit])
     held = {name: at for name, at in held.items() if name not in motion.joints}
     metres = METRES[scene.unit]
@@ -112,6 +115,7 @@ def robot_motion(
         chain = Chain.moved_by(robot, motion.joints, place, scene.arm.base_wxyz, held)
     except SceneError as error:
         raise MotionError(error.message) from None
+    _check_state(motion, chain, scene.arm.attached is not None)
     notes += _standing(chain)
     return RobotMotion(motion, chain, read_only(bezier_points(motion)), (*motion.notes, *notes))
 
@@ -227,6 +231,25 @@ def _check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> No
                 row=1,
                 joint=name,
             )
+
+
+def _check_state(motion: Motion, chain: Chain, holds: bool) -> None:
+    """Raise where a motion's file says otherwise than the scene what stands still, or is held."""
+    joints, objects = motion.start
+    for name, at in chain.held.items():
+        given = joints.get(name, at)
+        if abs(given - at) > _APART:
+            raise MotionError(
+                f"The file's start state has {name} at {given:.4g}, and here it stands at "
+                f"{at:.4g}.",
+                f"Hold it there: arm.gripper of the scene, or a column of the motion for {name}.",
+                joint=name,
+            )
+    if objects and not holds:
+        raise MotionError(
+            f"The file's robot holds {short(objects[0])}, whose shape is not read.",
+            "Give it as arm.attached of the scene.",
+        )
 
 
 def _standing(chain: Chain) -> list[str]:

@@ -1,9 +1,9 @@
 """Contacts that a certificate of a URDF arm leaves out, each checked to be one that may be.
 
-What may be left out: two links between which at most one joint moves; an object that is held and
-what holds it, or is fixed to that; pairs that the SRDF or the scene names; links that
-overlap in random poses; the floor for what stands on it; an obstacle beneath the base for links
-that stand still. Nothing else may be missing.
+What may be left out: two links that no joint moves beside each other, or that one joins; an object
+that is held and what holds it, or is fixed to that; pairs that the SRDF or the scene names; links
+that overlap in random poses; the floor for what stands on it; an obstacle beneath the base for
+links that stand still. Nothing else may be missing.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray
+from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.certificate import ARM
 from abi.verify.exact import ExactSolid
@@ -94,7 +95,7 @@ def contacts_of_motion(
         if isinstance(other, str) and other in chain.frames:
             if reason == "always":
                 always.append((link, other))
-            elif reason not in ("adjacent", "srdf") or not _may_touch(
+            elif reason not in ("adjacent", "grasp", "srdf") or not _may_touch(
                 link, other, reason, scene, chain
             ):
                 raise Fault(f"{link} and {other} are no pair that may touch")
@@ -117,12 +118,37 @@ def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: Exact
     """Check a pair of links by the reason given."""
     pair, robot = {link, other}, scene.robot
     if reason in ("adjacent", "grasp"):
-        first, second = (set(chain.above(chain.frames[one])) for one in (link, other))
-        is_held = robot.attached is not None and robot.attached.link in pair
-        return len(first ^ second) <= (0 if is_held else 1) and is_held == (reason == "grasp")
+        return reason == ("grasp" if _is_held(robot, pair) else "adjacent") and are_joined(
+            robot, chain, link, other
+        )
     if reason == "srdf":
         return frozenset(pair) in robot.may_touch
     return reason == "asked" and any(pair == set(one) for one in scene.arm.allowed)
+
+
+def are_joined(robot: Robot, chain: ExactChain, link: str, other: str) -> bool:
+    """Check whether two links stand still beside each other, or one joint joins them.
+
+    It joins no object that is held, and no links between which there is one with a shape.
+    """
+    between = {*chain.above(chain.frames[link])} ^ {*chain.above(chain.frames[other])}
+    if len(between) != 1 or _is_held(robot, {link, other}):
+        return not between
+    beside: dict[str, set[str]] = {name: set() for name in robot.links}
+    for joint in robot.joints:
+        beside[joint.parent].add(joint.child)
+        beside[joint.child].add(joint.parent)
+    reached, waiting = {link}, [link]
+    while waiting:
+        for one in beside[waiting.pop()] - reached:
+            reached.add(one)
+            if not robot.links[one].shapes:
+                waiting.append(one)
+    return other in reached
+
+
+def _is_held(robot: Robot, pair: set[str]) -> bool:
+    return robot.attached is not None and robot.attached.link in pair
 
 
 def _may_stand(

@@ -17,7 +17,7 @@ from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, place,
 from abi.robot.bodies.hull_kernels import hull_distances
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import NOT_HELD
-from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot import Robot, meet
 
 Reason = Literal["adjacent", "always", "srdf", "mount", "asked", "grasp"]
 Other = str | int
@@ -34,10 +34,10 @@ class AllowedContact(NamedTuple):
         link: name of a link.
         other: name of another link, ``floor``, number of an obstacle from 0, or ``obstacles`` for
             all of them.
-        reason: ``adjacent``: at most one joint moves one beside the other; ``always``: their bodies
-            overlap in every random pose; ``srdf``: the robot's SRDF says so; ``mount``: the
-            link stands still on it; ``asked``: the scene's ``arm.allowed`` says so; ``grasp``: it
-            holds the object, or is fixed to what does.
+        reason: ``adjacent``: no joint moves one beside the other, or one joint does and joins them;
+            ``always``: their bodies overlap in every random pose; ``srdf``: the robot's SRDF says
+            so; ``mount``: the link stands still on it; ``asked``: the scene's ``arm.allowed`` says
+            so; ``grasp``: it holds the object, or is fixed to what does.
     """
 
     link: str
@@ -102,16 +102,33 @@ def _known_reason(
     second: ChainCapsule,
 ) -> Reason | None:
     """Reason for which the links of two capsules may touch whatever their bodies are."""
-    between = {*chain.behind(first.frame)} ^ {*chain.behind(second.frame)}
-    if robot.attached is not None and robot.attached.link in (first.link, second.link):
-        if not between:
-            return "grasp"
-    elif len(between) <= 1:
-        return "adjacent"
-    pair = frozenset((first.link, second.link))
-    if pair in robot.may_touch:
+    links = first.link, second.link
+    if reason := tree_reason(chain, links, (first.frame, second.frame)):
+        return reason
+    if frozenset(links) in robot.may_touch:
         return "srdf"
-    return "asked" if pair in asked else None
+    return "asked" if frozenset(links) in asked else None
+
+
+def tree_reason(
+    chain: Chain, links: tuple[str, str], frames: tuple[int, int]
+) -> Literal["adjacent", "grasp"] | None:
+    """Reason for which two links may touch by their places in the robot's tree.
+
+    What is fixed beside a joint, as a post at the rail of a carriage, is not joined by it; nor is
+    an object that is held.
+
+    Args:
+        chain: the joints that move.
+        links: names of the links.
+        frames: number of the joint that moves each, -1 where it stands still.
+    """
+    robot, (first, second) = chain.robot, frames
+    between = {*chain.behind(first)} ^ {*chain.behind(second)}
+    if robot.attached is not None and robot.attached.link in links:
+        return None if between else "grasp"
+    joined = not between or (len(between) == 1 and meet(robot, *links))
+    return "adjacent" if joined else None
 
 
 class _Sampled(NamedTuple):

@@ -291,6 +291,18 @@ def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
     return tuple(reversed(way))
 
 
+def meet(robot: Robot, first: str, second: str) -> bool:
+    """Check whether only links without collision shapes are between two links of the tree."""
+    above = {joint.child: joint.parent for joint in robot.joints}
+    ways = [[first], [second]]
+    for way in ways:
+        while way[-1] in above:
+            way.append(above[way[-1]])
+    fork = next(link for link in ways[0] if link in ways[1])
+    between = ({*ways[0]} ^ {*ways[1]} | {fork}) - {first, second}
+    return not any(robot.links[link].shapes for link in between)
+
+
 def bases_to(robot: Robot, tip: str) -> tuple[str, ...]:
     """Links from which 1 to 16 joints move ``tip``, the robot's root first if it is one.
 

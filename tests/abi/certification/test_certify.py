@@ -12,6 +12,9 @@ import abi
 from abi.arrays import FloatArray
 from abi.certification.clearance_proof import nearest
 from abi.certification.exact_contact import ContactFinder
+from abi.certification.joint_limits import joint_limits
+from abi.certification.motion import Motion
+from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
 from abi.scene.scene import Scene
@@ -177,3 +180,27 @@ def test_a_link_inside_a_mesh_from_the_first_waypoint_on_is_told(tmp_path: Any) 
     verdict = verdict_of(scene, still)
     assert verdict.state == "touches"
     assert verdict.touches[0].time == 0.0
+
+
+def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
+    rod = {"shape": "box", "size": [0.03, 0.03, 0.5], "position": [0.1, 0.0, 0.0]}
+    scene = scene_with([]).replace(arm={"attached": rod})
+    motion = swing()
+    motion["positions"] = np.array([UP, UP])
+    motion["positions"][0, 5], motion["positions"][1, 5] = -3, 3
+    verdict = verdict_of(scene, motion)
+    assert verdict.state == "touches"
+    assert verdict.touches[0].link == "held_object"
+    reasons = {one.reason for one in verdict.task.bodies.allowed if "held_object" in one}
+    assert reasons == {"grasp"}
+
+
+def test_a_torque_between_far_waypoints_is_found() -> None:
+    ends = np.array([[0, -np.pi / 4, 0, 0, 0, 0], [0, 7 * np.pi / 4, 0, 0, 0, 0]])
+    peaks = []
+    for count in (2, 801):  # stretched out level, where its weight pulls most, on the way
+        positions, times = np.linspace(*ends, count), np.linspace(0, 600, count)
+        motion = robot_motion(Motion(JOINTS, times, positions), scene_with([]))
+        peaks.append(joint_limits(motion).peaks["torque"])
+    assert peaks[0] is not None
+    np.testing.assert_allclose(peaks[0], peaks[1], rtol=2e-3, atol=1e-3)

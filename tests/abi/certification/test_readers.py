@@ -165,3 +165,34 @@ def test_polynomials_have_the_derivatives_of_the_waypoints(seed: int, degree: in
         for side, wanted in ((points, a[:-1]), (points[:, ::-1], a[1:])):
             second = side[:, 0] - 2 * side[:, 1] + side[:, 2]
             np.testing.assert_allclose(20 * second / spans**2, wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        ({"multi_dof_joint_trajectory": {"joint_names": ["base"], "points": [{}]}}, "base"),
+        (
+            {"trajectory_start": {"attached_collision_objects": [{"object": {"id": "rod"}}]}},
+            "rod",
+        ),
+        (
+            {"trajectory_start": {"joint_state": {"name": [JOINTS[0]], "position": [2.5]}}},
+            f"{JOINTS[0]}.* 2.5",
+        ),
+    ],
+)
+def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
+    changed: dict[str, Any], why: str
+) -> None:
+    whole = {"trajectory": [{"joint_trajectory": message()}], **changed}
+    with pytest.raises(MotionError, match=why):
+        robot_motion(read_motion("a.json", json.dumps(whole).encode(), own_joints(ROBOT)), SCENE)
+
+
+@pytest.mark.parametrize(("joint", "unit"), [(0, "mm"), (1, "deg")])
+def test_a_unit_of_another_kind_than_the_joint_is_refused(joint: int, unit: str) -> None:
+    names = ["turns", "slides"]
+    head = [f"{name} [{unit}]" if k == joint else name for k, name in enumerate(names)]
+    content = "\n".join(["time," + ",".join(head), "0,0,0", "1,1,1"]).encode()
+    with pytest.raises(MotionError, match=f"{names[joint]} is '{unit}'"):
+        read_motion("a.csv", content, {"turns": False, "slides": True})

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arm_planning.world.chain_distances import obstacle_distances
@@ -20,17 +21,31 @@ from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import Planner
+from abi.robot.bodies.allowed_contacts import tree_reason
+from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
+from abi.verify.allowed_contacts import are_joined
+from abi.verify.exact_chain import exact_joints
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.plumb_line import is_beneath
 from abi.verify.verify import verify
 from tests.abi import meshes
-from tests.abi.robot.robots import OWN, packed
+from tests.abi.robot.robots import OWN, joint, link, packed, urdf
 from tests.random_geometry import random_obstacle
+from tests.random_robots import random_robot
 
 seeds = st.integers(0, 2**31)
+RAIL = urdf(
+    *map(link, ("base", "post", "carriage", "lamp")),
+    '<link name="plate"/>',
+    joint("post_joint", "base", "post", "fixed"),
+    joint("plate_joint", "base", "plate", "fixed"),
+    joint("rail", "base", "carriage", "prismatic", axis="1 0 0"),
+    joint("turn", "plate", "lamp"),
+)
+"""A carriage beside a post, and a lamp that turns on a plate without a shape."""
 
 
 def some_arm(name: str, **options: object) -> UrdfArm:
@@ -168,3 +183,34 @@ def test_pairs_that_are_none_are_refused(allowed: object, value: str) -> None:
     with pytest.raises(SceneError, match=rf"arm\.allowed.*{value}"):
         fewer.replace(arm={"allowed": allowed})
     assert fewer.replace(arm={"allowed": [["base_link", 1]]}).arm.allowed == (("base_link", 1),)
+
+
+@settings(deadline=None)
+@given(seeds)
+def test_planner_and_verifier_find_the_same_links_joined(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    text = random_robot(random).text
+    robot = robot_from_archive(packed({"a.urdf": text}))
+    bare = {name for name in robot.links if random.random() < 0.4}
+    links = {n: replace(one, shapes=()) if n in bare else one for n, one in robot.links.items()}
+    robot = replace(robot, links=links)
+    names = tuple(one.name for one in robot.joints if one.kind != "fixed" and not one.mimic)
+    assume(names)
+    chain, exact = Chain.moved_by(robot, names), exact_joints(robot, names, (0, 0, 0), 1)
+    frames = {one.link: one.frame for one in chain.carried}
+    for first, second in itertools.combinations(robot.links, 2):
+        reason = tree_reason(chain, (first, second), (frames[first], frames[second]))
+        assert (reason == "adjacent") == are_joined(robot, exact, first, second)
+
+
+def test_what_is_fixed_beside_a_joint_is_no_neighbour_of_what_it_moves() -> None:
+    robot = robot_from_archive(packed({"a.urdf": RAIL}))
+    chain = Chain.moved_by(robot, ("rail", "turn"))
+    frames = {one.link: one.frame for one in chain.carried}
+
+    def reason(*links: str) -> object:
+        return tree_reason(chain, (links[0], links[1]), (frames[links[0]], frames[links[1]]))
+
+    assert reason("base", "post") == reason("base", "carriage") == "adjacent"
+    assert reason("base", "lamp") == "adjacent"  # only a link without a shape is between
+    assert reason("post", "carriage") is reason("post", "lamp") is None
