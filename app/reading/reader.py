@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 
-from abi.certification.motion import Motion
+from abi.certification.motion import Motion, RobotState
 from abi.errors import MotionError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -148,7 +148,13 @@ class Reader:
         if answer.wrong is not None:
             raise MotionError(*answer.wrong)
         data = json.loads(answer.data)
-        return Motion(**{**data, "joints": tuple(data["joints"]), "notes": tuple(data["notes"])})
+        joints, objects = data["start"]
+        changed = {
+            "joints": tuple(data["joints"]),
+            "notes": tuple(data["notes"]),
+            "start": RobotState(joints, tuple(objects)),
+        }
+        return Motion(**{**data, **changed})
 
     def read(
         self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore

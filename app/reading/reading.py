@@ -183,7 +183,8 @@ def _scene(name: str, content: bytes) -> ReadingResult:
 
 def _motion(job: Job) -> ReadingResult:
     motion = read_motion(job.name, job.content, job.slides)
-    data = {**motion.to_dict(), "notes": list(motion.notes)}
+    start = dict(motion.start.joints), motion.start.objects
+    data = {**motion.to_dict(), "notes": motion.notes, "start": start}
     return ReadingResult(data=json.dumps(data).encode())
 
 

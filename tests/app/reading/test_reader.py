@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import resource
 import signal
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from abi.certification.read_motion import read_motion
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
 from abi.robot.urdf.robot_files import robot_from_archive
@@ -47,6 +49,20 @@ def test_a_mesh_is_the_one_that_is_read_here(reader: Reader, suffix: str) -> Non
     surface, wanted = reader.mesh(content, name), read_surface(content, name)
     assert surface == wanted
     assert surface.notes == wanted.notes
+
+
+def test_a_motion_is_the_one_that_is_read_here(reader: Reader) -> None:
+    state = {"joint_state": {"name": ["b"], "position": [0.5]}}
+    held = {"attached_collision_objects": [{"object": {"id": "rod"}}]}
+    points = [{"positions": [k], "time_from_start": 1 + k} for k in range(2)]
+    trajectory = [{"joint_names": ["a"], "points": points}]
+    content = json.dumps({"trajectory": trajectory, "trajectory_start": state | held}).encode()
+    slides = {"a": False, "b": True}
+    found = reader.motion(content, "a.json", slides)
+    wanted = read_motion("a.json", content, slides)
+    assert found.to_dict() == wanted.to_dict()
+    assert (found.notes, found.start) == (wanted.notes, wanted.start)
+    assert wanted.start == ({"b": 0.5}, ("rod",))
 
 
 def test_a_process_that_was_started_before_reads_the_first_file() -> None:
