@@ -64,8 +64,8 @@ class Messages:
 
     def draw(self, frame: Frame) -> None:
         """Write the sentence for a frame."""
-        shown = frame.plan, frame.refused, frame.reason, frame.interactive, frame.demonstrates
-        preview = frame.coarse, frame.partial
+        shown = frame.plan, frame.current, frame.refused, frame.reason, frame.interactive
+        preview = frame.demonstrates, frame.coarse, frame.partial
         still = self._share.keeps_task
         told = (
             self._lesson.html,
@@ -87,6 +87,8 @@ class Messages:
             content = _error(
                 "Not changed. " + sentence(frame.refused), kept(frame.refused, frame.plan.scene)
             )
+        elif frame.checked is not None and frame.outdated:
+            content = _planning("Checking the motion")
         elif frame.checked is not None:
             content = self._check.card(frame.checked)
         elif frame.outdated and frame.plan.mesh is None:

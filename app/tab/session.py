@@ -418,6 +418,8 @@ class Session:
             self._planner.live.adopt(scene)
             if self.frame.checked is None:
                 self.panels.messages.wait("Checking the motion")
+            elif self.panels.check.processor_ms > SLOW_MS:
+                self._draw(replace(self.frame, outdated=True))
         return self.panels.check.plan(scene)
 
     def _tell(self, doing: str) -> None:

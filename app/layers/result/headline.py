@@ -23,7 +23,7 @@ class HeadlineLayer(Layer):
         unused = frame.lesson and (frame.asks or plan.followed not in frame.shown)
         if frame.theatre is None and not unused:
             content = stage_headline(plan, frame.stage) if frame.stage else headline(plan)
-        if frame.refused is not None:  # what is proven of the plan is not of what was asked for
+        if not frame.current:  # what is proven of the plan is not of what was asked for
             content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'
         self._overlay.show("numbers", content)
 

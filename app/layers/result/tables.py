@@ -43,7 +43,7 @@ class TablesLayer(Layer):
     def draw(self, frame: Frame) -> None:
         """Write the plan's numbers."""
         plan = frame.plan
-        state = plan, frame.partial
+        state = plan, frame.partial, frame.current
         if state == self._drawn:
             return
         self._drawn = state
@@ -52,7 +52,10 @@ class TablesLayer(Layer):
         else:
             # the first picture of another scene has no plan yet: its searches begin with nothing
             self._last, old = _results(plan), {}
-        self._tables.content = unbroken(_searches(plan, old) + _stages(plan))
+        stages = _stages(plan)
+        if not frame.current:  # what is proven of the plan is not of what was asked for
+            stages = stages.replace(" ✓", "")
+        self._tables.content = unbroken(_searches(plan, old) + stages)
 
 
 @once_a_plan

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import json
+import time
 from dataclasses import dataclass
 
 import viser
@@ -47,6 +48,7 @@ class CheckMotionPanel:
 
     Attributes:
         upload: the button for a file.
+        processor_ms: time that the last check took, [ms].
     """
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
@@ -71,7 +73,7 @@ class CheckMotionPanel:
         self._motion: Motion | None = None
         self._name = self._repaired = ""
         self._checked: _Checked | None = None
-        self._last: MotionVerdict | None = None
+        self.processor_ms = 0.0
 
     @property
     def verdict(self) -> MotionVerdict | None:
@@ -115,6 +117,7 @@ class CheckMotionPanel:
         if self._motion is None:
             return None
         if self._checked is None or self._checked.scene != scene:
+            begin = time.thread_time()
             try:
                 most = scene.motion.joint_acceleration
                 verdict = certify_motion(self._motion, _with_robot(scene), acceleration=most)
@@ -123,6 +126,7 @@ class CheckMotionPanel:
                 self.leave()
                 return None
             self._checked = _Checked(scene, verdict, checked_plan(verdict))
+            self.processor_ms = 1e3 * (time.thread_time() - begin)
         return self._checked.plan
 
     def draw(self, frame: Frame) -> None:

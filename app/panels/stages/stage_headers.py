@@ -29,7 +29,7 @@ class StageHeaders:
     def draw(self, frame: Frame) -> None:
         """Write the plan's results into the headings, and where an error belongs."""
         plan = frame.plan
-        state = plan, frame.refused, frame.asks, frame.lesson and frame.shown
+        state = plan, frame.current, frame.refused, frame.asks, frame.lesson and frame.shown
         if state == self._drawn:
             return
         self._drawn = state
@@ -38,7 +38,7 @@ class StageHeaders:
             # a stage with a layer of its name is of no use to a lesson that does not show that
             unused = {name for name, one in STAGES.items() if name in one.layers - frame.shown}
             results |= dict.fromkeys(results if frame.asks else unused, "")
-        if frame.refused is not None:
+        if not frame.current:
             # what is true of the plan is not of what was asked for
             results = {name: result.removesuffix(" ✓") for name, result in results.items()}
         if (stage := _stage(frame.refused)) is not None:

@@ -186,8 +186,7 @@ def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
     rod = {"shape": "box", "size": [0.03, 0.03, 0.5], "position": [0.1, 0.0, 0.0]}
     scene = scene_with([]).replace(arm={"attached": rod})
     motion = swing()
-    motion["positions"] = np.array([UP, UP])
-    motion["positions"][0, 5], motion["positions"][1, 5] = -3, 3
+    motion["positions"] = np.array([[*UP[:5], -3.0], [*UP[:5], 3.0]])
     verdict = verdict_of(scene, motion)
     assert verdict.state == "touches"
     assert verdict.touches[0].link == "held_object"
@@ -196,11 +195,12 @@ def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
 
 
 def test_a_torque_between_far_waypoints_is_found() -> None:
-    ends = np.array([[0, -np.pi / 4, 0, 0, 0, 0], [0, 7 * np.pi / 4, 0, 0, 0, 0]])
+    first, last = (np.array([0, angle, 0, 0, 0, 0]) for angle in (-np.pi / 4, 7 * np.pi / 4))
     peaks = []
     for count in (2, 801):  # stretched out level, where its weight pulls most, on the way
-        positions, times = np.linspace(*ends, count), np.linspace(0, 600, count)
+        positions, times = np.linspace(first, last, count), np.linspace(0, 600, count)
         motion = robot_motion(Motion(JOINTS, times, positions), scene_with([]))
-        peaks.append(joint_limits(motion).peaks["torque"])
-    assert peaks[0] is not None
+        peak = joint_limits(motion).peaks["torque"]
+        assert peak is not None
+        peaks.append(peak)
     np.testing.assert_allclose(peaks[0], peaks[1], rtol=2e-3, atol=1e-3)

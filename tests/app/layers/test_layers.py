@@ -22,8 +22,9 @@ from app.layers.axes import AxesLayer
 from app.layers.markers import _are_reached
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
-from app.layers.result.headline import headline, stage_headline
+from app.layers.result.headline import HeadlineLayer, headline, stage_headline
 from app.layers.result.plots import PlotsLayer, _joints_title
+from app.layers.result.tables import TablesLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.panels.base_offer import _may_help
@@ -350,6 +351,24 @@ def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something(
     assert around.arm_clearance is not None
     assert around.arm_clearance.certified
     assert "✓" in headline(around)
+
+
+def test_what_is_proven_is_not_said_of_a_scene_that_is_still_planned(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    layout, headers = session.panels.layout, session.panels.stage_headers
+    lengths = layer(session, TablesLayer)
+
+    def texts() -> list[str]:
+        headings = " ".join(folder.label for folder in headers.folders.values())
+        return [layout.overlay.shown["numbers"], lengths._tables.content, headings]
+
+    for outdated in (True, False):
+        for one in (layer(session, HeadlineLayer), lengths, headers):
+            one.draw(replace(session.frame, outdated=outdated))
+        assert [" ✓" in text.replace("✓ keeps", "") for text in texts()] == 3 * [not outdated]
 
 
 def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) -> None:
