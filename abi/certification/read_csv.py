@@ -9,7 +9,6 @@ countries.
 from __future__ import annotations
 
 import csv
-import io
 import math
 import re
 from collections.abc import Mapping
@@ -27,6 +26,8 @@ _LENGTHS = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001}
 _DURATIONS = {"": 1.0, "s": 1.0, "ms": 0.001, "ns": 1e-9}
 _HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*)\s*[\])])?$")
 _DELIMITERS = ",;\t"
+_MOST_LINES = MOST_WAYPOINTS + 2
+"""Lines that are read: with the header, one more than a motion may have."""
 _DECIMAL_COMMA = re.compile(r"(\d),(\d)")
 
 
@@ -54,9 +55,7 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     delimiter = max(_DELIMITERS, key=lines[0].count)
     if delimiter != ",":
         lines[1:] = [_DECIMAL_COMMA.sub(r"\1.\2", line) for line in lines[1:]]
-    rows = list(
-        csv.reader(io.StringIO("\n".join(lines[: MOST_WAYPOINTS + 2])), delimiter=delimiter)
-    )
+    rows = [_cells(number, line, delimiter) for number, line in enumerate(lines[:_MOST_LINES])]
     columns = [_column(k, cell) for k, cell in enumerate(rows[0])]
     time = [one for one in columns if one.name.lower() in _TIMES and one.name not in slides]
     found = [one for one in columns if one.name in slides]
@@ -84,6 +83,17 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
         timed=bool(time),
         notes=tuple(notes),
     )
+
+
+def _cells(row: int, line: str, delimiter: str) -> list[str]:
+    """Cells of a line; a quote that none closes would take the lines after it along."""
+    try:
+        (cells,) = csv.reader([line], delimiter=delimiter, strict=True)
+    except (csv.Error, ValueError):
+        raise MotionError(
+            f"Row {row} is no row of cells.", "Close each quote in its own row.", row=row
+        ) from None
+    return cells
 
 
 def _column(place: int, cell: str) -> _Column:

@@ -189,6 +189,12 @@ def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
         robot_motion(read_motion("a.json", json.dumps(whole).encode(), own_joints(ROBOT)), SCENE)
 
 
+def test_a_quote_that_none_closes_takes_no_rows_along() -> None:
+    content = b'time,a,note\n0,0,\n1,1,"open\n2,2,\n3,0,'
+    with pytest.raises(MotionError, match="Row 2"):
+        read_motion("a.csv", content, {"a": False})
+
+
 @pytest.mark.parametrize(("joint", "unit"), [(0, "mm"), (1, "deg")])
 def test_a_unit_of_another_kind_than_the_joint_is_refused(joint: int, unit: str) -> None:
     names = ["turns", "slides"]
