@@ -362,7 +362,7 @@ def test_what_is_proven_is_not_said_of_a_scene_that_is_still_planned(
     lengths = layer(session, TablesLayer)
 
     def texts() -> list[str]:
-        headings = " ".join(folder.label for folder in headers.folders.values())
+        headings = " ".join(str(folder.label) for folder in headers.folders.values())
         return [layout.overlay.shown["numbers"], lengths._tables.content, headings]
 
     for outdated in (True, False):
