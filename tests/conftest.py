@@ -26,6 +26,12 @@ def pytest_make_parametrize_id(val: object) -> str | None:
     return None
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """One worker a processor, and one more where a worker has the browser and mostly waits."""
+    return (os.cpu_count() or 1) + ("not browser" not in config.option.markexpr)
+
+
 def pytest_configure(config: pytest.Config) -> None:
     # what is uploaded goes into no user's cache
     if "ABI_STORE" not in os.environ:
