@@ -2,131 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from abi.arm_planning.arm_model import BranchTask, OtherBranches
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation, certify_arm, slide_bounds
-from abi.arm_planning.exclusion import paper_arm_mask_kernels
-from abi.arm_planning.motion import trajectory
-from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
-from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
 from abi.arm_planning.world.solid_rows import RowTable
-from abi.arrays import FloatArray, flat, read_only
 from abi.curves import speed_profile
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.inverse_kinematics import solve
-from abi.robot.paper_arm.paper_arm import JOINT_SPEED, MOVED, PaperArm
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
 
-_POSES_TO_REFUTE, _TRIES_TO_REFUTE = 49, 5_000
 _LONGER = 1.5
 """Longest path, as a multiple of the straight line, whose time bounds the slide beforehand."""
-
-
-@dataclass(frozen=True)
-class PaperArmJointPath:
-    """Joint positions as a function of the distance along a curve, on one elbow branch."""
-
-    curve: Curve
-    arc: ArcLength
-    arm: PaperArm
-    settings: ArmSettings
-
-    @property
-    def length(self) -> float:
-        """Arc length of the curve, [unit]."""
-        return self.arc.length
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Largest speed of each joint, nominal, (3,), [rad/s]."""
-        return np.full(MOVED, JOINT_SPEED)
-
-    @property
-    def scales(self) -> FloatArray:
-        """Factor from [rad/s²] to the unit of each joint, (3,)."""
-        return np.ones(MOVED)
-
-    @property
-    def is_timed(self) -> bool:
-        """Whether q5 slides."""
-        return self.settings.forces[1] != 0
-
-    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
-        """Positions of q1 to q3 at distances and times (k,) in order, (k, 3), [rad]."""
-        times = np.zeros(len(distances)) if times is None else times
-        parameters = self.arc.parameter(distances)
-        tangents = self.curve(parameters, 1)
-        lengths = np.linalg.norm(tangents, axis=1)
-        tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
-        q5, points = wrist_positions(self.settings, times)[:, 1], self.curve(parameters)
-        found = solve(self.arm, points, q5, self.settings.branches[0], tangents)
-        return np.stack([found.q1, found.q2, found.q3], axis=1)
-
-    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
-        """Motion by a profile, at uniform times."""
-        return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
-
-    def is_refuted(
-        self,
-        profile: Callable[[], PathProfile],
-        collision_world: CollisionWorld,
-        required: float,
-    ) -> bool:
-        """Check whether a few poses show that the arm is not clear.
-
-        If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first;
-        and nothing where only the duration bounds q5.
-        """
-        timed = profile()
-        slide = slide_bounds(self.curve, self.arc, timed, self.settings)
-        elbow = self.settings.branches[0]
-        table = self.arm.table(elbow)
-        low, high = float(slide.low.min()), float(slide.high.max())
-        if low < high:
-            if isinstance(timed, TimedProfile):
-                return False
-            tries = _TRIES_TO_REFUTE
-            found = certify_arm(
-                self.curve, slide, self.arm, elbow, collision_world, required, tries
-            )
-            return isinstance(found, ArmRefutation) and found.decided
-        points = flat(self.curve(np.linspace(*self.curve.interval, _POSES_TO_REFUTE)))
-        reached, touching = np.zeros((2, _POSES_TO_REFUTE), dtype=np.bool_)
-        forearm = float(self.arm.forearm(low))
-        paper_arm_mask_kernels.reached_places(points, table.numbers, forearm, 0.0, reached)
-        if not reached.all():
-            return True
-        paper_arm_mask_kernels.touching_places(
-            points,
-            table,
-            collision_world.beyond(required),
-            forearm,
-            0.0,
-            read_only(reached),
-            touching,
-        )
-        return bool(touching.any())
-
-    def clearance(
-        self,
-        motion: ArmMotion,
-        obstacles: ObstacleSet,
-        collision_world: CollisionWorld,
-        required: float,
-    ) -> ArmClearance:
-        """Clearance of the whole arm in that motion, measured and proven."""
-        return arm_clearance(motion, self.arm, obstacles, collision_world, required)
 
 
 class PaperArmModel:
@@ -154,29 +48,20 @@ class PaperArmModel:
             PaperArmJointPath(curve, arc, self.arm, settings.on(elbow)) for elbow in branches
         )
 
-    def branches(self, task: BranchTask) -> tuple[PaperArmBranch, ...]:
+    def branches(self, task: BranchTask) -> tuple[ElbowBranch, ...]:
         """One branch for each elbow branch that may be taken."""
         settings, around = task.scene.arm, task.collision_world
         extensions, clearance = _extensions(task.scene), settings.clearance
         return tuple(
-            PaperArmBranch(self.arm, elbow, around, extensions, clearance, task.slack, settings)
+            ElbowBranch(
+                *(self.arm, elbow, around, extensions, clearance, task.slack), settings=settings
+            )
             for elbow in settings.branches
         )
 
     def other_branches(self, task: BranchTask) -> OtherBranches:
         """No further branches: an elbow has only two sides."""
         return OtherBranches(iter(()))
-
-
-@dataclass(frozen=True, eq=False)
-class PaperArmBranch(ElbowBranch):
-    """ArmBranch of the paper's arm, with the settings of its drives."""
-
-    settings: ArmSettings
-
-    def joint_path(self, curve: Curve, arc: ArcLength) -> PaperArmJointPath:
-        """The joints along a curve."""
-        return PaperArmJointPath(curve, arc, self.arm, self.settings.on(self.elbow))
 
 
 def _extensions(scene: Scene) -> tuple[float, float]:

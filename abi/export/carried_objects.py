@@ -10,7 +10,7 @@ import numpy as np
 
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.plan import Plan
-from abi.robot.urdf_arm import UrdfArm
+from abi.robot.any_arm import AnyArm
 
 
 class CarriedObject(NamedTuple):
@@ -29,7 +29,7 @@ class CarriedObject(NamedTuple):
     number: int
     shape: Obstacle
     left: Obstacle | None
-    arm: UrdfArm
+    arm: AnyArm
     first: int
     last: int
     is_taken: bool
@@ -57,7 +57,7 @@ def carried_objects(plan: Plan) -> Iterator[CarriedObject]:
         number = len(plan.scene.obstacles) if before is None else before
         after = legs[-1] + 1
         here = plan.legs[legs[0]]
-        assert isinstance(here.arm, UrdfArm)
+        assert here.arm is not None
         assert here.scene.arm.attached is not None
         yield CarriedObject(
             number=number,

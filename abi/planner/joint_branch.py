@@ -7,7 +7,7 @@ follow one of their own.
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -49,18 +49,6 @@ _MOST_POSES = 64
 End = Literal["start", "goal"]
 
 
-class JointMotion(NamedTuple):
-    """A motion found in the space of the joints.
-
-    Attributes:
-        search: what was found there.
-        moved: the motion along a smooth curve near its path.
-    """
-
-    search: JointSearch
-    moved: TimedMotion
-
-
 def asks_for_joints(arm: ArmSettings) -> bool:
     """Check whether a motion is to be sought in the space of the joints alone."""
     asked = arm.start is not None or arm.goal is not None
@@ -81,7 +69,7 @@ def move_joints(
     obstacles: ObstacleSet,
     collision_world: CollisionWorld,
     effort: JointSearchEffort,
-) -> JointMotion:
+) -> tuple[JointSearch, TimedMotion]:
     """Find a motion in the space of an arm's joints, all of it proven clear.
 
     Args:
@@ -90,6 +78,9 @@ def move_joints(
         obstacles: its obstacles.
         collision_world: everything around the arm.
         effort: how long to search.
+
+    Returns:
+        What was found there, and the motion along a smooth curve near its path.
 
     Raises:
         NoJointMotion: none was found; tells why.
@@ -112,7 +103,7 @@ def move_joints(
     moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
     if not moved.is_clear:
         raise NoJointMotion("curve")
-    return JointMotion(search, moved)
+    return search, moved
 
 
 def _clear_poses(space: JointSpace, obstacles: ObstacleSet, scene: Scene, end: End) -> FloatArray:

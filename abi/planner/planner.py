@@ -190,10 +190,9 @@ class Planner:
         """
         task = tool.task
         assert isinstance(task.model.arm, UrdfArm)
-        found = self._stages.joints(
+        search, (profile, motion, clearance) = self._stages.joints(
             task.scene, task.model.arm, task.obstacles, tool.collision_world, self._effort
         )
-        profile, motion, clearance = found.moved
         return replace(
             results,
             profile=profile,
@@ -201,7 +200,7 @@ class Planner:
             arm_clearance=clearance,
             followed=None,
             tool_only=results.followed_curve,
-            joint_search=found.search,
+            joint_search=search,
         )
 
     def _avoid(self, tool: ToolBranch, results: StageResults) -> StageResults:

@@ -101,8 +101,8 @@ class WholeArmBranch:
             found = None
         if found is None:
             raise self._not_clear("path")
-        away = self.task.obstacles.polyline_clearance(found.path.points)
-        return ShortestPath(found.graph, found.path, away)
+        clear, path = found
+        return ShortestPath(clear, path, self.task.obstacles.polyline_clearance(path.points))
 
     def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
         """Stage 3: all searches that are asked for, on the edges that are left."""

@@ -64,6 +64,10 @@ class AnyArm(Protocol):
         """Name of the link that stands at its base."""
 
     @property
+    def tip(self) -> str:
+        """Name of the link whose origin is the tool."""
+
+    @property
     def base(self) -> FloatArray:
         """Position of its base, (3,), [unit], world."""
 

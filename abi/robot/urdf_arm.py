@@ -14,7 +14,7 @@ from abi import arguments
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.any_arm import PlacedCapsule, RateLimits
-from abi.robot.bodies.allowed_contacts import AllowedContact, LinkPairs, Other, link_pairs
+from abi.robot.bodies.allowed_contacts import AllowedContact, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, lever, meeting, place
 from abi.robot.kinematics.chain import Chain
@@ -138,15 +138,16 @@ class UrdfArm(ShortRepr):
     @cached_property
     def pairs(self) -> IntArray:
         """Pairs of capsules (k, 2) that must keep apart."""
-        return self._link_pairs.apart
+        return self._link_pairs[0]
 
     @property
     def allowed(self) -> tuple[AllowedContact, ...]:
         """Pairs of links that may touch."""
-        return self._link_pairs.allowed
+        return self._link_pairs[1]
 
     @cached_property
-    def _link_pairs(self) -> LinkPairs:
+    def _link_pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
+        """Pairs that must keep apart, and those that may touch."""
         asked = frozenset(frozenset(pair) for pair in self.asked)
         return link_pairs(self.chain.robot, self.tip, tuple(self.held.items()), asked)
 

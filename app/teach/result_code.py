@@ -18,10 +18,6 @@ _MOST = 20_000
 """Bytes that a code may unpack to."""
 
 
-class ResultCodeError(AbiError):
-    """A text that is no result code."""
-
-
 def fingerprint(scene: Scene, keep: Sequence[str]) -> str:
     """Sixteen letters that differ where one of these fields does, such as ``search.taut``.
 
@@ -53,19 +49,19 @@ def scene_of_code(code: str, task: Scene, keep: Sequence[str]) -> Scene:
         keep: these fields.
 
     Raises:
-        ResultCodeError: no such code.
+        AbiError: it is no such code.
         SceneError: a field of it is wrong.
     """
     check, body = code.strip()[:_CHECK], code.strip()[_CHECK:]
     if not body or _checked(body) != check:
-        raise ResultCodeError("This is no whole code; copy all of its letters.")
+        raise AbiError("This is no whole code; copy all of its letters.")
     try:
         packed = base64.urlsafe_b64decode(body + "=" * (-len(body) % 4))
         changes = json.loads(zlib.decompressobj(-zlib.MAX_WBITS).decompress(packed, _MOST))
     except (ValueError, zlib.error, RecursionError):
         changes = None
     if not isinstance(changes, dict):
-        raise ResultCodeError("This is no code of a result.")
+        raise AbiError("This is no code of a result.")
     fields = _merged(_free(Scene(version=1), keep), changes)
     return task.replace(**{name: fields[name] for name in fields if name not in keep})
 

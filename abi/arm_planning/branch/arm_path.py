@@ -27,23 +27,13 @@ _REFINEMENTS = 30
 _ROUNDING = 1e-9  # [unit]
 
 
-@dataclass(frozen=True, eq=False)
-class ArmGraphPath:
-    """A path along edges on which the whole arm is clear.
-
-    Attributes:
-        graph: the graph without the edges that were found not to be clear.
-        path: a path of the graph.
-    """
-
-    graph: Graph
-    path: SearchResult
-
-
 def search_clear(
     graph: Graph, branch: ArmBranch, search: Callable[[Graph], SearchResult]
-) -> ArmGraphPath | None:
+) -> tuple[Graph, SearchResult] | None:
     """Search until all edges of the path are clear for the arm; None if that takes too long.
+
+    Returns:
+        The graph without the edges that were found not to be clear, and its path.
 
     Raises:
         StageError: there is no path.
@@ -56,7 +46,7 @@ def search_clear(
             for k in np.flatnonzero(~branch.clear_segments(path.points)).tolist()
         ]
         if not shut:
-            return ArmGraphPath(graph, path)
+            return graph, path
         graph = without_edges(graph, shut)
     return None
 

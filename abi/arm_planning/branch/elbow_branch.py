@@ -11,6 +11,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arm_planning.arm_model import Unreached
+from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm_planning.exclusion import (
@@ -23,8 +24,10 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
+from abi.curves.curve import ArcLength, Curve
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
+from abi.scene.settings import ArmSettings
 from abi.tet_mesh.node_tree import NodeTree
 
 _SPARE = 0.01
@@ -44,6 +47,7 @@ class ElbowBranch:
         slack: distance that segments and nodes keep beyond that, so that a curve may round them,
             [unit].
         most_tries: pairs of a capsule and an obstacle to try, to prove a segment or a node clear.
+        settings: of the arm's drives.
     """
 
     arm: PaperArm
@@ -53,6 +57,7 @@ class ElbowBranch:
     clearance: float
     slack: float
     most_tries: int = field(default=MOST_TRIES, kw_only=True)
+    settings: ArmSettings = field(default_factory=ArmSettings, kw_only=True)
 
     @property
     def name(self) -> str:
@@ -114,6 +119,10 @@ class ElbowBranch:
             if abs(angle) > abs(limit) - _SPARE:
                 return Unreached(0.0, JOINTS[number], float(angle), limit)
         return None
+
+    def joint_path(self, curve: Curve, arc: ArcLength) -> PaperArmJointPath:
+        """The joints along a curve."""
+        return PaperArmJointPath(curve, arc, self.arm, self.settings.on(self.elbow))
 
     def clear_segments(self, points: FloatArray) -> BoolArray:
         """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3)."""

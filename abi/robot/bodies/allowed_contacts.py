@@ -45,25 +45,13 @@ class AllowedContact(NamedTuple):
     reason: Reason
 
 
-class LinkPairs(NamedTuple):
-    """Pairs of links that must keep apart, and those that may touch.
-
-    Attributes:
-        apart: numbers of two capsules that must keep apart, (k, 2).
-        allowed: pairs of links that may touch.
-    """
-
-    apart: IntArray
-    allowed: tuple[AllowedContact, ...]
-
-
 @lru_cache(maxsize=16)
 def link_pairs(
     robot: Robot,
     tip: str,
     held: tuple[tuple[str, float], ...] = (),
     asked: frozenset[frozenset[Other]] = frozenset(),
-) -> LinkPairs:
+) -> tuple[IntArray, tuple[AllowedContact, ...]]:
     """Decide which links of a robot must keep apart.
 
     Args:
@@ -71,6 +59,9 @@ def link_pairs(
         tip: name of the link that is the tool.
         held: joints beside the chain, each with its position, [rad] or [m].
         asked: pairs of links that the scene lets touch.
+
+    Returns:
+        Numbers of two capsules that must keep apart, (k, 2), and the pairs of links that may touch.
     """
     chain = Chain.of(robot, tip, held=dict(held) if held else NOT_HELD)
     capsules = chain_capsules(chain)
@@ -91,7 +82,7 @@ def link_pairs(
             apart += pairs
         else:
             allowed.append(AllowedContact(first, second, reason))
-    return LinkPairs(read_only(np.array(sorted(apart), np.int32).reshape(-1, 2)), tuple(allowed))
+    return read_only(np.array(sorted(apart), np.int32).reshape(-1, 2)), tuple(allowed)
 
 
 def _known_reason(

@@ -128,6 +128,11 @@ class PaperArm(ShortRepr):
         return "base_link"
 
     @property
+    def tip(self) -> str:
+        """Name of the link whose origin is the tool."""
+        return "tool"
+
+    @property
     def wxyz(self) -> Quaternion:
         """Orientation of the base, a quaternion: the arm stands upright."""
         return UNTURNED

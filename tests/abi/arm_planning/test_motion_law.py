@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.motion.liquid import tilts
 from abi.arm_planning.motion.trajectory import Trajectory
 from abi.arm_planning.motion_law import LAWS, second_derivatives
-from abi.arm_planning.paper_arm_model import PaperArmJointPath
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import SpeedProfile
 from abi.planner.plan import Plan

@@ -11,13 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi import load_scene, plan
+from abi.errors import AbiError
 from abi.scene.scene import Scene
 from app.cli.command_line import cli
 from app.state.frame import Frame
 from app.teach.challenge import TASK, parsed
 from app.teach.homework import HomeworkTask
 from app.teach.lesson_file import LessonError
-from app.teach.result_code import ResultCodeError, result_code, scene_of_code
+from app.teach.result_code import result_code, scene_of_code
 
 KEEP = (*TASK, "search.taut")
 FILE = """text: Bring the path along the edges down to 12.2 cm
@@ -60,14 +61,14 @@ def test_a_code_says_all_but_what_has_to_stay(
 
 @given(st.text(max_size=80))
 def test_what_is_no_code_is_refused(text: str) -> None:
-    with pytest.raises(ResultCodeError):
+    with pytest.raises(AbiError, match="code"):
         scene_of_code(text, Scene(version=1), KEEP)
 
 
 def test_a_code_that_lacks_a_letter_is_refused() -> None:
     code = result_code(load_scene("paper").replace(mesh={"pitch": 0.8}), KEEP)
     for k in range(len(code)):
-        with pytest.raises(ResultCodeError):
+        with pytest.raises(AbiError, match="code"):
             scene_of_code(code[:k] + code[k + 1 :], load_scene("paper"), KEEP)
 
 
