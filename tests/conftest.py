@@ -28,7 +28,7 @@ def pytest_make_parametrize_id(val: object) -> str | None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """One worker a processor, and one more where a worker has the browser and mostly waits."""
+    """One worker a processor, and one more where workers have browsers and mostly wait."""
     return (os.cpu_count() or 1) + ("not browser" not in config.option.markexpr)
 
 

@@ -21,16 +21,19 @@ from tests.browser.page import FLAGS, Page
 PAPER = load_scene("paper")
 
 _HERE = Path(__file__).parent
+_MIDDLE = "test_l"
+"""First name of the files of the second browser: both take about as long."""
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    # One worker drives the browser, with one server and one Chromium, while the others go on.
+    # Two workers drive a browser each, with a server of its own, while the others go on.
     for item in items:
         if _HERE in item.path.parents:
             item.add_marker(pytest.mark.browser)
-            item.add_marker(pytest.mark.xdist_group("browser"))
+            half = "first" if item.path.name < _MIDDLE else "second"
+            item.add_marker(pytest.mark.xdist_group(f"{half} browser"))
             # beside all the others a software renderer may be slower than any patience
             item.add_marker(pytest.mark.flaky(reruns=1))
 
