@@ -16,6 +16,8 @@ from abi.errors import MotionError, short
 MOST_WAYPOINTS = 20_000
 """Largest number of waypoints of a motion."""
 _LARGEST = 1e6
+_LEAST_STEP = 5e-10
+"""Between two waypoints, [s]: messages count nanoseconds."""
 _ONE = {"positions": "position", "velocities": "velocity", "accelerations": "acceleration"}
 
 Interpolation = Literal["linear", "cubic", "quintic"]
@@ -133,7 +135,7 @@ class Motion(ReadOnlyCopies):
         if times.shape != (len(times),) or not np.isfinite(times).all():
             row = int(np.flatnonzero(~np.isfinite(times.reshape(-1)))[0]) if times.ndim == 1 else 0
             raise MotionError(f"In row {row + 1} the time is no number of seconds.", row=row + 1)
-        late = np.flatnonzero(times[1:] <= times[:-1])
+        late = np.flatnonzero(np.diff(times) < _LEAST_STEP)
         if len(late):
             row = int(late[0]) + 1
             raise MotionError(

@@ -111,8 +111,10 @@ class MotionVerdict(ShortRepr):
         if self.state == "clear":
             if math.isinf(self.clearance):
                 return "Proven clear: the robot touches neither itself nor the floor at any time."
-            kept = f"its links keep {self.clearance:.4g} {unit} from every obstacle"
-            return f"Proven clear: {kept if self.clearance > 0 else 'they touch nothing'}."
+            kept = f"its moving links keep {self.clearance:.4g} {unit} from every obstacle"
+            return (
+                f"Proven clear: {kept if self.clearance > 0 else 'its moving links touch nothing'}."
+            )
         if self.state == "touches":
             one = self.touches[0]
             depth = f", up to {one.depth:.3g} {unit} deep" if one.depth > 0 else ""

@@ -102,6 +102,16 @@ class TaskPlan(ReadOnlyCopies):
             total_ms=self.total_ms,
         )
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on the scene, and on the gripper's own motion, which no leg is about."""
+        held = [leg.scene.arm.gripper for leg in self.legs]
+        moving = [str(k + 1) for k in range(1, len(held)) if held[k] != held[k - 1]]
+        if not moving:
+            return self.scene.notes
+        told = f"How the gripper moves before leg {', '.join(moving)} is not proven."
+        return (*self.scene.notes, told)
+
     def to_dict(self, full: bool = False) -> dict[str, Any]:
         """Plain data, ready for JSON, as ``docs/scene-and-plan.md`` describes it.
 
@@ -124,7 +134,7 @@ class TaskPlan(ReadOnlyCopies):
             },
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),
-            "notes": list(self.scene.notes),
+            "notes": list(self.notes),
         }
 
 

@@ -119,8 +119,8 @@ def capsule_of(entry: dict[str, Any], capsules: int) -> int:
     return capsule
 
 
-def words_of(margin: Fraction | None, unit: str) -> str:
-    """What it means for an arm to keep a margin, [unit]; None if there is no obstacle."""
+def words_of(margin: Fraction | None, unit: str, links: str = "its links") -> str:
+    """What it means for links to keep a margin, [unit]; None if there is no obstacle."""
     if margin is None:
         return "there is no obstacle"
-    return f"its links keep {float(margin):.9g} {unit}" if margin else "its links touch no obstacle"
+    return f"{links} keep {float(margin):.9g} {unit}" if margin else f"{links} touch no obstacle"

@@ -162,8 +162,9 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     _check_outside(motion, bodies, obstacles)
     _check_pairs(allowed, bodies, pairs)
     count = sum(map(len, planes.values()))
+    kept = words_of(margin, scene.unit, "its moving links")
     return (
-        f"{words_of(margin, scene.unit)}, and clear of the floor and each other "
+        f"{kept}, and clear of the floor and each other "
         f"({len(pairs)} pairs), by {count} directions; {_excepted(data)}"
     )
 

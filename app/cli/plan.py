@@ -64,7 +64,7 @@ def _plan_tasks(scene: Scene, out: Path | None, full: bool) -> None:
 
     result = plan_tasks(scene)
     _write(result.to_dict(full), out)
-    for note in scene.notes:
+    for note in result.notes:
         click.echo(note, err=True)
     if result.error is not None:
         number = len(result.legs)

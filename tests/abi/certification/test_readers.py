@@ -98,6 +98,7 @@ def rows_with(row: int, column: int, value: object) -> list[list[object]]:
         ("a.csv", csv_text(rows_with(1, 2, "x")), ["row 2", "shoulder_lift_joint", "'x'"]),
         ("a.csv", csv_text(rows_with(1, 2, "nan")), ["row 2", "shoulder_lift_joint", "nan"]),
         ("a.csv", csv_text(rows_with(2, 0, 0.5)), ["row 3", "0.5 s", "increase"]),
+        ("a.csv", csv_text(rows_with(1, 0, 1e-300)), ["row 2", "1e-300 s", "increase"]),
         ("a.csv", csv_text(rows_with(2, 1, 90)), ["row 3", "shoulder_pan_joint", "rad", "degrees"]),
         ("a.csv", csv_text(rows_with(0, 0, 0), ("x", *JOINTS[1:])), ["shoulder_pan_joint"]),
         ("a.csv", csv_text(rows_with(0, 0, 0), (JOINTS[1], *JOINTS[1:])), [JOINTS[1], "2 times"]),

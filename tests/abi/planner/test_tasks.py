@@ -6,6 +6,7 @@ import copy
 import itertools
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -127,6 +128,16 @@ def test_every_leg_is_proven_and_so_is_that_they_join() -> None:
     verdicts = verify(written(), planned().scene.meshes)
     assert [one.curve for one in verdicts] == [*(f"leg {k}, arm" for k in range(1, 5)), "tasks"]
     assert all(one.proven for one in verdicts), verdicts
+
+
+def test_notes_name_the_legs_before_which_the_gripper_moves_unproven() -> None:
+    whole, legs = planned(), [*planned().legs]
+    assert whole.notes == whole.scene.notes
+    for number in (2, 3):
+        arm = legs[number].scene.arm.model_copy(update={"gripper": {"finger": 0.01}})
+        scene = legs[number].scene.model_copy(update={"arm": arm})
+        legs[number] = replace(legs[number], scene=scene)
+    assert "before leg 3 is not proven" in replace(whole, legs=tuple(legs)).notes[-1]
 
 
 def test_a_certified_motion_has_what_is_held_as_a_body() -> None:
