@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from abi.export.mcap_entities import (
     triangles,
 )
 from abi.export.mcap_schemas import SCHEMAS
+from abi.export.recorded_message import RecordedMessage
 from abi.export.solids import Solid, solids
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.plan import Plan
@@ -40,13 +41,6 @@ from abi.robot.urdf.robot_files import packed
 _CURVE_POINTS = 200
 _RED, _BLUE = (0.85, 0.3, 0.2, 0.8), (0.15, 0.4, 0.9, 1.0)
 _NO_FACES = np.empty((0, 3), dtype=np.int32)
-
-
-class _RecordedMessage(NamedTuple):
-    topic: str
-    schema: str
-    time: float
-    data: dict[str, Any]
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -83,21 +77,19 @@ def write(plan: Plan, name: str) -> bytes:
     return file.getvalue()
 
 
-def _messages(plan: Plan, description: str) -> Iterator[_RecordedMessage]:
+def _messages(plan: Plan, description: str) -> Iterator[RecordedMessage]:
     assert plan.arm is not None
     chain = plan.arm.chain
     frame, root = scene_frame(chain), chain.robot.root
     trajectory, tool = joint_trajectory(plan), motion_of(plan).tool * plan.arm.metres
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
     still, moving = link_frames(chain, trajectory.positions)
-    yield _RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
-    yield _RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
-    yield _RecordedMessage("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
+    yield RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
+    yield RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
+    yield RecordedMessage("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
     yield from _carried(plan, frame)
     # a topic of their own: where one seeks, only the last message of a topic counts
-    yield _RecordedMessage(
-        "/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0)
-    )
+    yield RecordedMessage("/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0))
     for index, time in enumerate(trajectory.time.tolist()):
         state = {
             "header": {"stamp": stamp(time), "frame_id": root},
@@ -106,14 +98,14 @@ def _messages(plan: Plan, description: str) -> Iterator[_RecordedMessage]:
             "velocity": trajectory.velocities[index].tolist(),
             "effort": [],
         }
-        yield _RecordedMessage("/joint_states", "sensor_msgs/JointState", time, state)
-        yield _RecordedMessage(
+        yield RecordedMessage("/joint_states", "sensor_msgs/JointState", time, state)
+        yield RecordedMessage(
             "/tf", "foxglove.FrameTransforms", time, _transforms(moving, index, time)
         )
         w, x, y, z = turns[index]
         pose = pose_of(tool[index], (w, x, y, z))
         place = {"timestamp": stamp(time), "frame_id": frame, "pose": pose}
-        yield _RecordedMessage("/tool", "foxglove.PoseInFrame", time, place)
+        yield RecordedMessage("/tool", "foxglove.PoseInFrame", time, place)
 
 
 def _transforms(frames: list[LinkFrame], sample: int, time: float) -> Part:
@@ -131,7 +123,7 @@ def _scene(plan: Plan, frame: str) -> Part:
     return {"deletions": [], "entities": entities}
 
 
-def _carried(plan: Plan, frame: str) -> Iterator[_RecordedMessage]:
+def _carried(plan: Plan, frame: str) -> Iterator[RecordedMessage]:
     """Updates of the scene in which an obstacle moves with the tip, or stands still again."""
     time = motion_of(plan).time
     for one in carried_objects(plan):
@@ -143,11 +135,11 @@ def _carried(plan: Plan, frame: str) -> Iterator[_RecordedMessage]:
 
 def _moved(
     time: float, number: int, frame: str, shape: Obstacle, unit: Literal["m", "cm", "mm"]
-) -> _RecordedMessage:
+) -> RecordedMessage:
     """An update of the scene in which an obstacle is in another frame from a time on, [s]."""
     (parts,) = solids((shape,), unit)
     update = {"deletions": [], "entities": [_obstacle(number, frame, parts)]}
-    return _RecordedMessage("/scene", "foxglove.SceneUpdate", time, update)
+    return RecordedMessage("/scene", "foxglove.SceneUpdate", time, update)
 
 
 def _obstacle(number: int, frame: str, parts: Sequence[Solid]) -> Part:

@@ -8,23 +8,17 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 from abi.export.joint_trajectory import JointTrajectory, joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import LinkFrame, link_frames, quaternions, scene_frame
+from abi.export.recorded_message import RecordedMessage
 from abi.export.ros_definitions import DEFINITIONS
 from abi.export.ros_trajectory import trajectory_message
 from abi.obstacles.pose import METRES
 from abi.planner.plan import Plan
 
 _Message = dict[str, Any]
-
-
-class _BagMessage(NamedTuple):
-    topic: str
-    kind: str
-    time: float
-    data: _Message
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -46,7 +40,7 @@ def write(plan: Plan, name: str) -> bytes:
     return file.getvalue()
 
 
-def _messages(plan: Plan) -> Iterator[_BagMessage]:
+def _messages(plan: Plan) -> Iterator[RecordedMessage]:
     assert plan.arm is not None
     chain, trajectory = plan.arm.chain, joint_trajectory(plan)
     frame, root = scene_frame(chain), chain.robot.root
@@ -54,21 +48,23 @@ def _messages(plan: Plan) -> Iterator[_BagMessage]:
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
     still, moving = link_frames(chain, trajectory.positions)
     text = {"data": plan.arm.description()}
-    yield _BagMessage("/robot_description", "std_msgs/msg/String", 0.0, text)
-    yield _BagMessage(
+    yield RecordedMessage("/robot_description", "std_msgs/msg/String", 0.0, text)
+    yield RecordedMessage(
         "/joint_trajectory",
         "trajectory_msgs/msg/JointTrajectory",
         0.0,
         trajectory_message(trajectory, root),
     )
-    yield _BagMessage("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, _transforms(still, 0, 0.0))
+    yield RecordedMessage("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, _transforms(still, 0, 0.0))
     for index, time in enumerate(trajectory.time.tolist()):
         state = _joint_state(trajectory, index, root)
-        yield _BagMessage("/joint_states", "sensor_msgs/msg/JointState", time, state)
-        yield _BagMessage("/tf", "tf2_msgs/msg/TFMessage", time, _transforms(moving, index, time))
+        yield RecordedMessage("/joint_states", "sensor_msgs/msg/JointState", time, state)
+        yield RecordedMessage(
+            "/tf", "tf2_msgs/msg/TFMessage", time, _transforms(moving, index, time)
+        )
         pose = {"position": _xyz(tool[index]), "orientation": _wxyz(turns[index])}
         place = {"header": _header(time, frame), "pose": pose}
-        yield _BagMessage("/tool", "geometry_msgs/msg/PoseStamped", time, place)
+        yield RecordedMessage("/tool", "geometry_msgs/msg/PoseStamped", time, place)
 
 
 def _joint_state(trajectory: JointTrajectory, index: int, root: str) -> _Message:

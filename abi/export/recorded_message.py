@@ -1,0 +1,21 @@
+"""A message of a recording of a motion."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+
+class RecordedMessage(NamedTuple):
+    """A message, as both formats of recordings write it.
+
+    Attributes:
+        topic: its topic.
+        kind: name of its schema.
+        time: when it is sent, [s].
+        data: its fields as plain data.
+    """
+
+    topic: str
+    kind: str
+    time: float
+    data: dict[str, Any]
