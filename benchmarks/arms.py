@@ -1,6 +1,6 @@
 """Arms of public packages: how many load, are called self-colliding rightly, and get a plan.
 
-    python -m benchmarks.arms FOLDER…
+    python -m benchmarks.arms FOLDER… --match 'panda|ur5' --results arms.jsonl
 
 Each folder holds the files of packages, unpacked, as ``benchmarks.public_files`` says; coal decides
 what collides by the triangles of the collision shapes. Of each arm:
@@ -10,7 +10,12 @@ what collides by the triangles of the collision shapes. Of each arm:
   in the middle; ``rrt`` says whether an independent search in the joints, which tries poses alone,
   finds a motion between these poses in 5 s of processor time;
 - ``plan`` is what came of ours; ``hits`` counts poses, of 400 on the motion, that collide by the
-  meshes; ``proof`` says whether ``abi verify`` confirms the certificate.
+  meshes; ``proof`` says whether ``abi verify`` confirms the certificate;
+- ``first`` is the processor time of the first plan, [s], and ``drag`` the median of those in which
+  the box is moved a little, as one who drags it does, [ms].
+
+A file that is refused says whether Pinocchio reads it, as more than a link that stands still. What
+came of each file is a line of the results, and what stands there is not done again.
 """
 
 from __future__ import annotations
@@ -23,6 +28,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pinocchio
 
 from abi.arm_planning.world.chain_distances import Poses, own_distances
 from abi.arrays import FloatArray
@@ -41,6 +47,8 @@ from benchmarks.report import Row, table
 
 _POSES, _SAMPLES = 200, 401
 _SECONDS = 5.0
+_FRAMES, _SWING = 9, 0.02
+"""Frames of a drag, and how far it goes to each side, over the reach."""
 _STEP, _FINE = 0.3, 0.03
 """Ways of the search in the joints, and between the poses that it tries, [rad] or [m]."""
 
@@ -146,8 +154,25 @@ def measure(robot: Robot, name: str, files: MeshSource) -> Row:
     ends, box = task
     blocked = ExactArm(arm, box)
     row["rrt"] = rrt_finds(blocked, arm.chain.usual_range(), ends, _SECONDS)
-    plan = Planner()(_scene(name, arm, ends, box, files))
-    return row | _outcome(plan, blocked)
+    scene, planner = _scene(name, arm, ends, box, files), Planner()
+    begin = time.process_time()
+    plan = planner(scene)
+    row["first"] = time.process_time() - begin
+    return row | _outcome(plan, blocked) | {"drag": _drag(planner, scene, arm.reach)}
+
+
+def _drag(planner: Planner, scene: Scene, reach: float) -> float:
+    """Median processor time of plans in which the obstacle is moved a little, [ms]."""
+    (box,) = scene.to_dict()["obstacles"]
+    times = []
+    for step in range(_FRAMES):
+        x, y, z = box["position"]
+        moved = [x, y, z + _SWING * reach * float(np.sin(step + 1))]
+        dragged = scene.replace(obstacles=[{**box, "position": moved}])
+        begin = time.process_time()
+        planner(dragged, True)
+        times.append(1e3 * (time.process_time() - begin))
+    return float(np.median(times))
 
 
 def _outcome(plan: Plan, exact: ExactArm) -> Row:
@@ -162,18 +187,40 @@ def _outcome(plan: Plan, exact: ExactArm) -> Row:
     return {"plan": "proven", "hits": hits, "proof": verdict.proven}
 
 
-def rows_of(folder: Path, chosen: str) -> Iterator[Row]:
-    """A row for each URDF below a folder whose path contains a match of a regular expression."""
+def rows_of(folder: Path, chosen: str, done: frozenset[str]) -> Iterator[Row]:
+    """A row for each URDF below a folder whose path contains a match of a regular expression.
+
+    Args:
+        folder: of a package.
+        chosen: the expression.
+        done: files to leave out, each with the folder's name before it.
+    """
     for file in sorted(folder.rglob("*.urdf")):
         name = file.relative_to(folder).as_posix()
-        if not re.search(chosen, name):
+        label = f"{folder.name}/{name}"
+        if not re.search(chosen, name) or label in done:
             continue
         source = MeshSource(folder=folder)
         try:
             robot = load_robot(name, source)
-            yield {"arm": file.stem} | measure(robot, name, source)
+            yield {"file": label} | measure(robot, name, source)
         except SceneError as error:
-            yield {"arm": file.stem, "plan": f"refused: {error.message}"[:90]}
+            yield {"file": label, "plan": "refused", "why": error.message, "pin": _pin_reads(file)}
+
+
+def _pin_reads(file: Path) -> bool:
+    """Whether Pinocchio reads a file as a robot that moves."""
+    try:
+        return bool(pinocchio.buildModelFromUrdf(str(file)).nq)
+    except ValueError:
+        return False
+
+
+def _shown(row: Row) -> Row:
+    """A row of the table: the file's two last names, and times with few digits."""
+    text = "/".join(str(row["file"]).split("/")[-2:]).removesuffix(".urdf")
+    rounded = {name: value for name, value in row.items() if name not in ("file", "why", "pin")}
+    return {"arm": text} | rounded
 
 
 def main() -> None:
@@ -181,21 +228,31 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--match", default="", help="only paths that contain this expression")
+    parser.add_argument("--results", type=Path, default=Path("arms.jsonl"), help="file of rows")
     options = parser.parse_args()
-    rows = []
-    for folder in options.folders:
-        for row in rows_of(folder, options.match):
-            rows.append(row)
-            print(row, flush=True)
-    print(table(rows))
+    rows: list[Row] = []
+    if options.results.exists():
+        lines = options.results.read_text(encoding="utf-8").splitlines()
+        rows = [json.loads(line) for line in lines]
+    done = frozenset(str(row["file"]) for row in rows)
+    with options.results.open("a", encoding="utf-8") as lines:
+        for folder in options.folders:
+            for row in rows_of(folder, options.match, done):
+                rows.append(row)
+                lines.write(json.dumps(row) + "\n")
+                lines.flush()
+    print(table([_shown(row) for row in rows]))
+    for row in rows:
+        if "why" in row:
+            print(f"{row['file']}: {row['why']} Pinocchio reads it: {row['pin']}.")
     tried = [row for row in rows if row.get("rrt")]
     proven = [row for row in rows if row.get("plan") == "proven"]
     planned = sum(row in proven for row in tried)
     print(
         f"{len(rows)} arms, {sum('joints' in row for row in rows)} load; where the independent "
         f"search finds a motion, {planned} of {len(tried)} are planned; "
-        f"{sum(row['hits'] > 0 for row in proven)} of {len(proven)} motions collide, "
-        f"{sum(row['proof'] for row in proven)} proofs are confirmed"
+        f"{sum(bool(row['hits']) for row in proven)} of {len(proven)} motions collide, "
+        f"{sum(bool(row['proof']) for row in proven)} proofs are confirmed"
     )
 
 

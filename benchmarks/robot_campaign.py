@@ -16,7 +16,8 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.bodies.chain_capsules import chain_capsules, segment_distances
+from abi.robot.bodies.chain_capsules import segment_distances
+from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import planned_joints
 from abi.robot.urdf.robot import Robot
@@ -97,7 +98,7 @@ def _corners(robot: Robot, link: str) -> FloatArray:
 def _is_held(chain: Chain, frames: FloatArray, link: str, corners: FloatArray) -> bool:
     """Check whether the capsules of a link hold its corners in the world."""
     held = np.zeros(len(corners), dtype=bool)
-    for capsule in chain_capsules(chain):
+    for capsule in fitted_capsules(chain):
         if capsule.link == link:
             world = _in_world(frames, capsule.frame)
             ends = capsule.ends @ world[:3, :3].T + world[:3, 3]

@@ -46,7 +46,8 @@ class UrdfArmModel:
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         stands = settings.base, settings.axis, unit, settings.base_wxyz
         robot = settings.with_attached(METRES[unit])
-        self.arm = urdf_arm(robot, settings.tool, *stands, settings.gripper, settings.allowed)
+        touches = settings.gripper, settings.allowed, settings.grasping
+        self.arm = urdf_arm(robot, settings.tool, *stands, *touches)
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._configurations: dict[PosePair, NodeConfigurations] = {}
         self._rows = RowTable()

@@ -15,7 +15,7 @@ from abi.certification.verdict import MotionVerdict
 from abi.curves.bspline import clamped
 from abi.curves.timed_profile import TimedProfile
 from abi.planner.plan import Plan
-from abi.robot.bodies.chain_capsules import chain_capsules
+from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene
 
@@ -54,7 +54,7 @@ def _arm(verdict: MotionVerdict) -> UrdfArm:
         arm,
         chain=chain,
         limits=read_only(chain.limits * scales[:, None]),
-        capsules=chain_capsules(chain),
+        capsules=fitted_capsules(chain),
         held=chain.held,
     )
 

@@ -15,7 +15,7 @@ from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
 from abi.errors import MotionError
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
 from abi.robot.bodies.chain_capsules import lever, meeting
-from abi.robot.bodies.link_bodies import link_bodies
+from abi.robot.bodies.link_bodies import Fit, link_bodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
 
@@ -159,7 +159,8 @@ def robot_bodies(
     bodies = []
     for carried in chain.carried:
         turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-        for body in link_bodies(chain.robot.links[carried.link], carried.link in closely):
+        fit: Fit = "close" if carried.link in closely else "quick"
+        for body in link_bodies(chain.robot.links[carried.link], fit):
             placed = read_only(body.points @ turn.T + origin)
             bodies.append(ConvexBody(carried.link, carried.frame, placed, body.rounding))
     if not any(body.frame >= 0 for body in bodies):

@@ -39,6 +39,7 @@ def next_scene(scene: Scene, number: int, last: Plan) -> Scene:
     arm: dict[str, Any] = {
         "start": {"joints": dict(zip(motion.joints, joints.tolist(), strict=True))},
         "goal": None,
+        "grasping": leg.grasps or scene.tasks[number - 1].grasps,
     }
     if leg.gripper is not None:
         arm["gripper"] = leg.gripper

@@ -25,17 +25,20 @@ _NAME = "held_object"
 
 
 @lru_cache(maxsize=64)
-def with_object(robot: Robot, tip: str, shape: Obstacle, metres: float) -> Robot:
+def with_object(
+    robot: Robot, tip: str, shape: Obstacle, metres: float, inset: float = 0.0
+) -> Robot:
     """A robot that holds an object.
 
-    The object counts as 1 mm smaller on each side than it is, and no longer touches what it stands
-    on; of a mesh the convex hull counts. It is drawn as it is.
+    Of a mesh the convex hull counts. It is drawn as it is.
 
     Args:
         robot: the robot.
         tip: name of the link that holds it.
         shape: the object; its pose is that in the frame of the tip.
         metres: one [unit] of the shape in metres.
+        inset: distance by which it counts as smaller on each side, [m]; with ``STANDING`` it no
+            longer touches what it stands on.
 
     Raises:
         SceneError: a mesh is flat.
@@ -44,13 +47,14 @@ def with_object(robot: Robot, tip: str, shape: Obstacle, metres: float) -> Robot
     while name in robot.links:
         name = f"{name}_"
     nothing = np.zeros(3), np.zeros((3, 3))
+    whole = tuple(_shapes(shape, metres, 0.0))
     link = Link(
         name,
-        shapes=tuple(_shapes(shape, metres, STANDING)),
+        shapes=tuple(_shapes(shape, metres, inset)),
         mass=0.0,
         centre=read_only(nothing[0]),
         inertia=read_only(nothing[1]),
-        visuals=tuple(_shapes(shape, metres, 0.0)),
+        visuals=(_drawn(shape, metres),) if isinstance(shape, MeshShape) else whole,
     )
     joint = Joint(
         name=f"{name}_joint",
@@ -69,7 +73,7 @@ def with_object(robot: Robot, tip: str, shape: Obstacle, metres: float) -> Robot
         robot,
         links=MappingProxyType({**robot.links, name: link}),
         joints=(*robot.joints, joint),
-        attached=AttachedObject(name, tip, (shape, metres)),
+        attached=AttachedObject(name, tip, (shape, metres, inset)),
     )
 
 
@@ -122,12 +126,15 @@ def _link_shape(
     )
 
 
+def _drawn(shape: MeshShape, metres: float) -> LinkShape:
+    """A mesh as it is."""
+    surface, scale = shape.surface, shape.factor * metres
+    return _link_shape("mesh", (1.0, 1.0, 1.0), np.eye(4), surface.vertices * scale, surface.faces)
+
+
 def _hull(shape: MeshShape, metres: float, inset: float) -> LinkShape:
-    """Convex hull of a mesh, its sides moved inwards; or the mesh itself, to be drawn."""
+    """Convex hull of a mesh, its sides moved inwards."""
     ones, scale = (1.0, 1.0, 1.0), shape.factor * metres
-    if inset == 0:
-        surface = shape.surface
-        return _link_shape("mesh", ones, np.eye(4), surface.vertices * scale, surface.faces)
     try:
         sides = scipy.spatial.ConvexHull(shape.surface.vertices * scale).equations
         # the centre of the largest ball inside: the variables are its place and its radius

@@ -11,12 +11,13 @@ from typing import Any, Literal
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.any_arm import PlacedCapsule, RateLimits
 from abi.robot.bodies.allowed_contacts import AllowedContact, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
-from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, lever, meeting, place
+from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
+from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
@@ -47,6 +48,7 @@ class UrdfArm(ShortRepr):
         capsules: around the links, those that stand still first.
         held: positions of joints beside the chain that do not rest nearest to 0, [rad] or [m].
         asked: links, each with another or the number of an obstacle, that the scene lets touch.
+        grasping: whether an object is taken or set down.
     """
 
     chain: Chain
@@ -58,6 +60,7 @@ class UrdfArm(ShortRepr):
     capsules: tuple[ChainCapsule, ...]
     held: Mapping[str, float]
     asked: tuple[tuple[str, Other], ...] = ()
+    grasping: bool = False
 
     def __post_init__(self) -> None:
         """Check what kernels read.
@@ -107,6 +110,15 @@ class UrdfArm(ShortRepr):
     def radii(self) -> FloatArray:
         """Radius of each capsule, (c,), [unit]."""
         return read_only(np.array([one.radius for one in self.capsules]) / self.metres)
+
+    @cached_property
+    def touchable(self) -> BoolArray:
+        """Which capsules need not keep a distance from obstacles, only not touch them, (c,).
+
+        While an object is taken or set down these are the ones behind the last joint.
+        """
+        last = self.chain.table.length - 1
+        return read_only(np.array([self.grasping and one.frame == last for one in self.capsules]))
 
     @cached_property
     def levers(self) -> FloatArray:
@@ -333,6 +345,7 @@ def urdf_arm(
     wxyz: Quaternion = UNTURNED,
     held: Mapping[str, float] = NOT_HELD,
     asked: tuple[tuple[str, Other], ...] = (),
+    grasping: bool = False,
 ) -> UrdfArm:
     """Build the arm of a robot that stands at ``base``, [unit].
 
@@ -345,6 +358,7 @@ def urdf_arm(
         wxyz: how its root link is turned, as a quaternion.
         held: positions of joints beside the chain, by name, [rad] or [unit].
         asked: links, each with another or the number of an obstacle, that may touch.
+        grasping: whether an object is taken or set down.
 
     Raises:
         SceneError: there is no such tip, no joint moves it, or a joint cannot be held there.
@@ -361,7 +375,8 @@ def urdf_arm(
         wxyz=wxyz,
         unit=unit,
         limits=read_only(chain.limits * scales[:, None]),
-        capsules=chain_capsules(chain),
+        capsules=fitted_capsules(chain),
         held=in_metres,
         asked=asked,
+        grasping=grasping,
     )

@@ -30,6 +30,11 @@ class Leg(Settings):
     attach: Annotated[Count, Field(ge=0)] | None = None
     release: Flag = False
 
+    @property
+    def grasps(self) -> bool:
+        """Whether an object is taken or set down at its end."""
+        return self.attach is not None or self.release
+
     def __hash__(self) -> int:
         gripper = None if self.gripper is None else frozenset(self.gripper.items())
         return hash((self.name, self.goal, gripper, self.attach, self.release))
@@ -46,7 +51,10 @@ def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
     if goal is not None:
         found["goal"] = goal
     arm = data.get("arm", {})
-    if gripper is not None:
+    of_arm = {} if gripper is None else {"gripper": gripper}
+    if first.get("attach") is not None or first.get("release"):
+        of_arm["grasping"] = True
+    if of_arm:
         fields = vars(arm) if isinstance(arm, Settings) else arm
-        found["arm"] = {**fields, "gripper": gripper}
+        found["arm"] = {**fields, **of_arm}
     return found

@@ -21,7 +21,7 @@ from abi.errors import SceneError
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.attached_object import with_object
+from abi.robot.attached_object import STANDING, with_object
 from abi.robot.gripper import Opening, gripper_at
 from abi.robot.urdf.held_joints import (
     held_in_metres,
@@ -234,6 +234,8 @@ class ArmSettings(Settings):
     forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
 
     ``attached`` is an object that the tip holds, a shape whose pose is that in the tip's frame.
+    While it is taken or set down, with ``grasping``, it counts as 1 mm smaller, so that it may
+    stand, and it and the links behind the last joint need not keep ``clearance``, only not touch.
     ``start`` and ``goal`` say more than the places of the tool: the joints there, or the tool's
     orientation, too. ``search`` is where a motion is sought: on the mesh of places of the tool, in
     the space of the joints, or by ``auto`` in that if the mesh has none, or joints are asked for.
@@ -247,6 +249,7 @@ class ArmSettings(Settings):
     gripper: HeldJoints = Field(default_factory=dict)
     allowed: Annotated[tuple[AllowedPair, ...], Field(max_length=10_000)] = ()
     attached: Obstacle | None = None
+    grasping: Flag = False
     axis: Vec3 | None = None
     start: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
     goal: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
@@ -419,7 +422,8 @@ class ArmSettings(Settings):
         """
         if self.attached is None:
             return self.robot
-        return with_object(self.robot, self.tool, self.attached, metres)
+        inset = STANDING if self.grasping else 0.0
+        return with_object(self.robot, self.tool, self.attached, metres, inset)
 
     @property
     def tool(self) -> str:

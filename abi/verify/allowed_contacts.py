@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -33,7 +33,9 @@ Bodies = Mapping[str, Sequence[LinkPiece]]
 """Pieces of each link."""
 
 _NEAR = 1e-6
-"""Distance at which hulls overlap, over the size of both: their roundings are left out."""
+"""Distance at which bodies count as overlapping, over the size of both."""
+_WHOLE = 1e3
+"""Weight of that the parts of corners in a point add up to one, beside the way between points."""
 _POSES = 64
 """Random poses in which links that are said to overlap always are looked at."""
 _MOSTLY = 0.85
@@ -183,13 +185,15 @@ def _check_overlap(
     low, high = _usual_range(chain)
     for row in np.random.default_rng(0).uniform(low, high, (_POSES, len(low))):
         frames = chain.place([Fraction(number) for number in row.tolist()])
-        placed: dict[str, list[FloatArray]] = {}
+        placed: dict[str, list[_Placed]] = {}
         for link in set(itertools.chain(*pairs)):
             turn, origin = np.eye(3), np.zeros(3)
             if chain.frames[link] >= 0:
                 frame = frames[chain.frames[link]]
                 turn, origin = (part.astype(float) / 2.0**200 for part in frame[:2])
-            placed[link] = [body.points @ turn.T + origin for body in bodies[link]]
+            placed[link] = [
+                _Placed(body.points @ turn.T + origin, body.rounding) for body in bodies[link]
+            ]
         for pair in pairs:
             both = itertools.product(placed[pair[0]], placed[pair[1]])
             overlaps[pair] += any(_overlap(one, other) for one, other in both)
@@ -206,11 +210,20 @@ def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
     return np.maximum(low, -turn).tolist(), np.minimum(high, turn).tolist()
 
 
-def _overlap(first: FloatArray, second: FloatArray) -> bool:
-    """Check whether the hulls of points (k, 3) and (m, 3) overlap: have a point in common."""
-    size = max(float(np.ptp(np.concatenate([first, second]), axis=0).max()), _NEAR)
-    middle = first.mean(axis=0)
-    sums = np.zeros((5, len(first) + len(second)))
-    sums[:3] = np.concatenate([first - middle, middle - second]).T / size
-    sums[3, : len(first)], sums[4, len(first) :] = 1, 1
-    return bool(scipy.optimize.nnls(sums, np.array([0, 0, 0, 1, 1]))[1] <= _NEAR)
+class _Placed(NamedTuple):
+    """A hull of points (k, 3) in the world, and the distance from it that belongs to it, [unit]."""
+
+    points: FloatArray
+    rounding: float
+
+
+def _overlap(first: _Placed, second: _Placed) -> bool:
+    """Check whether two bodies overlap: their hulls are no farther apart than they are round."""
+    a, b = first.points, second.points
+    size = max(float(np.ptp(np.concatenate([a, b]), axis=0).max()), _NEAR)
+    middle = a.mean(axis=0)
+    sums = np.zeros((5, len(a) + len(b)))
+    sums[:3] = np.concatenate([a - middle, middle - b]).T / size
+    sums[3, : len(a)], sums[4, len(a) :] = _WHOLE, _WHOLE
+    away = float(scipy.optimize.nnls(sums, np.array([0, 0, 0, _WHOLE, _WHOLE]))[1])
+    return away <= _NEAR + (first.rounding + second.rounding) / size

@@ -148,10 +148,12 @@ def check_chain(
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     for number, capsule in enumerate(capsules):
         least = partial(_least, motion, capsule)
+        touches = scene.arm.grasping and capsule.frame == chain.frames[scene.arm.tool]
+        kept = Fraction(0) if touches else margin
         for k, obstacle in enumerate(obstacles):
             if (capsule.link, k) not in allowed:
                 label = f"{capsule.link} and obstacle {k + 1}"
-                check_apart(label, planes.get((number, k), []), least, span, obstacle, margin)
+                check_apart(label, planes.get((number, k), []), least, span, obstacle, kept)
         if (capsule.link, "floor") not in allowed:
             label = f"{capsule.link} and floor"
             check_apart(label, planes.get((number, "floor"), []), least, span, floor)
@@ -161,10 +163,12 @@ def check_chain(
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles, allowed)
     count = sum(map(len, planes.values()))
-    kept = words_of(margin, scene.unit)
+    words = words_of(margin, scene.unit)
+    if scene.arm.grasping:
+        words += ", those behind the last joint only apart from it"
     left_out = _left_out(certificate)
     return (
-        f"{kept}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
+        f"{words}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
         f"directions{left_out}"
     )
 

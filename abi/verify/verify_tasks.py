@@ -22,7 +22,7 @@ from abi.verify.plan_fields import list_of, mapping, numbers_of
 _SAME = 1e-9
 """Difference that is let pass between joints, [rad] or [unit], and of poses, over their size."""
 _OF_LEG = ("start", "goal", "obstacles", "tasks", "arm")
-_OF_LEG_ARM = ("start", "goal", "gripper", "attached", "allowed")
+_OF_LEG_ARM = ("start", "goal", "gripper", "attached", "allowed", "grasping")
 """Fields of a scene, and of its arm, that differ from leg to leg."""
 
 
@@ -55,6 +55,11 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
         before, gripper = gripper, gripper if task.get("gripper") is None else task["gripper"]
         if number > 0 and gripper != before:
             moving.append(str(number + 1))
+        last = whole["tasks"][number - 1] if number > 0 else {}
+        if whole["tasks"] and data["arm"]["grasping"] and not (_grasps(task) or _grasps(last)):
+            raise Fault(
+                f"{label} keeps less distance than where objects are neither taken nor left"
+            )
         _check_same(label, data, whole, gripper)
         if number > 0:
             _check_goal(label, here, scene.tasks[number].goal)
@@ -84,6 +89,11 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
     unproven = f"; not proven is how the gripper moves before leg {', '.join(moving)}"
     joined = f"{len(legs)} legs join without a jump of the joints{carried}"
     return f"{joined}{unproven}" if moving else joined
+
+
+def _grasps(task: dict[str, Any]) -> bool:
+    """Check whether an object is taken or set down at the end of a leg."""
+    return task.get("attach") is not None or bool(task.get("release"))
 
 
 def _check_same(

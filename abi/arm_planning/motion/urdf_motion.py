@@ -149,6 +149,7 @@ class ChainJointPath:
         least = float(of_capsules[0].min(initial=math.inf))
         below = max(required, least) + _CLOSER * arm.reach
         measured = Measured(*hull_distances_to(arm, poses, collision_world, of_capsules, below))
+        measured = _without_touchable(arm, measured)
         own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses))
         floor = _against(FLOOR, floor_distances(arm, collision_world.floor, poses))
         capsules = range(len(arm.capsules))
@@ -161,6 +162,15 @@ class ChainJointPath:
         rows = collision_world.solids.in_use
         found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
         return replace(found, allowed=(*arm.allowed, *allowed))
+
+
+def _without_touchable(arm: UrdfArm, measured: Measured) -> Measured:
+    """Distances without those of capsules that need only not touch, where they touch nothing."""
+    left_out = arm.touchable & (measured.distance > 0)
+    return Measured(
+        np.where(left_out, np.inf, measured.distance),
+        np.where(left_out, np.int32(-1), measured.number),
+    )
 
 
 def _against(number: IntArray | int, distance: FloatArray) -> Measured:

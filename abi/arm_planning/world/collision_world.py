@@ -39,6 +39,8 @@ class CollisionWorld:
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
         allowed: what of it which link may touch.
+        touched: which rows, (k + 1,), no distance is kept from: they are there once more, for the
+            capsules that need only not touch them. None where there are no such capsules.
     """
 
     solids: SolidRows
@@ -46,6 +48,7 @@ class CollisionWorld:
     floor: float
     size: float
     allowed: tuple[AllowedContact, ...] = ()
+    touched: BoolArray | None = None
 
     def __post_init__(self) -> None:
         # not copied: one is made for each obstacle of a plan
@@ -58,7 +61,8 @@ class CollisionWorld:
 
     def beyond(self, margin: float) -> Obstacles:
         """Add a distance to keep from obstacles, [unit]; from floor and column it is 0."""
-        margins = np.where(self.numbers >= 0, margin, 0.0)
+        kept = self.numbers >= 0
+        margins = np.where(kept if self.touched is None else kept & ~self.touched, margin, 0.0)
         rows, inside, _, meshes, outer, _ = self.solids
         return Obstacles(
             *(rows, inside, meshes, read_only(margins)),
@@ -72,7 +76,7 @@ class CollisionWorld:
     @cached_property
     def _first_rows(self) -> IntArray:
         """Row of each obstacle, in the order of their numbers; then what is left over."""
-        outer = self.solids.outer
+        outer = self.solids.outer[::-1]  # of rows that are there twice the first ones count
         numbers, rows = self.numbers[outer], np.empty_like(outer)
         rows[numbers[numbers >= 0]] = outer[numbers >= 0]
         return rows
@@ -117,7 +121,37 @@ def chain_world(
     for link, other, _ in allowed:
         if isinstance(other, int):
             asked[capsules == link, found.first_row(other)] = False
-    return replace(found, asked=read_only(asked), allowed=allowed)
+    found = replace(found, asked=read_only(asked), allowed=allowed)
+    return _doubled(found, arm.touchable) if arm.touchable.any() else found
+
+
+def _doubled(world: CollisionWorld, touchable: BoolArray) -> CollisionWorld:
+    """Surroundings with all obstacles twice, once for capsules that need only not touch them.
+
+    Args:
+        world: the surroundings, without parts of the arm.
+        touchable: these capsules, (c,).
+    """
+    solids, count = world.solids, len(world.numbers) - 1
+    inside = np.where(solids.inside > 0, solids.inside + np.int32(count), solids.inside)
+    outer, last = solids.outer[:-1], np.int32(2 * count)
+    twice = SolidRows(
+        rows=read_only(np.concatenate([solids.rows, solids.rows])),
+        inside=read_only(np.concatenate([solids.inside, inside])),
+        numbers=read_only(np.concatenate([solids.numbers[:-1], solids.numbers])),
+        meshes=read_only(np.concatenate([solids.meshes[:-1], solids.meshes])),
+        outer=read_only(np.concatenate([outer, outer + np.int32(count), [last]]).astype(np.int32)),
+        in_use=2 * solids.in_use - 1,
+    )
+    asked, floor = world.asked[:, :-1], world.asked[:, -1:]
+    both = asked & ~touchable[:, None], asked & touchable[:, None], floor
+    touched = np.arange(2 * count + 1) >= count
+    return replace(
+        world,
+        solids=twice,
+        asked=read_only(np.concatenate(both, axis=1)),
+        touched=read_only(touched),
+    )
 
 
 def _allowed(arm: UrdfArm, obstacles: ObstacleSet) -> tuple[AllowedContact, ...]:

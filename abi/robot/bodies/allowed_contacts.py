@@ -11,10 +11,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, flat, read_only
-from abi.robot.bodies.capsule_table import Bodies
-from abi.robot.bodies.chain_capsules import ChainCapsule, chain_capsules, place, segment_distances
-from abi.robot.bodies.hull_kernels import hull_distances
+from abi.arrays import IntArray, read_only
+from abi.robot.bodies.chain_capsules import ChainCapsule
+from abi.robot.bodies.finer_links import fitted_capsules
+from abi.robot.bodies.sampled_bodies import SampledBodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import NOT_HELD
 from abi.robot.urdf.robot import Robot, meet
@@ -64,13 +64,11 @@ def link_pairs(
         Numbers of two capsules that must keep apart, (k, 2), and the pairs of links that may touch.
     """
     chain = Chain.of(robot, tip, held=dict(held) if held else NOT_HELD)
-    capsules = chain_capsules(chain)
+    capsules = fitted_capsules(chain)
     numbers: dict[str, list[int]] = {}
     for number, capsule in enumerate(capsules):
         numbers.setdefault(capsule.link, []).append(number)
-    low, high = chain.usual_range().T
-    positions = np.random.default_rng(0).uniform(low, high, (SAMPLES, len(low)))
-    sampled = _Sampled(chain, capsules, positions, place(capsules, chain.poses(positions)))
+    sampled = SampledBodies.of(chain, capsules, SAMPLES)
     apart: list[tuple[int, int]] = []
     allowed: list[AllowedContact] = []
     for first, second in itertools.combinations(numbers, 2):
@@ -122,58 +120,12 @@ def tree_reason(
     return "adjacent" if joined else None
 
 
-class _Sampled(NamedTuple):
-    """Random poses of a chain (k, n), and ends (k, c, 2, 3) of its capsules there, [m]."""
-
-    chain: Chain
-    capsules: tuple[ChainCapsule, ...]
-    positions: FloatArray
-    ends: FloatArray
-
-
-def _always_overlap(sampled: _Sampled, pairs: list[tuple[int, int]]) -> bool:
+def _always_overlap(sampled: SampledBodies, pairs: list[tuple[int, int]]) -> bool:
     """Check whether in every pose a piece of one link overlaps one of another.
 
     Args:
         sampled: the poses.
         pairs: numbers of one piece of each link.
     """
-    capsules, ends = sampled.capsules, sampled.ends
-    radii = [capsules[i].radius + capsules[j].radius for i, j in pairs]
-    gaps = [segment_distances(ends[:, i], ends[:, j]) for i, j in pairs]
-    near = np.stack(gaps, axis=1) <= radii
-    if not near.any(axis=1).all():
-        return False
-    poses, numbers = (one.astype(np.int32) for one in np.nonzero(near))
-    away = _between_hulls(sampled, pairs, poses, numbers)
-    least = np.full(len(ends), np.inf)
-    np.minimum.at(least, poses, away)
-    return bool((least <= 0).all())
-
-
-def _between_hulls(
-    sampled: _Sampled, pairs: list[tuple[int, int]], poses: IntArray, numbers: IntArray
-) -> FloatArray:
-    """Distances (k,) of pieces in poses, each by its number and that of the pair, [m]."""
-    chain, capsules = sampled.chain, sampled.capsules
-    packed = chain.packed_poses(sampled.positions)
-    hulls, none = [one.points for one in capsules], read_only(np.zeros(0))
-    bodies = Bodies(
-        moving=len(chain.joints),
-        frames=read_only(np.array([one.frame for one in capsules], dtype=np.int32)),
-        ends=none,
-        radii=none,
-        levers=none,
-        pairs=read_only(np.array(pairs, dtype=np.int32).reshape(-1)),
-        pair_levers=none,
-        points=flat(np.concatenate(hulls)),
-        first=read_only(np.cumsum([0, *map(len, hulls)], dtype=np.int32)),
-        roundings=read_only(np.array([one.rounding for one in capsules])),
-        point_levers=none,
-        point_pair_levers=none,
-        scale=1.0,
-    )
-    asked = np.stack([poses, numbers], axis=1).astype(np.int32)
-    distances = np.empty(len(asked))
-    hull_distances(bodies, packed, asked.reshape(-1), 0.0, distances)
-    return distances
+    near = sampled.near(pairs)
+    return bool(near.any(axis=1).all() and sampled.overlap(pairs, near).any(axis=1).all())

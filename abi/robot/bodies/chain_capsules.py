@@ -10,7 +10,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray, read_only
-from abi.robot.bodies.link_bodies import link_bodies
+from abi.robot.bodies.link_bodies import Fit, link_bodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
@@ -39,12 +39,19 @@ class ChainCapsule(NamedTuple):
     rounding: float
 
 
-def chain_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
-    """Capsules of all links, those that stand still first; of a robot without shapes, of lines."""
+def capsules_of(chain: Chain, finer: frozenset[str]) -> tuple[ChainCapsule, ...]:
+    """Capsules of all links, those that stand still first; of a robot without shapes, of lines.
+
+    Args:
+        chain: the chain.
+        finer: names of links that are to be fitted more closely.
+    """
     capsules = []
     for carried in chain.carried:
         turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-        for (low, high, radius), points, rounding in link_bodies(chain.robot.links[carried.link]):
+        fit: Fit = "finer" if carried.link in finer else "quick"
+        bodies = link_bodies(chain.robot.links[carried.link], fit)
+        for (low, high, radius), points, rounding in bodies:
             ends = read_only(np.stack([low, high]) @ turn.T + origin)
             hull = read_only(points @ turn.T + origin), rounding
             capsules.append(ChainCapsule(carried.link, carried.frame, ends, radius, *hull))

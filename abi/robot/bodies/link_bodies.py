@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -30,11 +30,6 @@ _WORTH = 0.9
 """A piece is cut where the hulls of both halves are smaller together than this part of its."""
 _SHARES = (0.2, 0.4, 0.6, 0.8)
 """Places of cuts that are tried, over the length of a piece."""
-_CORNERS = 64
-"""Corners of a hull, at most, and in any case those that it needs to have a volume."""
-_FINE = 0.004
-"""Distance of a piece's corners from a hull of fewer corners that is let pass, over its least
-extent."""
 _PAD = 1e-9
 """Rounding of a hull: a part of the largest coordinate, [m]."""
 _HEAVY = 1e3
@@ -48,16 +43,26 @@ class _Fit(NamedTuple):
         parts: pieces of a shape, at most.
         much: a piece is cut where that saves this part of the whole volume, too, ...
         least: ... and a cut must save this part of it.
-        exact: whether a hull has all corners of its piece, and nothing around it.
+        corners: of a hull, at most, and in any case those that it needs to have a volume; None for
+            all corners of its piece, and nothing around it.
+        fine: distance of a piece's corners from a hull of fewer corners that is let pass, over its
+            least extent.
     """
 
     parts: int
     much: float
     least: float
-    exact: bool
+    corners: int | None
+    fine: float
 
 
-_QUICK, _CLOSE = _Fit(6, 0.05, 0.03, exact=False), _Fit(24, 1e-3, 5e-4, exact=True)
+Fit = Literal["quick", "finer", "close"]
+
+_FITS: dict[Fit, _Fit] = {
+    "quick": _Fit(6, 0.05, 0.03, corners=64, fine=0.004),
+    "finer": _Fit(12, 0.02, 0.01, corners=320, fine=0.0005),
+    "close": _Fit(24, 1e-3, 5e-4, corners=None, fine=0.0),
+}
 
 
 class Body(NamedTuple):
@@ -75,24 +80,23 @@ class Body(NamedTuple):
 
 
 @lru_cache(maxsize=512)
-def link_bodies(link: Link, closely: bool = False) -> tuple[Body, ...]:
+def link_bodies(link: Link, fit: Fit = "quick") -> tuple[Body, ...]:
     """Bodies whose union contains a link's collision shapes; none for a frame.
 
     All but spheres take long to make, and are kept from one start to the next.
 
     Args:
         link: the link.
-        closely: whether to take more pieces, and all of their corners.
+        fit: how closely: by few pieces with few corners, by more, or by many with all corners.
     """
-    fit = _CLOSE if closely else _QUICK
     if all(shape.kind == "sphere" for shape in link.shapes):
-        return _fitted(link, fit)
+        return _fitted(link, _FITS[fit])
     key = body_store.key_of(link.shapes, (__file__, bounding_capsules.__file__))
-    key += "-close" * closely
+    key += "" if fit == "quick" else f"-{fit}"
     kept = body_store.find(key)
     if kept is not None:
         return tuple(map(_unpacked, kept))
-    bodies = _fitted(link, fit)
+    bodies = _fitted(link, _FITS[fit])
     body_store.keep(key, [_packed(one) for one in bodies])
     return bodies
 
@@ -156,15 +160,15 @@ def _corners_of(points: FloatArray, fit: _Fit) -> tuple[FloatArray, float]:
     """
     try:
         corners = points[scipy.spatial.ConvexHull(points).vertices]
-        if fit.exact:
+        if fit.corners is None:
             return corners, 0.0
-        fine = _FINE * float(np.ptp(corners @ principal_axes(corners).T, axis=0).min())
+        fine = fit.fine * float(np.ptp(corners @ principal_axes(corners).T, axis=0).min())
         chosen = {int(np.argmax(corners @ way)) for way in _WAYS}
         while True:
             sides = scipy.spatial.ConvexHull(corners[sorted(chosen)]).equations
             outside = (corners @ sides[:, :3].T + sides[:, 3]).max(axis=1)
             farthest = int(outside.argmax())
-            if outside[farthest] <= fine or len(chosen) >= _CORNERS or farthest in chosen:
+            if outside[farthest] <= fine or len(chosen) >= fit.corners or farthest in chosen:
                 break
             chosen.add(farthest)
     except scipy.spatial.QhullError:

@@ -18,12 +18,13 @@ from mcap.reader import make_reader
 
 from abi.arrays import FloatArray
 from abi.certification.certify import certify
-from abi.errors import SceneError
+from abi.errors import NoJointMotion, SceneError
 from abi.explain.arm_faults import limits_warning
 from abi.export.carried_objects import carried_objects
 from abi.export.formats import export
 from abi.export.html_page import page_data
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.planner.planner import plan
 from abi.planner.task_plan import TaskPlan, plan_tasks
 from abi.robot.attached_object import STANDING
 from abi.robot.bodies.link_bodies import triangles_of
@@ -35,8 +36,17 @@ from tests.abi.robot.robots import arm, packed
 
 FILES = {"a.zip": packed({"a.urdf": arm()})}
 BASE = np.array([0.0, 0.0, 1.0])
-JOINTS = [[0.0, 0.2, 0.3], [0.9, -0.4, 0.4], [-0.6, 0.5, 0.3], [-0.5, 0.5, 0.2], [0.3, 0.1, 0.5]]
-"""Where the legs begin and end, but for the last, which ends at a point of the tool."""
+JOINTS = [
+    [0.0, 0.2, 0.3],
+    [0.9, -0.4, 0.4],
+    [-0.6, 0.5, 0.3],
+    [-0.5, 0.5, 0.2],
+    [0.3, 0.1, 0.5],
+    [0.1, 0.2, 0.4],
+]
+"""Where the legs begin and end."""
+CLEARANCE = 0.06
+"""More than the tool is from the ball where it takes it."""
 
 
 def tool(joints: list[float] | FloatArray) -> FloatArray:
@@ -62,19 +72,23 @@ def data(**fields: Any) -> dict[str, Any]:
 
 @cache
 def planned() -> TaskPlan:
-    """A ball beyond the tool is taken from one place to another, past a box; a shelf stays."""
+    """A ball that touches another one beyond it is taken from there to another place."""
     ball = tool(JOINTS[1]) @ [0.0, 0.0, 0.25, 1.0]
+    other = tool(JOINTS[1]) @ [0.0, 0.0, 0.35, 1.0]
     scene = Scene.from_dict(
         data(
             obstacles=[
                 {"shape": "sphere", "radius": 0.05, "position": ball[:3].tolist()},
                 {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [1.5, 1.5, 0.5]},
+                {"shape": "sphere", "radius": 0.05, "position": other[:3].tolist()},
             ],
+            arm={**data()["arm"], "clearance": CLEARANCE},
             tasks=[
                 {"name": "reach", "attach": 0},
                 {"goal": {"joints": JOINTS[2]}},
                 {"goal": {"joints": JOINTS[3]}, "release": True},
                 {"goal": {"joints": JOINTS[4]}},
+                {"goal": {"joints": JOINTS[5]}},
             ],
         ),
         FILES,
@@ -110,9 +124,9 @@ def test_each_leg_begins_in_the_joints_in_which_the_last_one_ended() -> None:
 
 def test_the_object_is_a_body_of_the_arm_meanwhile_and_then_stands_where_the_tool_took_it() -> None:
     legs, ball = planned().legs, planned().scene.obstacles[0]
-    assert [len(leg.scene.obstacles) for leg in legs] == [2, 1, 1, 2]
+    assert [len(leg.scene.obstacles) for leg in legs] == [3, 2, 2, 3, 3]
     held = [leg.scene.robot.attached for leg in legs]
-    assert [one is None for one in held] == [True, False, False, True]
+    assert [one is None for one in held] == [True, False, False, True, True]
 
     moved = tool(JOINTS[3]) @ np.linalg.inv(tool(JOINTS[1])) @ [*ball.position, 1.0]
     left = legs[-1].scene.obstacles[0]
@@ -124,9 +138,21 @@ def test_the_object_is_a_body_of_the_arm_meanwhile_and_then_stands_where_the_too
     assert "c" not in reasons
 
 
+def test_what_is_taken_or_left_is_apart_and_all_else_keeps_the_clearance() -> None:
+    legs = planned().legs
+    assert [leg.scene.arm.grasping for leg in legs] == [True, True, True, True, False]
+    for leg in legs:
+        assert leg.arm_clearance is not None
+        assert leg.arm_clearance.distance >= CLEARANCE
+    # the same legs with the clearance kept by all links are not to be had
+    for number in (0, 1, 3):
+        failed = plan(legs[number].scene.replace(arm={"grasping": False})).error
+        assert isinstance(failed, NoJointMotion)
+
+
 def test_every_leg_is_proven_and_so_is_that_they_join() -> None:
     verdicts = verify(written(), planned().scene.meshes)
-    assert [one.curve for one in verdicts] == [*(f"leg {k}, arm" for k in range(1, 5)), "tasks"]
+    assert [one.curve for one in verdicts] == [*(f"leg {k}, arm" for k in range(1, 6)), "tasks"]
     assert all(one.proven for one in verdicts), verdicts
 
 
@@ -162,6 +188,10 @@ def hold_another(plan: dict[str, Any]) -> None:
     plan["legs"][2]["scene"]["arm"]["attached"]["radius"] = 0.04
 
 
+def keep_less(plan: dict[str, Any]) -> None:
+    plan["legs"][4]["scene"]["arm"]["grasping"] = True
+
+
 def forget_it(plan: dict[str, Any]) -> None:
     plan["legs"][2]["scene"]["arm"]["attached"] = None
 
@@ -186,7 +216,7 @@ def tell_another_motion(plan: dict[str, Any]) -> None:
     "damage",
     [
         *(jump, move_what_is_left, hold_another, forget_it, leave_out_a_leg),
-        *(slacken, go_elsewhere, tell_another_motion),
+        *(keep_less, slacken, go_elsewhere, tell_another_motion),
     ],
 )
 def test_legs_that_do_not_join_are_found(
@@ -239,7 +269,8 @@ def test_a_scene_with_tasks_and_those_of_its_legs_are_read_back_equal() -> None:
 def body_of(given: Any) -> tuple[Obstacle, Link]:
     """A shape, and the link that stands for it where it is held."""
     shape: Obstacle = Scene.from_dict(data(obstacles=[given]), FILES).obstacles[0]
-    robot = Scene.from_dict(data(arm={**data()["arm"], "attached": shape}), FILES).robot
+    held = {**data()["arm"], "attached": shape, "grasping": True}
+    robot = Scene.from_dict(data(arm=held), FILES).robot
     assert robot.attached is not None
     return shape, robot.links[robot.attached.link]
 
@@ -285,7 +316,7 @@ def test_files_of_a_motion_have_all_legs(tmp_path: Path) -> None:
 
     export(planned(), tmp_path / "a.plan.json", "json")
     verdicts = verify(json.loads((tmp_path / "a.plan.json").read_text()), planned().scene.meshes)
-    assert [one.proven for one in verdicts] == [True] * 5
+    assert [one.proven for one in verdicts] == [True] * 6
 
 
 def test_recording_and_page_carry_the_object_with_the_tool(tmp_path: Path) -> None:

@@ -1,0 +1,76 @@
+"""Bodies of a chain in random poses: which of them overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.robot.bodies.capsule_table import Bodies
+from abi.robot.bodies.chain_capsules import ChainCapsule, place, segment_distances
+from abi.robot.bodies.hull_kernels import hull_distances
+from abi.robot.kinematics.chain import Chain
+
+
+class SampledBodies(NamedTuple):
+    """Bodies of a chain in random poses.
+
+    Attributes:
+        chain: the chain.
+        capsules: its bodies.
+        positions: of its coordinates in each pose, (k, n), [rad] or [m].
+        ends: of the capsules there, (k, c, 2, 3), [m].
+    """
+
+    chain: Chain
+    capsules: tuple[ChainCapsule, ...]
+    positions: FloatArray
+    ends: FloatArray
+
+    @classmethod
+    def of(cls, chain: Chain, capsules: tuple[ChainCapsule, ...], count: int) -> Self:
+        """Bodies in ``count`` poses, which are the same at every call."""
+        low, high = chain.usual_range().T
+        positions = np.random.default_rng(0).uniform(low, high, (count, len(low)))
+        return cls(chain, capsules, positions, place(capsules, chain.poses(positions)))
+
+    def near(self, pairs: Sequence[tuple[int, int]]) -> BoolArray:
+        """Check which capsules of each pair overlap in each pose, (k, p)."""
+        radii = [self.capsules[i].radius + self.capsules[j].radius for i, j in pairs]
+        gaps = [segment_distances(self.ends[:, i], self.ends[:, j]) for i, j in pairs]
+        return np.asarray(np.stack(gaps, axis=1) <= radii)
+
+    def overlap(self, pairs: Sequence[tuple[int, int]], asked: BoolArray) -> BoolArray:
+        """Check which bodies of each pair overlap, in the poses in which it is asked, (k, p)."""
+        found = np.zeros(asked.shape, dtype=np.bool_)
+        poses, numbers = (one.astype(np.int32) for one in np.nonzero(asked))
+        found[poses, numbers] = self._distances(pairs, poses, numbers) <= 0
+        return found
+
+    def _distances(
+        self, pairs: Sequence[tuple[int, int]], poses: IntArray, numbers: IntArray
+    ) -> FloatArray:
+        """Distances (m,) of bodies in poses, each by its number and that of the pair, [m]."""
+        packed = self.chain.packed_poses(self.positions)
+        hulls, none = [one.points for one in self.capsules], read_only(np.zeros(0))
+        bodies = Bodies(
+            moving=len(self.chain.joints),
+            frames=read_only(np.array([one.frame for one in self.capsules], dtype=np.int32)),
+            ends=none,
+            radii=none,
+            levers=none,
+            pairs=read_only(np.array(pairs, dtype=np.int32).reshape(-1)),
+            pair_levers=none,
+            points=flat(np.concatenate(hulls)),
+            first=read_only(np.cumsum([0, *map(len, hulls)], dtype=np.int32)),
+            roundings=read_only(np.array([one.rounding for one in self.capsules])),
+            point_levers=none,
+            point_pair_levers=none,
+            scale=1.0,
+        )
+        asked = np.stack([poses, numbers], axis=1).astype(np.int32)
+        distances = np.empty(len(asked))
+        hull_distances(bodies, packed, asked.reshape(-1), 0.0, distances)
+        return distances
