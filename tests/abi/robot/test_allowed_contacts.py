@@ -21,11 +21,13 @@ from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import Planner
+from abi.robot.bodies import finer_links
 from abi.robot.bodies.allowed_contacts import tree_reason
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
+from abi.verify import allowed_contacts
 from abi.verify.allowed_contacts import are_joined
 from abi.verify.exact_chain import exact_joints
 from abi.verify.plan_obstacles import obstacles_of
@@ -214,3 +216,41 @@ def test_what_is_fixed_beside_a_joint_is_no_neighbour_of_what_it_moves() -> None
     assert reason("base", "post") == reason("base", "carriage") == "adjacent"
     assert reason("base", "lamp") == "adjacent"  # only a link without a shape is between
     assert reason("post", "carriage") is reason("post", "lamp") is None
+
+
+PLATE = (
+    '<link name="{0}"><collision><geometry><box size="0.4 0.4 0.1"/></geometry></collision></link>'
+)
+
+
+@pytest.mark.parametrize(("height", "close"), [(0.09, False), (0.0995, True), (0.11, False)])
+def test_links_that_overlap_only_by_a_little_are_fitted_in_finer_pieces(
+    height: float, close: bool
+) -> None:
+    turning = (
+        '<joint name="{0}" type="revolute"><origin xyz="0 0 {1}"/><parent link="{2}"/>'
+        '<child link="{3}"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/></joint>'
+    )
+    text = urdf(
+        *map(PLATE.format, "ac"),
+        '<link name="b"/>',
+        turning.format("p", 0.0, "a", "b"),
+        turning.format("q", height, "b", "c"),
+    )
+    robot = robot_from_archive(packed({"a.urdf": text}))
+    found = finer_links._close_links(Chain.of(robot, "c"))
+    assert found == (frozenset("ac") if close else frozenset())
+
+
+@given(st.floats(0.01, 1), st.floats(0.01, 1), st.floats(0.01, 3), seeds)
+def test_the_verifier_counts_what_is_round_about_a_hull(
+    one: float, other: float, away: float, seed: int
+) -> None:
+    assume(abs(away - one - other) > 1e-3)
+    way = np.random.default_rng(seed).normal(size=3)
+    ball = allowed_contacts._Placed(np.zeros((1, 3)), one)
+    middle = away * way / np.linalg.norm(way)
+    second = allowed_contacts._Placed(
+        middle + np.outer([-1.0, 1.0], np.cross(way, [1, 0, 0])), other
+    )
+    assert allowed_contacts._overlap(ball, second) == (away < one + other)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.bodies.bounding_capsules import smallest_capsule
-from abi.robot.bodies.link_bodies import Body, link_bodies
+from abi.robot.bodies.link_bodies import Body, Fit, link_bodies
 from abi.robot.urdf.robot import Link
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from tests.abi.robot.robots import arm, packed
@@ -92,6 +92,14 @@ def test_bodies_contain_primitives_and_are_hardly_larger(shape: str) -> None:
         assert hull.volume + 1.1 * hull.area * body.rounding < 1.04 * size
 
 
+FITS: tuple[tuple[Fit, int, float], ...] = (
+    ("quick", 6, 1.5),
+    ("finer", 12, 1.3),
+    ("close", 24, 1.1),
+)
+"""How many pieces there may be of each fit, and how much larger than what is bent."""
+
+
 def bent(*boxes: tuple[float, ...]) -> trimesh.Trimesh:
     """Boxes, by their extents and centres, as one closed surface."""
     parts = []
@@ -112,8 +120,8 @@ def test_what_is_bent_is_cut_into_pieces_that_fill_it() -> None:
     files: dict[str, str | bytes] = {"a.urdf": text, "a.stl": content}
     link = robot_from_archive(packed(files)).links["a"]
     points = np.concatenate([surface(link), trimesh.sample.volume_mesh(solid, 5000)])
-    for closely, most, larger in ((False, 6, 1.5), (True, 24, 1.1)):
-        bodies = link_bodies(link, closely)
+    for fit, most, larger in FITS:
+        bodies = link_bodies(link, fit)
         assert lacks(bodies, points) <= 1e-9
         volumes = [scipy.spatial.ConvexHull(body.points).volume for body in bodies]
         assert sum(volumes) < larger * solid.volume
