@@ -159,7 +159,7 @@ def test_every_leg_is_proven_and_so_is_that_they_join() -> None:
 def test_notes_name_the_legs_before_which_the_gripper_moves_unproven() -> None:
     whole, legs = planned(), [*planned().legs]
     assert whole.notes == whole.scene.notes
-    for number in (2, 3):
+    for number in (2, 3, 4):
         arm = legs[number].scene.arm.model_copy(update={"gripper": {"finger": 0.01}})
         scene = legs[number].scene.model_copy(update={"arm": arm})
         legs[number] = replace(legs[number], scene=scene)
