@@ -121,7 +121,7 @@ class ArmBranch(NodeExclusion, Protocol):
         """
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Reason why the arm does not take its pose at a place (3,); None where it is not known."""
+        """Reason why the arm does not take its pose at a point (3,); None where it is not known."""
 
     def clear_segments(self, points: FloatArray) -> BoolArray:
         """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3)."""
@@ -134,10 +134,10 @@ class ArmBranch(NodeExclusion, Protocol):
 
 
 class Unreached(NamedTuple):
-    """A place that is out of an arm's reach, or takes a joint past its limit.
+    """A point that is out of an arm's reach, or takes a joint past its limit.
 
     Attributes:
-        shortfall: distance by which the place is out of reach, [unit]: > 0 too far, < 0 too near to
+        shortfall: distance by which the point is out of reach, [unit]: > 0 too far, < 0 too near to
             the shoulder, 0 where a limit alone is in the way.
         joint: name of a joint that is at its limit, or would be past it; empty for none.
         value: position of that joint, [rad] or [unit].
@@ -204,7 +204,7 @@ class ArmModel(Protocol):
         """The arm."""
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
-        """Surroundings of the arm, above a floor no higher than ``lowest``, [unit]."""
+        """The arm's collision world, above a floor no higher than ``lowest``, [unit]."""
 
     def joint_paths(
         self,

@@ -31,7 +31,7 @@ class PaperArmModel:
         self._rows = RowTable()
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
-        """Surroundings of the arm: obstacles, floor and column."""
+        """The arm's collision world: obstacles, floor and column."""
         return paper_arm_world(self.arm, obstacles, lowest, self._rows)
 
     def joint_paths(

@@ -53,7 +53,7 @@ class UrdfArmModel:
         self._rows = RowTable()
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
-        """Surroundings of the arm: obstacles and floor."""
+        """The arm's collision world: obstacles and floor."""
         return chain_world(self.arm, obstacles, lowest, self._rows)
 
     def joint_paths(

@@ -18,9 +18,9 @@ _LONG, _TIMES = 60.0, 20.0
 def refuse_slow(results: StageResults, arm: AnyArm, scene: Scene) -> None:
     """Raise for a motion that a law has slowed down beyond all use.
 
-    Enough is the time that the way takes at the scene's speed, and each joint for its own way at
-    its limits, whichever is longest. What takes many times as long follows from a bend or a turn of
-    the joints that they can pass but slowly.
+    Enough is the time that the tool's path takes at the scene's speed, and each joint for its own
+    travel at its limits, whichever is longest. What takes many times as long follows from a bend or
+    a turn of the joints that they can pass but slowly.
 
     Args:
         results: of a branch; without a motion, nothing is refused.
@@ -34,8 +34,8 @@ def refuse_slow(results: StageResults, arm: AnyArm, scene: Scene) -> None:
     if profile is None or motion is None or profile.duration <= _LONG:
         return
     limits = arm.rate_limits(asked.joint_acceleration)
-    ways = np.abs(np.diff(motion.positions, axis=0)).sum(axis=0)
-    joints = float((ways / limits.speeds + 2 * np.sqrt(ways / limits.accelerations)).max())
+    travel = np.abs(np.diff(motion.positions, axis=0)).sum(axis=0)
+    joints = float((travel / limits.speeds + 2 * np.sqrt(travel / limits.accelerations)).max())
     length = float(np.linalg.norm(np.diff(motion.tool, axis=0), axis=1).sum())
     alone = three_phase(length, asked.speed, asked.acceleration, asked.deceleration).duration
     if profile.duration <= _TIMES * max(joints, alone):

@@ -42,8 +42,8 @@ from abi.search.taut.lower_bound import Bound, lower_bound
 from abi.search.taut.taut_path import taut as pull_taut
 from abi.tet_mesh.exclusion import FreeMesh
 
-_COURSES = 2
-"""Ways of an arm, at most, to follow the tool's own curve."""
+_JOINT_PATHS = 2
+"""Largest number of joint paths along the tool's own curve."""
 
 
 class ToolStages:
@@ -70,14 +70,14 @@ class ToolStages:
         self.collision_world: Stage[..., CollisionWorld] = Stage(operator.call)
         self.joint_paths: Stage[..., Sequence[JointPath]] = Stage(operator.call)
         self.motions: list[Stage[..., ArmMotion]]
-        self.motions = [Stage(operator.call) for _ in range(_COURSES)]
+        self.motions = [Stage(operator.call) for _ in range(_JOINT_PATHS)]
         self.arm_clearances: list[Stage[..., ArmClearance]]
         self.joints = Stage(move_joints)
-        self.arm_clearances = [Stage(operator.call) for _ in range(_COURSES)]
+        self.arm_clearances = [Stage(operator.call) for _ in range(_JOINT_PATHS)]
 
     @property
     def parts(self) -> dict[str, Sequence[Stage[..., Any]]]:
-        """Parts of each stage of which a plan tells the time."""
+        """Parts of each stage of which a plan has the time."""
         return {
             "mesh": (self.mesh, self.exclude),
             "graph": (self.graph,),
@@ -247,7 +247,7 @@ class ToolBranch:
         )
 
     def _joint_paths(self, followed: SplineOnPath | QuadraticOnSpline) -> Sequence[JointPath]:
-        """Joints along the curve on each of the ways to follow it."""
+        """Joint paths along the curve, one for each branch of the arm."""
         progress.tell("moving the arm")
         task, curve = self.task, followed.fit.curve
         return self.stages.joint_paths(

@@ -34,7 +34,7 @@ from abi.search.search import SearchResult, search
 from abi.search.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
-_ROOMS = (1.0, 4.0, 16.0)
+_SLACKS = (1.0, 4.0, 16.0)
 """Multiples of the slack with which a path is pulled taut, until there is a curve near it."""
 
 
@@ -122,12 +122,12 @@ class WholeArmBranch:
             ArmNotClear: there is no curve.
         """
         obstacles, wanted = self.task.obstacles, self.task.scene.spline
-        for times in _ROOMS if self.taut_of_tool is not None else _ROOMS[:1]:
+        for times in _SLACKS if self.taut_of_tool is not None else _SLACKS[:1]:
             points, away, taut = shortest.path.points, shortest.clearance, None
             if self.taut_of_tool is not None:
-                roomy = self.arm_branch.scaled(slack=times)
+                looser = self.arm_branch.scaled(slack=times)
                 taut = pull_clear(
-                    self.taut_of_tool, obstacles, self.task.margin, shortest.path, roomy
+                    self.taut_of_tool, obstacles, self.task.margin, shortest.path, looser
                 )
                 points, away = taut.points, taut.clearance
             fit = fit_clear(
@@ -204,7 +204,7 @@ class WholeArmBranch:
 
 
 def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:
-    """Link and obstacle of a fault; the obstacle is None where the place is out of reach."""
+    """Link and obstacle of a fault; the obstacle is None where the point is out of reach."""
     if fault.capsule < 0:
         return "", None
     return arm.capsules[fault.capsule].link, named(fault.obstacle, arm)

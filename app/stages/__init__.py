@@ -1,1 +1,1 @@
-"""The stages as the page shows them: one table, and the results and numbers that it tells."""
+"""The stages as the page shows them: one table, and the results and numbers in it."""

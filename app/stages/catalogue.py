@@ -28,8 +28,8 @@ class ShownStage(NamedTuple):
         numbers: its large numbers; none where the plan did not get so far.
         layers: switches of the legend that a lecture has on while it shows this stage.
         fields: sections of a scene that are its inputs.
-        failure: its result where the plan ends in it; empty where ``result`` tells that.
-        errors: names of its parts that an error may tell as its stage.
+        failure: its result where the plan ends in it; empty where ``result`` says so.
+        errors: further names that an error may have for it.
     """
 
     title: str
@@ -97,6 +97,6 @@ STAGES = {
 }
 """The stages in order, by the names that plans have for them."""
 STAGE_OF_ERROR = {part: name for name, one in STAGES.items() for part in (name, *one.errors)}
-"""Stage that tells of an error, by the name that the error has for its stage."""
+"""Stage beside which an error is shown, by the name that the error has for its stage."""
 TITLES = {name: f"{k} · {stage.title}" for k, (name, stage) in enumerate(STAGES.items(), 1)}
 """Headings of the stages, numbered."""

@@ -105,7 +105,7 @@ class ElbowBranch:
         return ArmRefutation(at, capsule, int(self.collision_world.numbers[row]), decided)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Reason why the arm does not take its pose at a place (3,), [unit], world."""
+        """Reason why the arm does not take its pose at a point (3,), [unit], world."""
         point = arguments.numbers("point", point, (3,))
         extensions = np.array(self.extensions)
         places, still = np.stack([point, point]), np.zeros((2, 3))
@@ -178,14 +178,14 @@ class ElbowBranch:
 
     @cached_property
     def segments(self) -> ArmSegments:
-        """Surroundings of the tool's segments in the format of the kernels."""
+        """Obstacles of the tool's segments in the format of the kernels."""
         table, beyond = self.arm.table(self.elbow, _SPARE), self.clearance + self.slack
         around = self.collision_world.beyond(beyond)
         return ArmSegments(table, around, *self._forearm, self.most_tries)
 
     @cached_property
     def _extensions(self) -> tuple[FloatArray, FloatArray]:
-        """Bounds of q5 at both ends of any way, (2,) each, [unit]."""
+        """Bounds of q5 at both ends of any path, (2,) each, [unit]."""
         low, high = self.extensions
         return read_only(np.full(2, low)), read_only(np.full(2, high))
 

@@ -108,7 +108,7 @@ def _poses_of(name: str, frame: Frame) -> FloatArray:
 
 @once_a_plan
 def _places(plan: Plan) -> FloatArray:
-    """Places of the capsules of all other poses at the page's samples of the motion, (k, b, 7)."""
+    """Poses of the capsules of all other poses at the page's samples of the motion, (k, b, 7)."""
     arm, motion = plan.arm, plan.motion
     assert arm is not None
     assert motion is not None

@@ -1,4 +1,4 @@
-"""Trees of a search in the space of the joints: the tool tip's way along each of their edges."""
+"""Trees of a search in the space of the joints: the tool tip's path along each of their edges."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from app.ui.layout import Layout
 _MOST = 2_000
 """Edges of a tree that are drawn, at most: the first ones."""
 _PARTS = 6
-"""Straight pieces that the way along an edge is drawn with."""
+"""Straight pieces that the path along an edge is drawn with."""
 
 
 class _TreeLines(NamedTuple):
-    """Ways of the tool tip, as segments: along the edges of both trees, and along the path."""
+    """Paths of the tool tip, as segments: along the edges of both trees, and along the path."""
 
     start: Segments
     goal: Segments
@@ -55,7 +55,7 @@ class JointTreesLayer(Layer):
 
 @once_a_plan
 def tree_lines(plan: Plan) -> _TreeLines:
-    """Ways of the tool tip along the edges of a plan's trees, and along the path found."""
+    """Paths of the tool tip along the edges of a plan's trees, and along the path found."""
     search, arm = plan.joint_search, plan.arm
     if search is None or search.path is None or arm is None:
         return _TreeLines(NO_SEGMENTS, NO_SEGMENTS, NO_SEGMENTS)
@@ -66,11 +66,11 @@ def tree_lines(plan: Plan) -> _TreeLines:
 
 
 def _along_edges(tree: JointTree, arm: AnyArm) -> Segments:
-    """Ways of the tool tip along the edges of a tree."""
+    """Paths of the tool tip along the edges of a tree."""
     ends = tree.positions[tree.edges[:_MOST]]
     if not len(ends):
         return NO_SEGMENTS
     share = np.linspace(0.0, 1.0, _PARTS + 1)[:, None]
     positions = ends[:, :1] + share * (ends[:, 1:] - ends[:, :1])
-    places = arm.tool(positions.reshape(-1, positions.shape[2])).reshape(len(ends), -1, 3)
-    return np.concatenate([segments(way) for way in places])
+    points = arm.tool(positions.reshape(-1, positions.shape[2])).reshape(len(ends), -1, 3)
+    return np.concatenate([segments(path) for path in points])

@@ -71,7 +71,7 @@ def _elbow_of(plan: Plan) -> Elbow:
 
 
 def _tool_at(plan: Plan, time: float) -> FloatArray:
-    """Place of the tool at a time, (3,), [unit], world."""
+    """Position of the tool at a time, (3,), [unit], world."""
     motion = plan.motion
     if motion is None:
         return np.array(plan.scene.start)
