@@ -96,6 +96,20 @@ class MotionError(AbiError):
         self.joint = joint
 
 
+class SeveralTrajectoriesError(MotionError):
+    """Error for a bag with several trajectories, of which one is to be named.
+
+    Args:
+        message: how many there are.
+        hint: how one is named.
+        choices: names of the first of them.
+    """
+
+    def __init__(self, message: str, hint: str, choices: tuple[str, ...]) -> None:
+        super().__init__(message, hint)
+        self.choices = choices
+
+
 class ExportError(AbiError):
     """Error for a plan that a file format cannot hold, or a file that cannot be written."""
 

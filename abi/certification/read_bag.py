@@ -15,17 +15,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from mcap.records import Schema
 
-from abi.errors import MotionError, short
+from abi.errors import MotionError, SeveralTrajectoriesError, short
 
-_KINDS = (
+KINDS = (
     "trajectory_msgs/msg/JointTrajectory",
     "moveit_msgs/msg/RobotTrajectory",
     "moveit_msgs/msg/DisplayTrajectory",
 )
+"""Messages that hold a trajectory."""
 _MOST = 10_000
 """Trajectories in a bag, at most."""
+_LISTED = 100
+"""Trajectories of which one can be chosen from a list, at most."""
 _BAR = "=" * 80
-_JOINT_TRAJECTORY = f"""std_msgs/Header header
+JOINT_TRAJECTORY = f"""std_msgs/Header header
 string[] joint_names
 JointTrajectoryPoint[] points
 {_BAR}
@@ -48,6 +51,7 @@ MSG: builtin_interfaces/Duration
 int32 sec
 uint32 nanosec
 """
+"""Definition of the first of them."""
 
 
 class BagMessage(NamedTuple):
@@ -67,7 +71,8 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
             only one in the bag.
 
     Raises:
-        MotionError: it is no bag, or has no such trajectory, or several.
+        SeveralTrajectoriesError: it has several, and none is named.
+        MotionError: it is no bag, or has no such trajectory.
     """
     found = list[BagMessage]()
     numbers: Counter[str] = Counter()
@@ -102,13 +107,17 @@ def _chosen(found: list[BagMessage], topic: str | None) -> BagMessage:
     if not found:
         raise MotionError(
             "The bag holds no trajectory.",
-            f"Record a topic with messages of the kind {_KINDS[0]}, or MoveIt's.",
+            f"Record a topic with messages of the kind {KINDS[0]}, or MoveIt's.",
         )
     if not asked:
         raise MotionError(f"The bag has no trajectory {short(topic)}.", f"It has {told}.")
-    raise MotionError(
+    raise SeveralTrajectoriesError(
         f"The bag has {len(asked)} trajectories.",
         f"Choose one by its topic and number, abi certify --topic: {told}.",
+        tuple(
+            one.topic if counts[one.topic] == 1 else f"{one.topic}:{one.number}"
+            for one in asked[:_LISTED]
+        ),
     )
 
 
@@ -119,15 +128,15 @@ def _mcap_messages(content: bytes) -> Iterator[tuple[str, Any]]:
 
     reader = make_reader(io.BytesIO(content), decoder_factories=[DecoderFactory()])
     summary = reader.get_summary()
-    kinds = {one.name for one in summary.schemas.values()} if summary else {*_KINDS}
-    if kinds.isdisjoint(_KINDS):
+    kinds = {one.name for one in summary.schemas.values()} if summary else {*KINDS}
+    if kinds.isdisjoint(KINDS):
         return
     topics = None
     if summary:
-        schemas = {key for key, one in summary.schemas.items() if one.name in _KINDS}
+        schemas = {key for key, one in summary.schemas.items() if one.name in KINDS}
         topics = [one.topic for one in summary.channels.values() if one.schema_id in schemas]
     for schema, channel, _, message in reader.iter_decoded_messages(topics=topics):
-        if schema is not None and schema.name in _KINDS:
+        if schema is not None and schema.name in KINDS:
             yield channel.topic, _plain(message)
 
 
@@ -136,7 +145,8 @@ def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
     bag = sqlite3.connect(":memory:")
     try:
         bag.deserialize(content)
-        definitions = {_KINDS[0]: _JOINT_TRAJECTORY} | _definitions(bag)
+        bag.execute("PRAGMA temp_store = MEMORY")  # no file may be written where others' are read
+        definitions = {KINDS[0]: JOINT_TRAJECTORY} | _definitions(bag)
         decoders = {kind: _decoder(kind, text) for kind, text in definitions.items()}
         rows = bag.execute(
             "SELECT topics.name, topics.type, messages.data FROM messages "
@@ -145,7 +155,7 @@ def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
         for topic, kind, data in rows:
             if kind in decoders:
                 yield str(topic), _plain(decoders[kind](data))
-            elif kind in _KINDS:
+            elif kind in KINDS:
                 raise MotionError(
                     f"The bag does not say what a message of the kind {kind} holds.",
                     "Convert it to MCAP: ros2 bag convert.",
@@ -163,7 +173,7 @@ def _definitions(bag: sqlite3.Connection) -> dict[str, str]:
         "SELECT topic_type, encoded_message_definition FROM message_definitions "
         "WHERE encoding = 'ros2msg'"
     )
-    return {str(kind): str(text) for kind, text in rows if kind in _KINDS}
+    return {str(kind): str(text) for kind, text in rows if kind in KINDS}
 
 
 def _decoder(kind: str, text: str) -> Callable[[bytes], Any]:

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Mapping
 
 from abi.certification.motion import Motion, RobotState
-from abi.errors import MotionError, SceneError
+from abi.errors import MotionError, SceneError, SeveralTrajectoriesError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.robot import Robot
@@ -132,19 +132,23 @@ class Reader:
         content: bytes,
         name: str,
         slides: dict[str, bool],
+        topic: str | None = None,
         stopped: Stopped | None = None,
         delayed: Delayed = _ignore,
     ) -> Motion:
         """The motion of a file; ``slides``: the robot's joints, and whether each slides.
 
-        The other arguments are those of :meth:`mesh`.
+        ``topic`` is that of a trajectory in a bag. The other arguments are those of :meth:`mesh`.
 
         Raises:
+            SeveralTrajectoriesError: it is a bag with several, and none is named.
             MotionError: what it holds is no motion; names row, joint and unit.
             SceneError: it took too long or too much.
             StoppedError: ``stopped`` was set.
         """
-        answer = self.read(Job("motion", name, content, slides), stopped, delayed)
+        answer = self.read(Job("motion", name, content, slides, topic), stopped, delayed)
+        if answer.wrong is not None and answer.choices:
+            raise SeveralTrajectoriesError(*answer.wrong, answer.choices)
         if answer.wrong is not None:
             raise MotionError(*answer.wrong)
         data = json.loads(answer.data)

@@ -15,7 +15,7 @@ import numpy as np
 
 from abi.arrays import read_only
 from abi.certification.read_motion import read_motion
-from abi.errors import MotionError, SceneError
+from abi.errors import MotionError, SceneError, SeveralTrajectoriesError
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -24,7 +24,7 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import file_of, load_plain_robot, robots_in
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
-from app.reading import sample_meshes
+from app.reading import sample_bag, sample_meshes
 
 Kind = Literal["mesh", "arm", "scene", "motion"]
 
@@ -37,12 +37,14 @@ class Job(msgspec.Struct):
         name: its name; the ending tells the format.
         content: its bytes.
         slides: joints of the robot of a motion, and whether each slides.
+        topic: of a motion in a bag.
     """
 
     kind: Kind
     name: str
     content: bytes
     slides: dict[str, bool] = {}
+    topic: str | None = None
 
 
 class SurfaceBytes(msgspec.Struct):
@@ -87,7 +89,8 @@ class ReadingResult(msgspec.Struct):
         data: plain data of a scene or a motion, as JSON.
         surfaces: repaired meshes, by their names.
         archives: arms with their meshes as zips, by their names.
-        choices: URDF files of an archive with several, of which one is to be named.
+        choices: URDF files of an archive with several, or trajectories of a bag, of which one is to
+            be named.
     """
 
     refusal: Refusal | None = None
@@ -108,7 +111,9 @@ def read(job: Job) -> ReadingResult:
     except SceneError as error:
         return ReadingResult(_refusal(error))
     except MotionError as error:
-        return ReadingResult(wrong=(_plain(error.message), _plain(error.hint)))
+        several = error.choices if isinstance(error, SeveralTrajectoriesError) else ()
+        wrong = _plain(error.message), _plain(error.hint)
+        return ReadingResult(wrong=wrong, choices=tuple(map(_plain, several)))
     except MemoryError:
         return ReadingResult(Refusal("file", job.name, "one that takes less memory to read"))
     except Exception as error:  # it stays in this process
@@ -140,7 +145,8 @@ def rehearse() -> None:
         files += [Job("mesh", f"a{suffix}", mesh), Job("mesh", f"a{suffix}", mesh[:200])]
     for kind, name in (("scene", "a.zip"), ("arm", "a.zip")):
         files.append(Job(kind, name, b"PK\x03\x04"))  # type: ignore[arg-type]
-    files.append(Job("motion", "a.csv", b"time,a\n0,0\n1,1\n", {"a": False}))
+    for name, motion in (("a.csv", b"time,a\n0,0\n1,1\n"), ("a.mcap", sample_bag.mcap("a"))):
+        files.append(Job("motion", name, motion, {"a": False}))
     for job in files:
         read(job)
 
@@ -182,7 +188,7 @@ def _scene(name: str, content: bytes) -> ReadingResult:
 
 
 def _motion(job: Job) -> ReadingResult:
-    motion = read_motion(job.name, job.content, job.slides)
+    motion = read_motion(job.name, job.content, job.slides, job.topic)
     start = dict(motion.start.joints), motion.start.objects
     data = {**motion.to_dict(), "notes": motion.notes, "start": start}
     return ReadingResult(data=json.dumps(data).encode())

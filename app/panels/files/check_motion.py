@@ -10,6 +10,7 @@ import html
 import json
 import time
 from dataclasses import dataclass
+from functools import partial
 
 import viser
 
@@ -20,18 +21,31 @@ from abi.certification.read_motion import BAGS, FORMATS, own_joints
 from abi.certification.repair import repair
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import limit_sentences
-from abi.errors import AbiError, MotionError
+from abi.errors import AbiError, MotionError, SeveralTrajectoriesError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob, shown_name
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.reading.reader import READER
+from app.reading.stored_upload import ROOM, StoredUpload
 from app.state.frame import Frame
 from app.ui import notices
 from app.ui.overlay import button
 from app.ui.time_bar import legend
 
+_NONE = "choose one…"
 _SIGNS = {"clear": "✓", "touches": "✗", "undecided": "?"}
+
+
+@dataclass(frozen=True, eq=False)
+class _SeveralTrajectories:
+    """A bag that has several trajectories: its content, and their names."""
+
+    file: StoredUpload
+    choices: tuple[str, ...]
+
+
+_Read = Motion | MotionError | _SeveralTrajectories
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +63,7 @@ class CheckMotionPanel:
     Attributes:
         upload: the button for a file.
         processor_ms: time that the last check took, [ms].
+        trajectory: of a bag that has several.
     """
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
@@ -61,6 +76,15 @@ class CheckMotionPanel:
             "ROS 2 JointTrajectory, bag, CSV with joint names, or JSON.",
         )
         self.uploads = FileUploads(gui, self.upload, FileKind(self._deal, shown_name), wake)
+        self.trajectory = gui.add_dropdown(
+            "trajectory in the bag",
+            (_NONE,),
+            hint="Its topic, and its number there.",
+            visible=False,
+        )
+        self.trajectory.on_update(wake)
+        self._several: _SeveralTrajectories | None = None
+        self._bag, self._chosen = "", _NONE
         self.save = gui.add_button(
             "Save the verdict",
             color="gray",
@@ -98,11 +122,17 @@ class CheckMotionPanel:
         self._scene = scene
         before = self._motion
         for one in self.uploads.news():
+            if isinstance(one.result, _SeveralTrajectories):
+                self._offer(one.name, one.result)
+                continue
+            if one.name != self._bag:
+                self._offer("", None)
             if isinstance(one.result, Motion):
                 self._motion, self._name = one.result.from_zero(), one.name
                 self._checked, self._repaired = None, ""
             elif one.result is not None:
                 self._refuse(one.name, one.result)
+        self._read_chosen()
         if pressed(self.back):
             self.leave()
         if pressed(self.repair) and self.verdict is not None:
@@ -179,15 +209,31 @@ class CheckMotionPanel:
     def _refuse(self, name: str, error: AbiError) -> None:
         notices.notify_refused_file(self._client, f"{name} is not checked", _sentence(error))
 
-    def _deal(
-        self, content: bytes, dealing: UploadJob[Motion | MotionError]
-    ) -> Motion | MotionError:
+    def _offer(self, name: str, several: _SeveralTrajectories | None) -> None:
+        """Offer the trajectories of a bag; None for no such file."""
+        self._bag, self._several, self._chosen = name, several, _NONE
+        self.trajectory.visible = several is not None
+        self.trajectory.options = (_NONE, *(several.choices if several else ()))
+        self.trajectory.value = _NONE
+
+    def _read_chosen(self) -> None:
+        """Have the trajectory read that was chosen of several."""
+        several, chosen = self._several, self.trajectory.value
+        if several is not None and chosen in several.choices and chosen != self._chosen:
+            self._chosen = chosen
+            self.uploads.again(self._bag, several.file, partial(self._deal, topic=chosen))
+
+    def _deal(self, content: bytes, dealing: UploadJob[_Read], topic: str | None = None) -> _Read:
         """Read a motion's file for the robot that the tab has now."""
         dealing.step("reading", 0.5)
         try:
             robot = _with_robot(self._scene).arm.robot
             name, slides = dealing.name, own_joints(robot)
-            return READER.motion(content, name, slides, dealing.stopped, dealing.wait)
+            return READER.motion(content, name, slides, topic, dealing.stopped, dealing.wait)
+        except SeveralTrajectoriesError as error:
+            file = StoredUpload(ROOM)
+            file[0] = content
+            return _SeveralTrajectories(file, error.choices)
         except MotionError as error:
             return error
 

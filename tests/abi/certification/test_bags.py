@@ -16,7 +16,7 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as BagWriter
 from rosbags.typesys import Stores, get_typestore
 
-from abi.certification.read_bag import _JOINT_TRAJECTORY
+from abi.certification.read_bag import JOINT_TRAJECTORY
 from abi.certification.read_motion import load_motion, own_joints, read_motion
 from abi.certification.robot_scene import robot_scene
 from abi.errors import MotionError
@@ -56,7 +56,7 @@ def mcap(*topics: str) -> bytes:
     """A bag with a trajectory on each topic, the k-th of which begins k rad farther."""
     file = io.BytesIO()
     writer = Writer(file)
-    schema = writer.register_msgdef(KIND, _JOINT_TRAJECTORY)
+    schema = writer.register_msgdef(KIND, JOINT_TRAJECTORY)
     for number, topic in enumerate(topics):
         writer.write_message(topic, schema, message(number), number)
     writer.finish()  # type: ignore[no-untyped-call]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from app.layers.result.stage_notes import StageNotesLayer
 from app.tab.session import Session
+from tests.abi.certification.test_bags import POSITIONS, mcap, sqlite
 from tests.app.fake_tab import FakeTab, layer, notified, send_file, until
 
 pytestmark = pytest.mark.slow
@@ -30,7 +33,7 @@ def press(fake: FakeTab, button: Any) -> None:
 
 
 def test_a_verdict_is_shown_in_place_of_the_plan(
-    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     fake, session = tab
     check = session.panels.check
@@ -66,6 +69,22 @@ def test_a_verdict_is_shown_in_place_of_the_plan(
     notes = layer(session, StageNotesLayer)._notes
     until(lambda: "from elsewhere: 2.00" in notes["motion"].content)
     assert "straight in the joints" in notes["arm"].content
+
+    send_file(session, check.upload, "two.mcap", mcap("/plan", "/other"))
+    until(lambda: bool(check.trajectory.visible) or len(told) > 2)
+    assert not told[2:], told
+    assert session.frame.checked is verdict
+    fake.set(check.trajectory, "/other")
+    until(lambda: session.frame.checked is not verdict and session.resting)
+    assert session.frame.checked is not None
+    other = session.frame.checked.task.motion.motion
+    np.testing.assert_array_equal(other.positions, POSITIONS + 1)
+    assert check.trajectory.visible
+
+    (bag,) = sqlite(tmp_path / "bag").glob("*.db3")
+    send_file(session, check.upload, "plan.db3", bag.read_bytes())
+    until(lambda: not check.trajectory.visible and session.resting)
+    until(lambda: session.frame.checked.task.motion.motion.positions[0, 0] == POSITIONS[0, 0])
 
     press(fake, check.back)
     until(lambda: session.frame.checked is None and session.resting)
