@@ -26,6 +26,8 @@ from abi.arrays import FloatArray
 
 CURVE = "/curve/bspline"
 GIZMO = "/obstacle_1"
+_ANSWERS = "/answers/"
+"""Beginning of the names of the balls of a class's answers."""
 PERIOD = 0.05
 """Seconds between two messages of viser's page while a hand drags."""
 CAMERA = {
@@ -45,7 +47,14 @@ _TEXTS = 50
 _REPORT, _REMEMBER = "abi.report(", "abi.remember("
 """Calls of the page: to report what it remembers, and to remember a text."""
 _CALLS = (_REPORT.encode(), _REMEMBER.encode())
-_TOLD = (CURVE.encode(), b"TransformControlsMessage", b"label", b"content", *_CALLS)
+_TOLD = (
+    CURVE.encode(),
+    _ANSWERS.encode(),
+    b"TransformControlsMessage",
+    b"label",
+    b"content",
+    *_CALLS,
+)
 """Bytes, one of which is in every message that a tab notes."""
 _DECOMPRESSOR = zstandard.ZstdDecompressor()
 
@@ -60,6 +69,9 @@ class WebTab:
         texts: HTML that was shown in the panels, the newest last.
         position: where the obstacle was dragged to last, (3,), [unit]; None before.
         remembered: text that the page keeps, and reports where it connects.
+        query: of the page's address, which it reports.
+        student: the name that its browser made up, which it reports; empty for none.
+        balls: of a class's answers: when one came last, [s] of the monotonic clock, by its place.
     """
 
     def __init__(self, url: str, headers: dict[str, str] | None = None) -> None:
@@ -76,6 +88,9 @@ class WebTab:
         self.texts: deque[str] = deque(maxlen=_TEXTS)
         self.position: tuple[float, float, float] | None = None
         self.remembered = ""
+        self.query: dict[str, str] = {}
+        self.student = ""
+        self.balls: dict[tuple[float, ...], float] = {}
 
     @classmethod
     async def open(cls, url: str, headers: dict[str, str] | None = None) -> WebTab:
@@ -149,6 +164,19 @@ class WebTab:
             return
         self._send_at_once(message)
 
+    async def click(self, origin: FloatArray, direction: FloatArray) -> None:
+        """Click in the scene, where a ray goes."""
+        await self.send(
+            {
+                "type": "ScenePointerMessage",
+                "event_type": "click",
+                "ray_origin": origin.tolist(),
+                "ray_direction": direction.tolist(),
+                "screen_pos": [[0.5, 0.5]],
+                "modifier": None,
+            }
+        )
+
     async def drag(self, seconds: float, phase: float) -> float:
         """Drag the obstacle around a circle from ``phase`` [rad] on; when the hand let go, [s]."""
         begin = last = time.monotonic()
@@ -219,6 +247,8 @@ class WebTab:
                 points = arrays(fields["points"])
                 if len(points):
                     self.curves.append((time.monotonic(), points))
+            elif message["type"] == "SetPositionMessage" and str(name).startswith(_ANSWERS):
+                self.balls[tuple(message["position"])] = time.monotonic()
             elif name == GIZMO and message["type"] == "TransformControlsMessage":
                 self._owner = message["owner"]
             elif fields.get("label") and "uuid" in message:
@@ -234,7 +264,8 @@ class WebTab:
             self.remembered = json.loads(source.removeprefix(_REMEMBER).removesuffix(")"))
         elif source.startswith(_REPORT) and self.is_connected:
             box = json.loads(source.removeprefix(_REPORT).removesuffix(")"))
-            report = {"state": self.remembered, "lessons": "", "query": {}, "dark": False}
+            report = {"state": self.remembered, "lessons": "", "query": self.query, "dark": False}
+            report["student"] = self.student
             update = {"uuid": box, "updates": {"value": json.dumps(report)}}
             self._send_at_once({"type": "GuiUpdateMessage", **update})
 

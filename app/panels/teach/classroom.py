@@ -30,6 +30,8 @@ from app.ui.overlay import Overlay, button
 _FIRST = -1.0
 """Place in the tab: before all that is there."""
 _NEXT = "Which node is expanded next?"
+_NONE_RIGHT = "none is told"
+_RIGHT = (_NONE_RIGHT, *(f"answer {number + 1}" for number in range(MAX_CHOICES)))
 
 
 class ClassroomPanel:
@@ -73,6 +75,12 @@ class ClassroomPanel:
                 gui.add_text(f"answer {number + 1}", "", visible=False)
                 for number in range(MAX_CHOICES)
             ]
+            self.right = gui.add_dropdown(
+                "right answer",
+                _RIGHT,
+                visible=False,
+                hint="Told when the answers are revealed, with the gain of a second round.",
+            )
             self.ask = gui.add_button("Ask all", visible=False)
             self.ask_lesson = gui.add_button("Ask this lesson's question", visible=False)
             self.ask_place = gui.add_button(
@@ -101,7 +109,7 @@ class ClassroomPanel:
             )
         for box in (self.follow, self.lead):
             box.on_update(wake)
-        for text in (self.word, self.question, *self.choices):
+        for text in (self.word, self.question, *self.choices, self.right):
             text.on_update(wake)
         for one in self._buttons:
             one.on_click(wake)
@@ -115,6 +123,11 @@ class ClassroomPanel:
         """What the teacher presses."""
         asking = self.ask, self.ask_lesson, self.ask_place, self.ask_next
         return (self.send, *asking, self.reveal, self.again, self.close_poll, self.results)
+
+    @property
+    def _written(self) -> tuple[viser.GuiInputHandle[str], ...]:
+        """What the teacher writes of a question."""
+        return (self.question, *self.choices, self.right)
 
     def close(self) -> None:
         """Leave the class."""
@@ -136,13 +149,14 @@ class ClassroomPanel:
             self.teaches, self._fresh = True, fresh
             room.teach(self._tab)
             self.follow.visible = self.word.visible = False
-            for widget in (self.lead, self.question, *self.choices, self.send, self.ask):
+            for widget in (self.lead, self.send, *self._written, self.ask, self.ask_place):
                 widget.visible = True
-            self.ask_place.visible = True
             # what has been set and typed before the page could say whose it is stays
             self.lead.value = bool(self.lead.value) or room.lead
             for box, text in zip((self.question, *self.choices), room.draft, strict=False):
                 box.value = box.value or text
+            if self.right.value == _NONE_RIGHT and room.draft[-1:] and room.draft[-1] in _RIGHT:
+                self.right.value = room.draft[-1]
 
     def view(self) -> TabState | None:
         """The newest view that the teacher has sent since the last call; None for none.
@@ -169,9 +183,7 @@ class ClassroomPanel:
         """Do what the teacher asked for, and send what changes while the others follow."""
         if not self.teaches:
             return
-        self._classroom.set(
-            bool(self.lead.value), (self.question.value, *(box.value for box in self.choices))
-        )
+        self._classroom.set(bool(self.lead.value), tuple(box.value for box in self._written))
         self._ask()
         if pressed(self.reveal):
             self._classroom.reveal()
@@ -192,8 +204,9 @@ class ClassroomPanel:
     def _ask(self) -> None:
         """Ask what the teacher asks."""
         text, frame = self.question.value, self._frame
+        right_one = _RIGHT.index(self.right.value) - 1
         if pressed(self.ask) and not self._classroom.ask(
-            text, tuple(box.value for box in self.choices)
+            text, tuple(box.value for box in self.choices), right_one
         ):
             self._refuse("A question needs a text and two answers or more.")
         if pressed(self.ask_place):

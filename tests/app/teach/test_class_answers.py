@@ -203,6 +203,7 @@ def test_who_follows_again_is_back_and_a_reloaded_teacher_goes_on() -> None:
         until(lambda: panel(taught).teaches)
         teacher.set(taught.panels.stages.mesh.pitch, 1.1)
         teacher.set(panel(taught).question, "Draft?")
+        teacher.set(panel(taught).right, "answer 2")
         teacher.set(panel(taught).lead, True)
         until(lambda: session.frame.plan.scene.mesh.pitch == 1.1)
         student.set(panel(session).follow, False)
@@ -216,6 +217,7 @@ def test_who_follows_again_is_back_and_a_reloaded_teacher_goes_on() -> None:
         _, again = open_tab(server, classroom.secret)
         until(lambda: panel(again).teaches and bool(panel(again).lead.value))
         assert panel(again).question.value == "Draft?"
+        assert panel(again).right.value == "answer 2"
         until(lambda: again.frame.plan.scene.mesh.pitch == 1.1)
         assert session.frame.plan.scene.mesh.pitch == 1.1
     finally:

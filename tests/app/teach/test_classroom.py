@@ -74,6 +74,7 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     teacher.set(panel(taught).question, "Which <b>?")
     for box, text in zip(panel(taught).choices, ("one", "two"), strict=False):
         teacher.set(box, text)
+    teacher.set(panel(taught).right, "answer 2")
     teacher.set(panel(taught).ask, True)
     for _, session in students:
         until(lambda session=session: panel(session).answers[1].visible)  # type: ignore[misc]
@@ -91,7 +92,8 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     # nobody's answer is seen before all are
     assert "two" not in panel(taught)._text.content
     teacher.set(panel(taught).reveal, True)
-    until(lambda: "two: <b>3</b>" in panel(taught)._text.content)
+    until(lambda: "✓ two: <b>3</b>" in panel(taught)._text.content)
+    assert "Right: 100 %" in panel(taught)._text.content
     for _, session in students:
         until(lambda session=session: "two: <b>3</b>" in panel(session)._text.content)  # type: ignore[misc]
         assert not panel(session).answers[0].visible
