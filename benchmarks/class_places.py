@@ -141,8 +141,8 @@ def measure(students: int, rounds: int, within: Sequence[float]) -> list[dict[st
     for length in within:
         secret, port = secrets.token_hex(), str(free_port())
         with tempfile.TemporaryDirectory() as folder:
-            options = ("--classroom", "--teach", secret, "--port", port)
-            options += ("--results", str(Path(folder) / "results.csv"))
+            options = ["--classroom", "--teach", secret, "--port", port]
+            options += ["--results", str(Path(folder) / "results.csv")]
             server = ServerProcess(*options)
             asyncio.run(warm_up(server.url))
             delays = asyncio.run(answer_places(server.url, secret, students, rounds, length))

@@ -122,7 +122,7 @@ class Session:
             self._built = True
             self._class: ClassroomPanel | None = None
             if classroom is not None:
-                self._class = self._view.join(classroom, self.wake, worker.wake)
+                self._class = self._view.join(classroom, self.wake, worker.wake, worker.hurry)
             self._exercise: ExercisePanel | None = None
             if exercise is not None:
                 self._exercise = self._view.watch_exercise(exercise, self.wake, worker.wake)

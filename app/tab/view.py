@@ -91,12 +91,18 @@ class TabView:
             tuple(slow_layers),
         )
 
-    def join(self, classroom: Classroom, wake: Wake, nudge: Callable[[], None]) -> ClassroomPanel:
-        """Add the panel of the class that the tab joins."""
+    def join(
+        self,
+        classroom: Classroom,
+        wake: Wake,
+        nudge: Callable[[], None],
+        hurry: Callable[[], None],
+    ) -> ClassroomPanel:
+        """Add the panel of the class that the tab joins; a teacher's is told by ``hurry``."""
         with self.panels.layout.learn:
             overlay = self.panels.layout.overlay
             lessons = self.panels.lessons
-            panel = ClassroomPanel(self._client, overlay, classroom, lessons, wake, nudge)
+            panel = ClassroomPanel(self._client, overlay, classroom, lessons, wake, nudge, hurry)
         quick, slow = self.parts
         self.parts = ((*quick, panel), slow)
         return panel

@@ -28,6 +28,8 @@ TASK = ("unit", "start", "goal", "obstacles")
 """Fields of a scene that say what is to be planned."""
 _COMPLETE = Condition(measure="plan.complete", at_least=1)
 _TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)
+_CODE = ' style="overflow-wrap:anywhere;user-select:all;pointer-events:auto"'
+"""Of a code to hand in: it is whole at any width, and one click selects it."""
 
 
 class Challenge(BaseModel):
@@ -66,7 +68,7 @@ class Challenge(BaseModel):
         number = f" (now {now})" if now else ""
         moved = "" if self._keeps_task(frame) else f" <b>{self._changed} have changed.</b>"
         code = _code(frame.plan, self.keep) if met and self.homework else ""
-        handed_in = f"<br>To hand in: <code>{code}</code>" if code else ""
+        handed_in = f"<br>To hand in: <code{_CODE}>{code}</code>" if code else ""
         return f"{sign} {html.escape(self.text)}{number}.{moved}{handed_in}"
 
     @property

@@ -82,10 +82,11 @@ class Classroom:
                 self._forget(f"tab {tab}")
                 self._students[tab] = f"student {student}"
 
-    def teach(self, tab: int) -> None:
-        """Count a tab among the teacher's: answers wake it."""
+    def teach(self, tab: int, wake: Callable[[], None]) -> None:
+        """Count a tab among the teacher's: answers wake it, from now on by calling ``wake``."""
         with self._lock:
             self._teachers.add(tab)
+            self._wakes[tab] = wake
 
     def leave(self, tab: int) -> None:
         """Forget a tab; its student's answer stays, unless nobody could say again whose it is."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import viser
 
@@ -15,8 +16,17 @@ _SIZE = 0.022
 """Radius of the ball of one answer, as a part of the workspace's longest side."""
 
 
+class _Ball(NamedTuple):
+    """A place, its number of answers, whether it is right, and the workspace's longest side."""
+
+    place: Vec3
+    answers: int
+    right: bool
+    side: float
+
+
 class AnswerDots:
-    """The balls of one tab.
+    """The balls of one tab; those that stay are not drawn again when an answer comes.
 
     Attributes:
         places: at which there is one, [unit], world.
@@ -24,31 +34,30 @@ class AnswerDots:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
-        self._root: viser.FrameHandle | None = None
+        self._balls: dict[_Ball, viser.IcosphereHandle] = {}
+        self._made = 0
         self.places: tuple[Vec3, ...] = ()
-        self._drawn: tuple[object, ...] = ()
 
     def draw(self, places: Sequence[Vec3], right: Sequence[Vec3], scene: Scene) -> None:
         """Draw the answers, the right places among them in green; none takes all away."""
-        size = max(scene.workspace.size)
-        state = tuple(places), tuple(right), size
-        if state == self._drawn:
-            return
-        self._drawn = state
-        self.places = tuple(dict.fromkeys(places))
-        if self._root is not None:
-            self._root.remove()
-            self._root = None
-        if not places:
-            return
-        self._root = self._scene.add_frame("/answers", show_axes=False)
-        for number, (place, count) in enumerate(Counter(places).items()):
-            colour = style.GOOD[0] if place in right else style.MARK
-            self._scene.add_icosphere(
-                f"/answers/{number}",
-                radius=_SIZE * size * float(count) ** (1 / 3),
-                color=colour,
-                position=place,
-            )
-            if count > 1:
-                self._scene.add_label(f"/answers/{number}/count", str(count))
+        side = max(scene.workspace.size)
+        wanted = [_Ball(at, count, at in right, side) for at, count in Counter(places).items()]
+        self.places = tuple(ball.place for ball in wanted)
+        for ball in self._balls.keys() - set(wanted):
+            self._balls.pop(ball).remove()
+        for ball in wanted:
+            if ball not in self._balls:
+                self._balls[ball] = self._drawn(ball)
+
+    def _drawn(self, ball: _Ball) -> viser.IcosphereHandle:
+        self._made += 1
+        name = f"/answers/{self._made}"
+        drawn = self._scene.add_icosphere(
+            name,
+            radius=_SIZE * ball.side * float(ball.answers) ** (1 / 3),
+            color=style.GOOD[0] if ball.right else style.MARK,
+            position=ball.place,
+        )
+        if ball.answers > 1:
+            self._scene.add_label(f"{name}/count", str(ball.answers))
+        return drawn

@@ -45,10 +45,11 @@ class ClassroomPanel:
         lessons: LessonPanel,
         wake: Wake,
         nudge: Callable[[], None],
+        hurry: Callable[[], None],
     ) -> None:
         gui, self._classroom, self._tab = client.gui, classroom, client.client_id
         self._client, self._overlay, self._lessons = client, overlay, lessons
-        self._wake = wake
+        self._wake, self._hurry = wake, hurry
         self.teaches = False
         self._seen = 0
         self._fresh = False  # whether a teacher's tab has no view of its own yet
@@ -147,10 +148,13 @@ class ClassroomPanel:
             self.word.value = word
         if secret and room.is_teacher(secret):
             self.teaches, self._fresh = True, fresh
-            room.teach(self._tab)
+            room.teach(self._tab, self._hurry)
             self.follow.visible = self.word.visible = False
-            for widget in (self.lead, self.send, *self._written, self.ask, self.ask_place):
-                widget.visible = True
+            self.lead.visible = True
+            for written in self._written:
+                written.visible = True
+            for asking in (self.send, self.ask, self.ask_place):
+                asking.visible = True
             # what has been set and typed before the page could say whose it is stays
             self.lead.value = bool(self.lead.value) or room.lead
             for box, text in zip((self.question, *self.choices), room.draft, strict=False):

@@ -196,7 +196,7 @@ def test_all_tabs_of_a_student_have_one_answer() -> None:
     for tab, student in enumerate(("a", "a", "b", "", "")):
         classroom.join(tab, lambda tab=tab: woken.append(tab))  # type: ignore[misc]
         classroom.recognise(tab, student)
-    classroom.teach(4)
+    classroom.teach(4, lambda: woken.append(4))
     assert classroom.ask("Why?", ("one", "two"))
     woken.clear()
     for tab, choice in ((0, 0), (2, 0), (1, 1), (3, 1)):

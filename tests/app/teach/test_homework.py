@@ -88,7 +88,7 @@ def test_who_reaches_the_goal_is_given_a_code_that_is_right(file: Path, tmp_path
     assert challenge.is_met(done)
     shown = challenge.html(True, done)
     code = result_code(done.plan.scene, task.challenge.keep)
-    assert f"<code>{code}</code>" in shown
+    assert f">{code}</code>" in shown
     near = result_code(task.scene, task.challenge.keep)
     codes = tmp_path / "codes.csv"
     codes.write_text(f"ada,{code}\nbob,{near}\neve,{code}\nkim,abcd\n\n", encoding="utf-8")
