@@ -178,9 +178,14 @@ def _decided(
         poses = pair.left[rows, 2].tolist()
         hit = np.array([finder.touches(at, pair.link, pair.other) for at in poses], dtype=bool)
         if hit.any():
-            touches += _touches(task, finder, pair, rows, hit)
+            found = _touches(task, finder, pair, rows, hit)
+            touches += found
             nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(rows) - 1)
-            touching = np.concatenate([touching, pair.left[hit[nearest_tested], :2]])
+            spans = np.array([(one.time, one.last) for one in found])
+            spans = np.interp(
+                spans, task.motion.motion.times, np.arange(len(task.motion.points) + 1)
+            )
+            touching = np.concatenate([touching, pair.left[hit[nearest_tested], :2], spans])
         else:
             doubts.append(_doubt(task, proof, pair, finder, clearance))
     touches.sort(key=attrgetter("time"))

@@ -63,6 +63,9 @@ def test_samples_agree_with_the_verdict(seed: int) -> None:
         assert finder.touches(
             float(at) + 1e-7 * (one.time < motion.times[-1]), one.link, one.obstacle
         )
+    if verdict.touches:
+        first = next(one.first for one in verdict.stretches if one.state == "touches")
+        assert first <= verdict.touches[0].time + 1e-9
     # what is called proven does not touch: at samples inside, the exact shapes are apart
     touched = {(one.link, one.obstacle) for one in verdict.touches}
     for stretch in verdict.stretches:
