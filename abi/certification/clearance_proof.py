@@ -106,8 +106,9 @@ def task_of(
     high = np.maximum(motion.chain.limits[:, 1], motion.points.max(axis=(0, 1)))
     # a motion may pass limits; levers hold where it goes
     chain = replace(motion.chain, limits=read_only(np.stack([low, high], axis=1)))
-    bodies, obstacles = robot_bodies(chain, metres, closely), ObstacleSet(scene.obstacles)
     floor = min(scene.arm.base[2], scene.workspace.min[2])
+    bodies = robot_bodies(chain, metres, closely, floor * metres)
+    obstacles = ObstacleSet(scene.obstacles)
     return MotionTask(motion, bodies, _around(bodies, obstacles, floor, scene), obstacles)
 
 
@@ -198,13 +199,14 @@ def _numbers(task: MotionTask, pairs: FloatArray) -> tuple[IntArray, IntArray]:
 def _around(
     bodies: RobotBodies, obstacles: ObstacleSet, floor: float, scene: Scene
 ) -> CollisionWorld:
-    """Obstacles and floor. Links that stand still are asked for neither, the first no floor."""
+    """Obstacles and floor. Links that stand still are asked for neither."""
     frames = np.array([body.frame for body in bodies.bodies])
-    own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), (frames >= 1)[:, None])
+    stands = np.array([body.link in bodies.on_floor for body in bodies.bodies])
+    own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), ~stands[:, None])
     solids = RowTable()(obstacles, own)
     asked = np.zeros((len(frames), len(solids.numbers)), dtype=np.bool_)
     asked[:, solids.outer] = (frames >= 0)[:, None]
-    asked[:, -1] = frames >= 1
+    asked[:, -1] = ~stands
     corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
     reach = 2 * bodies.chain.table.reach / bodies.metres
     points = max(float(np.abs(body.points).max()) for body in bodies.bodies) / bodies.metres

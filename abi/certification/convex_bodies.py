@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -15,6 +16,7 @@ from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
 from abi.errors import MotionError
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
 from abi.robot.bodies.chain_capsules import lever, meeting
+from abi.robot.bodies.floor_contacts import FloorPiece, on_floor
 from abi.robot.bodies.link_bodies import Fit, link_bodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
@@ -46,11 +48,13 @@ class RobotBodies(ShortRepr):
         chain: the joints that move, [m].
         bodies: the b bodies, those that stand still first.
         metres: one [unit] of the scene in metres.
+        floor: height of the floor, [m].
     """
 
     chain: Chain
     bodies: tuple[ConvexBody, ...]
     metres: float
+    floor: float = -math.inf
 
     @cached_property
     def pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
@@ -81,12 +85,16 @@ class RobotBodies(ShortRepr):
     def allowed(self) -> tuple[AllowedContact, ...]:
         """What may touch: pairs of links, and what stands still."""
         still = dict.fromkeys(body.link for body in self.bodies if body.frame < 0)
-        first = dict.fromkeys(body.link for body in self.bodies if body.frame == 0)
         return (
             *self.pairs[1],
             *(AllowedContact(link, "obstacles", "mount") for link in still),
-            *(AllowedContact(link, "floor", "mount") for link in (*still, *first)),
+            *(AllowedContact(link, "floor", "mount") for link in self.on_floor),
         )
+
+    @cached_property
+    def on_floor(self) -> tuple[str, ...]:
+        """Names of the links that may touch the floor."""
+        return on_floor(self.chain, (FloorPiece(*body) for body in self.bodies), self.floor)
 
     @cached_property
     def hulls(self) -> Hulls:
@@ -144,7 +152,10 @@ def _link_pairs(
 
 
 def robot_bodies(
-    chain: Chain, metres: float, closely: Collection[str] = frozenset()
+    chain: Chain,
+    metres: float,
+    closely: Collection[str] = frozenset(),
+    floor: float = -math.inf,
 ) -> RobotBodies:
     """Bodies of all links with collision shapes.
 
@@ -152,6 +163,7 @@ def robot_bodies(
         chain: the joints that move; slides get no farther than its limits.
         metres: one [unit] of the scene in metres.
         closely: names of links that are held more closely, by more bodies with more corners.
+        floor: height of the floor, [m].
 
     Raises:
         MotionError: no link has a shape.
@@ -169,7 +181,7 @@ def robot_bodies(
             "Give the URDF with its <collision> elements and their meshes.",
         )
     bodies.sort(key=lambda body: body.frame)
-    return RobotBodies(chain, tuple(bodies), metres)
+    return RobotBodies(chain, tuple(bodies), metres, floor)
 
 
 def _hulls(bodies: Sequence[ConvexBody], metres: float) -> Hulls:

@@ -18,6 +18,7 @@ from abi.robot.bodies.allowed_contacts import AllowedContact, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
 from abi.robot.bodies.finer_links import fitted_capsules
+from abi.robot.bodies.floor_contacts import FloorPiece, on_floor
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
@@ -94,6 +95,13 @@ class UrdfArm(ShortRepr):
     def metres(self) -> float:
         """One [unit] in metres."""
         return METRES[self.unit]
+
+    def on_floor(self, floor: float) -> tuple[str, ...]:
+        """Names of the links that may touch a floor at that height, [unit]."""
+        pieces = (
+            FloorPiece(one.link, one.frame, one.points, one.rounding) for one in self.capsules
+        )
+        return on_floor(self.chain, pieces, floor * self.metres)
 
     @property
     def reach(self) -> float:

@@ -38,6 +38,8 @@ _WHOLE = 1e3
 """Weight of that the parts of corners in a point add up to one, beside the way between points."""
 _POSES = 64
 """Random poses in which links that are said to overlap always are looked at."""
+_UPRIGHT = 1e-3
+"""Tilt of an axis that counts as none, [rad]."""
 _MOSTLY = 0.85
 """Part of these in which they do, of a motion that was planned elsewhere: 0.95 of others did."""
 
@@ -69,7 +71,7 @@ def allowed_contacts(
                 raise Fault(f"{link} and {other} are no pair that may touch")
             found |= {(link, other), (other, link)}
         elif other == "floor" or (type(other) is int and 0 <= other < len(obstacles)):
-            if not _may_stand(link, other, reason, scene, obstacles, chain):
+            if not _may_stand(link, other, reason, scene, obstacles, chain, bodies):
                 raise Fault(f"{link} may not touch {_name(other)}")
             found.add((link, other))
         else:
@@ -102,14 +104,14 @@ def contacts_of_motion(
             ):
                 raise Fault(f"{link} and {other} are no pair that may touch")
             found.add(frozenset((link, other)))
-        elif reason != "mount" or chain.frames[link] >= _STANDS.get(str(other), -1):
+        elif reason != "mount" or not (
+            may_touch_floor(link, scene, chain, bodies)
+            if other == "floor"
+            else other == "obstacles" and chain.frames[link] < 0
+        ):
             raise Fault(f"{link} may not touch {other}")
     _check_overlap(always, chain, bodies, _MOSTLY * _POSES)
     return frozenset(found)
-
-
-_STANDS = {"obstacles": 0, "floor": 1}
-"""Frames below these stand on it: no motion of theirs is asked about."""
 
 
 def _name(other: Other) -> str:
@@ -160,11 +162,12 @@ def _may_stand(
     scene: Scene,
     obstacles: Sequence[ExactSolid | ExactMesh],
     chain: ExactChain,
+    bodies: Bodies,
 ) -> bool:
     """Check a link that touches the floor or an obstacle by the reason given."""
     frame = chain.frames[link]
     if isinstance(other, str):
-        return reason == "mount" and frame < 1
+        return reason == "mount" and may_touch_floor(link, scene, chain, bodies)
     if reason == "asked":
         return (link, other) in scene.arm.allowed
     arm, metre = scene.arm, float(chain.units)
@@ -173,6 +176,31 @@ def _may_stand(
         and frame < 0
         and is_beneath(obstacles[other], np.array(arm.base), arm.base_wxyz, metre)
     )
+
+
+def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) -> bool:
+    """Check whether a link stands still, or the first joint brings it no nearer to the floor.
+
+    Such a joint turns about an upright axis or slides level; or the link touches the floor wherever
+    it takes it.
+    """
+    if chain.frames[link] != 0:
+        return chain.frames[link] < 0
+    axis = chain.origins[0].turn.astype(float) @ chain.joints[0].axis
+    if (abs(axis[2]) if chain.joints[0].kind == "prismatic" else np.hypot(*axis[:2])) <= _UPRIGHT:
+        return True
+    floor = min(scene.arm.base[2], scene.workspace.min[2])
+    low, high = (np.array(one) for one in _usual_range(chain))
+    coordinate = chain.coordinates.index(chain.joints[0].coordinate)
+    row = np.clip(0.0, low, high)
+    for value in np.linspace(low[coordinate], high[coordinate], _POSES):
+        row[coordinate] = value
+        frame = chain.place([Fraction(number) for number in row.tolist()])[0]
+        up, origin = (np.array(part[2] / 2.0**200, dtype=np.float64) for part in frame[:2])
+        heights = [(piece.points @ up).min() - piece.rounding for piece in bodies[link]]
+        if min(heights) + origin > floor + _NEAR:
+            return False
+    return True
 
 
 def _check_overlap(

@@ -22,7 +22,7 @@ from abi.obstacles.pose import METRES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
-from abi.verify.allowed_contacts import contacts_of_motion
+from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor
 from abi.verify.certificate import MOTION, CertifiedPlane, planes_of, words_of
 from abi.verify.exact import ExactFloor, ExactSolid, Vec3, times_length
 from abi.verify.exact_chain import Exact, ExactChain, ExactFrame, exact_joints
@@ -146,13 +146,15 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
     span = Fraction(0), Fraction(len(motion.path.pieces))
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
+    links = {body.link for body in bodies}
+    standing = {one for one in links if may_touch_floor(one, scene, motion.usual, pieces)}
     for body in bodies:
         least = partial(_least, motion, body)
         for k, obstacle in enumerate(obstacles if body.frame >= 0 else ()):
             label = f"{body.link} and obstacle {k + 1}"
             group = planes.get((body.number, k), [])
             check_apart(label, group, least, span, obstacle, margin)
-        if body.frame >= 1:
+        if body.link not in standing:
             group = planes.get((body.number, "floor"), [])
             check_apart(f"{body.link} and floor", group, least, span, floor)
     for i, j in pairs:

@@ -174,10 +174,11 @@ def own_distances(arm: UrdfArm, poses: Poses) -> FloatArray:
 def floor_distances(arm: UrdfArm, floor: float, poses: Poses) -> FloatArray:
     """Heights of the bodies above the floor, (k, c), [unit].
 
-    Inf for links that stand still and for the first one that moves, which may touch the floor.
+    Inf for links that may touch the floor.
     """
     heights = np.asarray(poses.ends[..., 2].min(axis=2) - arm.radii - floor)
-    heights[:, [one.frame < 1 for one in arm.capsules]] = np.inf
+    standing = arm.on_floor(floor)
+    heights[:, [one.link in standing for one in arm.capsules]] = np.inf
     for column in np.flatnonzero((heights <= 0).any(axis=0)).tolist():
         rows = np.flatnonzero(heights[:, column] <= 0)
         lowest = arm.lowest(poses.positions[rows], column) - floor

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -110,13 +111,15 @@ def chain_world(
 ) -> CollisionWorld:
     """Surroundings of a URDF arm, without the arm itself, as those of the paper's arm.
 
-    Links that stand still, and the first one that moves, may touch the floor. Those that stand
-    still may touch what the arm stands on, too, and whatever the scene says may touch.
+    Links that stand still may touch the floor, and so may those that the first joint moves where it
+    brings them no nearer to it. Those that stand still may touch what the arm stands on, too, and
+    whatever the scene says may touch.
     """
-    moves = np.array([one.frame >= 1 for one in arm.capsules])[:, None]
+    standing = arm.on_floor(min(float(arm.base[2]), lowest))
+    moves = np.array([one.link not in standing for one in arm.capsules])[:, None]
     own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
     found = _collision_world(arm, 2 * arm.reach, own, obstacles, lowest, table)
-    allowed = _allowed(arm, obstacles)
+    allowed = _allowed(arm, obstacles, standing)
     asked, capsules = found.asked.copy(), np.array([one.link for one in arm.capsules])
     for link, other, _ in allowed:
         if isinstance(other, int):
@@ -154,10 +157,12 @@ def _doubled(world: CollisionWorld, touchable: BoolArray) -> CollisionWorld:
     )
 
 
-def _allowed(arm: UrdfArm, obstacles: ObstacleSet) -> tuple[AllowedContact, ...]:
-    """What of a URDF arm's surroundings which link may touch."""
+def _allowed(
+    arm: UrdfArm, obstacles: ObstacleSet, standing: Iterable[str]
+) -> tuple[AllowedContact, ...]:
+    """What of a URDF arm's surroundings which link may touch; ``standing``: on the floor."""
     frames = {one.link: one.frame for one in arm.capsules}
-    found = [AllowedContact(link, "floor", "mount") for link, frame in frames.items() if frame < 1]
+    found = [AllowedContact(link, "floor", "mount") for link in standing]
     reasons: dict[tuple[str, int], Reason] = {}
     for number in mounts(arm, obstacles):
         reasons |= {(link, number): "mount" for link, frame in frames.items() if frame < 0}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
+from tests.abi.robot.robots import joint, link, urdf
 
 pytestmark = pytest.mark.slow
 JOINTS = (
@@ -204,3 +206,24 @@ def test_a_torque_between_far_waypoints_is_found() -> None:
         assert peak is not None
         peaks.append(peak)
     np.testing.assert_allclose(peaks[0], peaks[1], rtol=2e-3, atol=1e-3)
+
+
+def test_a_beam_that_the_first_joint_swings_into_the_floor_touches_it(tmp_path: Path) -> None:
+    beam = (
+        '<link name="beam"><collision><origin xyz="0.6 0 0"/><geometry><box size="1.2 0.1 0.1"/>'
+        "</geometry></collision></link>"
+    )
+    path = tmp_path / "beam.urdf"
+    path.write_text(urdf(link("base"), beam, joint("pitch", "base", "beam", axis="0 1 0")))
+    place = robot_scene(path)
+    scene = place.replace(
+        workspace={"min": [-2, -2, 0], "max": [2, 2, 2]}, start=[0, 0, 0], goal=[0, 0, 1]
+    )
+    for angle, state in ((-1.0, "clear"), (1.5, "touches")):
+        verdict = abi.certify(None, ["pitch"], [0, 1], [[0.0], [angle]], scene)
+        assert verdict.state == state
+        if state == "touches":
+            assert verdict.touches[0].obstacle == "floor"
+        else:
+            (proof,) = verify(json.loads(json.dumps(verdict.to_dict())), scene.meshes)
+            assert proof.proven, proof.reason

@@ -28,8 +28,9 @@ from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
 from abi.verify import allowed_contacts
-from abi.verify.allowed_contacts import are_joined
-from abi.verify.exact_chain import exact_joints
+from abi.verify.allowed_contacts import are_joined, may_touch_floor
+from abi.verify.exact_chain import exact_chain, exact_joints
+from abi.verify.link_corners import LinkPiece
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.plumb_line import is_beneath
 from abi.verify.verify import verify
@@ -254,3 +255,43 @@ def test_the_verifier_counts_what_is_round_about_a_hull(
         middle + np.outer([-1.0, 1.0], np.cross(way, [1, 0, 0])), other
     )
     assert allowed_contacts._overlap(ball, second) == (away < one + other)
+
+
+@settings(deadline=None, max_examples=30)
+@given(seeds)
+def test_the_floor_may_be_touched_by_what_no_joint_brings_nearer_to_it(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    name = str(random.choice([*SHIPPED, *OWN]))
+    wxyz = [(1.0, 0, 0, 0), (0, 1.0, 0, 0), tuple(random.normal(size=4).tolist())][seed % 3]
+    robot, tip = some_arm(name).chain.robot, SHIPPED.get(name, "d")
+    one = urdf_arm(robot, tip, (0.0, 0.0, 0.0), wxyz=wxyz)
+    floor = float(random.uniform(-0.5, 0.5))
+    low, high = one.chain.usual_range().T
+    positions = np.tile(np.clip(0, low, high), (50, 1))
+    positions[:, 0] = random.uniform(low[0], high[0], 50)
+    up = one.chain.poses(positions)[:, 0, 2]
+    standing = one.on_floor(floor)
+    for capsule in one.capsules:
+        heights = up[:, :3] @ capsule.points.T + up[:, 3:]
+        if capsule.frame == 0 and capsule.link in standing:
+            level = np.ptp(heights, axis=0).max() < 2e-3
+            pieces = [k for k in one.capsules if k.link == capsule.link]
+            least = [(up[:, :3] @ k.points.T).min(axis=1) - k.rounding for k in pieces]
+            assert level or (np.min(least, axis=0) + up[:, 3] <= floor + 1e-3).all()
+        assert capsule.frame <= 0 or capsule.link not in standing
+        assert capsule.frame >= 0 or capsule.link in standing
+
+    scene = Scene.from_dict({
+        "version": 1,
+        "unit": "m",
+        "workspace": {"min": [-1, -1, floor], "max": [1, 1, 1]},
+        "start": [0, 0, 0.9],
+        "goal": [0.5, 0, 0.9],
+        "arm": {"model": "urdf", "urdf": "ur5e", "base": [0, 0, 1]},
+    })  # fmt: skip
+    exact = exact_chain(robot, tip, (0, 0, 0), 1, wxyz)
+    bodies: dict[str, list[LinkPiece]] = {}
+    for k in one.capsules:
+        bodies.setdefault(k.link, []).append(LinkPiece(k.ends, k.radius, k.points, k.rounding))
+    found = {link for link in bodies if may_touch_floor(link, scene, exact, bodies)}
+    assert found == {*standing}
