@@ -16,8 +16,8 @@ _SIZE = 0.022
 """Radius of the ball of one answer, as a part of the workspace's longest side."""
 
 
-class _Ball(NamedTuple):
-    """A place, its number of answers, whether it is right, and the workspace's longest side."""
+class _AnswerBall(NamedTuple):
+    """The ball of a place: number of answers, whether it is right, the workspace's longest side."""
 
     place: Vec3
     answers: int
@@ -34,14 +34,16 @@ class AnswerDots:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
-        self._balls: dict[_Ball, viser.IcosphereHandle] = {}
+        self._balls: dict[_AnswerBall, viser.IcosphereHandle] = {}
         self._made = 0
         self.places: tuple[Vec3, ...] = ()
 
     def draw(self, places: Sequence[Vec3], right: Sequence[Vec3], scene: Scene) -> None:
         """Draw the answers, the right places among them in green; none takes all away."""
         side = max(scene.workspace.size)
-        wanted = [_Ball(at, count, at in right, side) for at, count in Counter(places).items()]
+        wanted = [
+            _AnswerBall(at, count, at in right, side) for at, count in Counter(places).items()
+        ]
         self.places = tuple(ball.place for ball in wanted)
         for ball in self._balls.keys() - set(wanted):
             self._balls.pop(ball).remove()
@@ -49,7 +51,7 @@ class AnswerDots:
             if ball not in self._balls:
                 self._balls[ball] = self._drawn(ball)
 
-    def _drawn(self, ball: _Ball) -> viser.IcosphereHandle:
+    def _drawn(self, ball: _AnswerBall) -> viser.IcosphereHandle:
         self._made += 1
         name = f"/answers/{self._made}"
         drawn = self._scene.add_icosphere(
