@@ -179,7 +179,7 @@ class Viewpoint:
         factor = min(max(_ASPECT / aspect(self._camera), 1.0), _MAX_DISTANCE_FACTOR)
         window, headline = self._free(area), self._headline
         if arrives and area is not None:
-            headline = max(_HEADLINE, min(area.above, _MOST_COVERED))
+            headline = max(headline, min(area.above, _MOST_COVERED))
         if (factor, window, headline) == (self._distance_factor, self._window, self._headline):
             return
         moved, self._distance_factor, self._window = self._is_moved(), factor, window

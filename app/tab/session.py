@@ -194,7 +194,7 @@ class Session:
     def _step(self, woken: bool) -> None:
         """Do what there is to do: on input, in a pause, and for the playback."""
         demo = self._pause.demo
-        resized = self._view.fit(self.frame)
+        resized = self._view.fit(self.frame, woken)
         if woken:
             self._watch.overtaken = False  # before it is read what was chosen
             self._demonstrated = demo.running

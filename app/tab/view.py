@@ -192,8 +192,13 @@ class TabView:
             self.viewpoint.surround(corners if alone else extent(frame.plan), wide=alone)
         self._surrounded = surrounded
 
-    def fit(self, frame: Frame) -> bool:
-        """Fit panels and camera to the page as it is now; whether ``frame`` fits it no longer."""
+    def fit(self, frame: Frame, woken: bool) -> bool:
+        """Fit panels and camera to the page as it is now; whether ``frame`` fits it no longer.
+
+        Once there is input, which has ``woken`` the tab, no text about a scene moves its camera.
+        """
+        if woken:
+            self._faced = None
         area = self._watch.area()
         self._folding.update(area, self.panels.lecture.on)
         self.viewpoint.fit(area, arrives=frame.plan is self._faced)
