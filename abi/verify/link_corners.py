@@ -1,7 +1,9 @@
-"""Check that the capsules of a certificate hold the corners of a robot's links.
+"""Check that the capsules of a certificate hold the corners of a robot's links, and points of them.
 
-So none stands where its joints do not take it. Corners are compared in floating point: what is off
-by less than a millionth passes, and that the capsules hold all of a link is shown by a test.
+So none stands where its joints do not take it, and none leaves a part of a link out. The points are
+spread at random, others each time, over the surface of each shape and, but for meshes, inside. They
+are compared in floating point: what is off by less than a millionth passes. That the capsules hold
+all of a link is shown by a test.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from abi.verify.fault import Fault
 _NEAR = 1e-6
 """Distance that a corner may be outside, over the largest coordinate of its link and 1 m."""
 _TINY = 1e-300
+_POINTS = 600
+"""Random points of each shape."""
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 
 
@@ -43,7 +47,7 @@ class LinkPiece(NamedTuple):
 def check_corners(
     robot: Robot, chain: ExactChain, bodies: Mapping[str, Sequence[LinkPiece]]
 ) -> None:
-    """Raise where a corner of a link's shapes is in none of its pieces, capsule and hull.
+    """Raise where a point of a link's shapes is in none of its pieces, capsule and hull.
 
     Args:
         robot: the robot.
@@ -51,14 +55,15 @@ def check_corners(
         bodies: pieces of each link.
 
     Raises:
-        Fault: a corner is outside.
+        Fault: one is outside.
     """
-    units = float(chain.units)
+    units, random = float(chain.units), np.random.default_rng()
     for name, link in robot.links.items():
         if not link.shapes:
             continue
         turn, origin = (np.array(part, dtype=np.float64) for part in chain.places[name])
-        own = np.concatenate([_corners(shape) for shape in link.shapes])
+        kinds = (*map(_corners, link.shapes), *(_spread(one, random) for one in link.shapes))
+        own = np.concatenate(kinds)
         corners = units * own @ turn.T + origin
         allowed = _NEAR * max(units, float(np.abs(corners).max()))
         held = np.zeros(len(corners), dtype=np.bool_)
@@ -105,4 +110,33 @@ def _corners(shape: LinkShape) -> FloatArray:
     else:
         rim = np.column_stack([a * np.cos(_AROUND), a * np.sin(_AROUND), 0 * _AROUND])
         points = np.concatenate([rim + np.array([0, 0, end]) for end in (-b / 2, b / 2)])
+    return _in_link(points, shape)
+
+
+def _spread(shape: LinkShape, random: np.random.Generator) -> FloatArray:
+    """Random points (n, 3) of a shape in its link's frame, [m], half of them on its surface."""
+    if shape.kind == "mesh":
+        triangles = shape.vertices[shape.faces]
+        areas = np.linalg.norm(np.cross(*np.diff(triangles, axis=1).swapaxes(0, 1)), axis=1)
+        if not areas.sum() > 0:
+            return np.zeros((0, 3))
+        chosen = random.choice(len(areas), _POINTS, p=areas / areas.sum())
+        weights = random.dirichlet(np.ones(3), _POINTS)
+        return _in_link(np.einsum("nc,nci->ni", weights, triangles[chosen]), shape)
+    a, b, c = shape.size
+    points = random.uniform(-1.0, 1.0, (_POINTS, 3))
+    across, along = np.hypot(points[:, 0], points[:, 1]), np.abs(points[:, 2])
+    # of how large a solid of that kind, whose half sizes are 1, each point is on the surface
+    if shape.kind == "box":
+        extent, half = np.abs(points).max(axis=1), np.array([a, b, c]) / 2
+    elif shape.kind == "sphere":
+        extent, half = np.hypot(across, along), np.array([a, a, a])
+    else:
+        extent, half = np.maximum(across, along), np.array([a, a, b / 2])
+    depth = np.where(np.arange(_POINTS) % 2, 1.0, np.cbrt(random.uniform(size=_POINTS)))
+    return _in_link(points * (depth / extent)[:, None] * half, shape)
+
+
+def _in_link(points: FloatArray, shape: LinkShape) -> FloatArray:
+    """Points (n, 3) of a shape's frame in that of its link."""
     return np.asarray(points @ shape.pose[:3, :3].T + shape.pose[:3, 3])

@@ -1,0 +1,64 @@
+"""Pieces of a certificate hold the shapes of a link, and not its corners alone."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from abi.arrays import FloatArray
+from abi.robot.bodies.link_bodies import link_bodies
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import robot_from_archive
+from abi.verify.exact_chain import exact_chain
+from abi.verify.fault import Fault
+from abi.verify.link_corners import LinkPiece, _corners, check_corners
+from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.test_robot_files import ball
+
+BOX = '<box size="0.1 0.1 0.3"/>'
+SHAPES = {
+    "box": BOX,
+    "sphere": '<sphere radius="0.1"/>',
+    "cylinder": '<cylinder radius="0.1" length="0.3"/>',
+    "mesh": '<mesh filename="a.stl" scale="0.1 0.2 0.3"/>',
+}
+
+
+def robot_of(name: str) -> Robot:
+    return robot_from_archive(packed({"r.urdf": arm((BOX, SHAPES[name])), "a.stl": ball(2)}))
+
+
+def around(points: FloatArray, radius: float) -> LinkPiece:
+    """A piece that is the hull of points with a radius around it, in whatever capsule."""
+    return LinkPiece(np.zeros((2, 3)), np.inf, points, radius)
+
+
+def check(robot: Robot, pieces: list[LinkPiece]) -> None:
+    """Check one link; the others are held by whatever is asked of them."""
+    all_of_it = around(np.array([*itertools.product((-9.0, 9.0), repeat=3)]), 0.0)
+    bodies = {name: [all_of_it] for name in robot.links}
+    check_corners(robot, exact_chain(robot, "d", (0, 0, 0), 1), {**bodies, "a": pieces})
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_bodies_of_a_link_hold_it_and_balls_at_its_corners_do_not(name: str) -> None:
+    robot = robot_of(name)
+    bodies = link_bodies(robot.links["a"])
+    check(robot, [around(one.points, one.rounding) for one in bodies])
+    corners = np.concatenate([_corners(shape) for shape in robot.links["a"].shapes])
+    with pytest.raises(Fault, match="the capsules of a are not"):
+        check(robot, [around(one[None], 1e-3) for one in corners])
+
+
+def test_a_shell_of_plates_around_a_box_leaves_its_inside_out() -> None:
+    robot = robot_of("box")
+    corners = np.concatenate([_corners(shape) for shape in robot.links["a"].shapes])
+    sides = [
+        corners[np.isclose(corners[:, axis], end)]
+        for axis in range(3)
+        for end in (corners[:, axis].min(), corners[:, axis].max())
+    ]
+    with pytest.raises(Fault, match="the capsules of a are not"):
+        check(robot, [around(side, 1e-3) for side in sides])
