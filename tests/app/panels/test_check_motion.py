@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +86,21 @@ def test_a_verdict_is_shown_in_place_of_the_plan(
     send_file(session, check.upload, "plan.db3", bag.read_bytes())
     until(lambda: not check.trajectory.visible and session.resting)
     until(lambda: session.frame.checked.task.motion.motion.positions[0, 0] == POSITIONS[0, 0])
+
+    over = csv((0, -1, -1.2, 1.2, -1.2, -1.57, 0), (3, 3, -1.2, 1.2, -1.2, -1.57, 0))
+    send_file(session, check.upload, "over.csv", over)
+    until(lambda: session.frame.duration == 3.0 and session.resting)
+    assert session.frame.checked.state == "touches"
+    press(fake, check.repair)
+    until(lambda: session.frame.checked.state == "clear" and session.resting)
+    assert "Repaired from 0 s to 3 s" in session.panels.layout.overlay.shown["message"]
+    saved = list[bytes]()
+    monkeypatch.setattr(
+        session.client, "send_file_download", lambda name, content, **_: saved.append(content)
+    )
+    fake.set(check.save, True)
+    until(lambda: bool(saved))
+    assert json.loads(saved[0]) == json.loads(json.dumps(session.frame.checked.to_dict()))
 
     press(fake, check.back)
     until(lambda: session.frame.checked is None and session.resting)
