@@ -11,7 +11,9 @@ from playwright.sync_api import Browser
 
 from abi.scene.scene import load_scene, scene_names
 from app.camera.extent import extent
+from app.drawing.box import box_corners
 from app.server.server import Server
+from app.stages.catalogue import TITLES
 from app.tab.session import Session
 from app.ui.layout import TITLE
 from app.ui.plan_notes import notes as stage_notes
@@ -375,6 +377,30 @@ def test_a_lecture_shows_the_whole_arm_above_its_strip(
 
         # a phone's sheet takes its time to fold
         page.until(is_right, f"the arm above the strip of {most:.0%}", 120)
+    finally:
+        page.tab.set_viewport_size({"width": 1280, "height": 720})
+        page.click("End lecture")
+        _put_back(page)
+
+
+@pytest.mark.slow
+def test_a_lecture_in_a_hall_is_filled_by_the_workspace(page: Page, session: Session) -> None:
+    assert session.plan is not None
+    workspace = session.plan.scene.workspace
+    corners = box_corners(workspace.min, workspace.max)
+    page.click("Lecture")
+    page.tab.set_viewport_size({"width": 1920, "height": 1080})
+    try:
+
+        def fills() -> bool:
+            pixels = np.array([page.pixel("/workspace", list(corner)) for corner in corners])
+            across, down = np.ptp(pixels, axis=0) / (1920, 1080)
+            return bool(across >= 0.45 and down >= 0.55)
+
+        for title in list(TITLES.values())[:5]:
+            page.click(">")
+            page.reads(title)
+            page.until(fills, f"the workspace to fill the page in {title}")
     finally:
         page.tab.set_viewport_size({"width": 1280, "height": 720})
         page.click("End lecture")
