@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import argparse
 import collections
+import logging
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePosixPath
@@ -208,6 +209,7 @@ def _row(kind: str, found: list[Outcome]) -> Row:
 
 def main() -> None:
     """Print the table, and each file that is refused or different."""
+    logging.getLogger("yourdfpy").setLevel(logging.ERROR)  # it warns of mimic joints at each state
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folders", type=Path, nargs="+")
     parser.add_argument("--robots", action="store_true", help="leave out the meshes")
