@@ -232,11 +232,13 @@ class Session:
             else "The visualiser met a fault of its own. The Scene tab has a text for a bug report."
         )
         notices.notify_refusal(self.client, "This did not work", f"{words} The last picture stays.")
-        if self.panels.files.last is not self._drawn.loaded:
-            with contextlib.suppress(Exception):  # the fault may be in what draws
+        with contextlib.suppress(Exception):  # the fault may be in what draws
+            if self.panels.files.last is not self._drawn.loaded:
                 self.panels.show(self._drawn)
                 self._view.look_at(self._scene, face=False)
                 self._draw(self.frame)
+            else:  # what is proven of the last plan is not of what the hand has changed
+                self._draw(replace(self.frame, outdated=True))
 
     def _timeout(self) -> float:
         """Time to wait for input, [s]."""

@@ -73,6 +73,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     numbers: list[int] = []
     left_out: dict[str, int] = {}
     unknown: dict[str, int] = {}
+    weighted = 0
     for number, line in _lines(text):
         if len(counts) > most_faces:
             break
@@ -89,6 +90,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
             words = line.partition("#")[0].split()
         if kind == "v":
             vertices.append(_numbers(words[1:], number))
+            weighted += len(words) == 5 and float(words[4]) != 1
         elif kind in ("f", "fo"):
             polygon = [_corner(word, len(vertices), number) for word in words[1:]]
             if len(polygon) < 3:
@@ -119,6 +121,9 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     cut = triangulate(points, ids, sizes, lambda k: f"line {numbers[k]}")
     check_count(len(cut.faces), most_faces)
     notes = [f"{counted(n, noun)} left out: no surface." for noun, n in left_out.items()]
+    if weighted:
+        vertices_are = counted(weighted, "vertex", "vertices")
+        notes.append(f"The weight of {vertices_are} left out: it is for curved surfaces.")
     if unknown:
         first = ", ".join(f"{kind} in line {number:,}" for kind, number in [*unknown.items()][:3])
         notes.append(f"What is no statement of OBJ is left out: {first}.")

@@ -133,6 +133,7 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
         ("a.obj", OBJ + b"f 1 2\nl 1 2 3\n", "2 lines are left out"),
         ("a.obj", OBJ + b"f 1 2 # no face\n", "1 line is left out"),
         ("a.obj", OBJ + b"p 1\n", "1 point is left out"),
+        ("a.obj", OBJ.replace(b"\nf", b" 2\nf", 1), "The weight of 1 vertex is left out"),
         ("a.obj", OBJ + b"v 0 0 0\n", "1 point is left out"),
     ],
 )
