@@ -6,7 +6,6 @@ import html
 
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import remarks
-from abi.planner.plan import Plan
 from app.state.frame import Frame, Layer
 from app.ui import style
 from app.ui.layout import Layout
@@ -16,6 +15,9 @@ from app.ui.plan_notes import notes
 _FRAME = '<div style="height:{}px;overflow-y:auto">{}</div>'
 _HEIGHTS = {"bspline": 21, "quadratic": 71, "arm": 120, "motion": 38}
 """Height of each note, whatever is in it, [px]: one that grew would push what the hand is on."""
+
+_OF_LAYERS = frozenset({"bspline", "quadratic", "arm"})
+"""Notes on what the layer of the same name draws."""
 
 
 class StageNotesLayer(Layer):
@@ -28,15 +30,19 @@ class StageNotesLayer(Layer):
                 self._notes[stage] = layout.client.gui.add_html("")
         with layout.result:
             self._notes["motion"] = layout.client.gui.add_html("")
-        self._drawn: tuple[Plan, bool] | None = None
+        self._drawn: tuple[object, ...] = ()
 
     def draw(self, frame: Frame) -> None:
-        """Write the plan's numbers."""
+        """Write the plan's numbers; in a lesson only those of stages that it shows."""
         plan = frame.plan
-        if (plan, frame.asks) == self._drawn:
+        state = plan, frame.asks, frame.lesson and frame.shown
+        if state == self._drawn:
             return
-        self._drawn = plan, frame.asks
+        self._drawn = state
         texts = dict.fromkeys(notes(plan), "") if frame.asks else notes(plan)
+        if frame.lesson:
+            unused = _OF_LAYERS - frame.shown
+            texts = {name: "" if name in unused else text for name, text in texts.items()}
         if frame.checked is not None:
             texts = {**texts, **_checked_notes(frame.checked)}
         for name, handle in self._notes.items():

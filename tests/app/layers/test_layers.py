@@ -24,6 +24,7 @@ from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
 from app.layers.result.headline import HeadlineLayer, headline, stage_headline
 from app.layers.result.plots import PlotsLayer, _joints_title
+from app.layers.result.stage_notes import StageNotesLayer
 from app.layers.result.tables import TablesLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
@@ -38,7 +39,7 @@ from app.state.frame import Frame
 from app.tab.session import Session
 from app.tab.view import SWITCHES
 from app.ui.colour_scale import scale_colours
-from app.ui.numbers import format_lower_bound
+from app.ui.numbers import format_lower_bound, unbroken
 from app.ui.plan_notes import notes
 from app.ui.style import CURVES, HEAT
 from tests.app.fake_tab import FakeTab, drawn_points, layer, until
@@ -53,6 +54,16 @@ def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) 
 
     nodes = drawn_points(layer(session, MeshLayer)._clouds["nodes"])
     assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
+
+
+def test_a_lesson_has_notes_on_what_it_shows_alone(tab: tuple[FakeTab, Session]) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    written, note = layer(session, StageNotesLayer), notes(session.frame.plan)["quadratic"]
+    assert note
+    for shown in ({"edges", "bspline"}, {"edges", "quadratic"}, {"edges"}):
+        written.draw(replace(session.frame, lesson=True, shown=frozenset(shown)))
+        assert (unbroken(note) in written._notes["quadratic"].content) == ("quadratic" in shown)
 
 
 def test_the_distance_to_the_obstacles_is_shown_with_its_curve(
