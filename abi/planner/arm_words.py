@@ -85,7 +85,9 @@ def clearance_sentence(plan: Plan) -> str:
     if clearance.is_too_near:
         return f"Links too near: {distance} of the {wanted} wanted; {nearest}."
     if clearance.certified:
-        return f"Proven: every link stays {distance} from the obstacles; {nearest}."
+        grasps = any(one.scene.arm.grasping for one in plan.legs or (plan,))
+        apart = ", gripper and object apart from them where they meet" if grasps else ""
+        return f"Proven: every link stays {distance} from the obstacles{apart}; {nearest}."
     if clearance.certificate is not None:
         return f"Only {distance} of the {wanted} wanted are proven; {nearest}."
     return f"Not proven. At the sampled times every link keeps {distance}; {nearest}."

@@ -24,6 +24,7 @@ from abi.export.carried_objects import carried_objects
 from abi.export.formats import export
 from abi.export.html_page import page_data
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.planner.arm_words import clearance_sentence
 from abi.planner.planner import plan
 from abi.planner.task_plan import TaskPlan, plan_tasks
 from abi.robot.attached_object import STANDING
@@ -144,6 +145,7 @@ def test_what_is_taken_or_left_is_apart_and_all_else_keeps_the_clearance() -> No
     for leg in legs:
         assert leg.arm_clearance is not None
         assert leg.arm_clearance.distance >= CLEARANCE
+        assert ("gripper and object apart" in clearance_sentence(leg)) == leg.scene.arm.grasping
     # the same legs with the clearance kept by all links are not to be had
     for number in (0, 1, 3):
         failed = plan(legs[number].scene.replace(arm={"grasping": False})).error
