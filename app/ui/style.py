@@ -1,7 +1,8 @@
 """Colours, widths and names: one colour for one thing, in scene, tables and plots.
 
-The colours stay distinct for the common kinds of colour blindness and are visible on white and on
-near black; none carries a meaning alone (dashes, widths, signs and words go with them).
+The colours stay distinct for the common kinds of colour blindness. Lines have a contrast of 3 to 1
+on white and are visible on near black. No colour carries a meaning alone: dashes, widths, signs and
+words go with them.
 """
 
 from __future__ import annotations
@@ -10,16 +11,16 @@ from abi.search.search import SEARCHES
 
 Colour = tuple[int, int, int]
 
-A_STAR: Colour = (120, 139, 241)
-DIJKSTRA: Colour = (219, 167, 0)
-BELLMAN_FORD: Colour = (22, 118, 83)
-FOURTH_SEARCH: Colour = (168, 186, 141)
-BSPLINE: Colour = (241, 73, 176)
-QUADRATIC: Colour = (85, 65, 222)
-TAUT: Colour = (14, 189, 226)
+A_STAR: Colour = (128, 139, 240)
+DIJKSTRA: Colour = (189, 141, 0)
+BELLMAN_FORD: Colour = (25, 119, 84)
+FOURTH_SEARCH: Colour = (156, 146, 138)
+BSPLINE: Colour = (237, 67, 174)
+QUADRATIC: Colour = (86, 66, 223)
+TAUT: Colour = (30, 161, 197)
 TRACE: Colour = (99, 84, 111)
 MARK: Colour = (201, 8, 246)
-OBSTACLE: Colour = (222, 128, 62)
+OBSTACLE: Colour = (215, 124, 71)
 MESH: Colour = (120, 144, 172)
 EXCLUDED: Colour = (150, 96, 72)
 VIOLATION: Colour = (169, 57, 22)
@@ -38,7 +39,7 @@ AXES: tuple[Colour, ...] = ((184, 82, 85), (25, 161, 160), (131, 129, 205))
 CLOSED: Colour = (84, 110, 158)
 WAITING: tuple[Colour, ...] = ((236, 178, 0), (122, 190, 0), (0, 112, 84))
 """Colours of nodes that a search has reached, from the one visited next to the last."""
-FADED: Colour = (150, 156, 163)
+FADED: Colour = (143, 149, 156)
 GHOST_OPACITY = 0.22
 HEAT: tuple[Colour, ...] = ((228, 160, 0), (10, 128, 96), (44, 40, 130))
 """Colours of lengths, from the shortest to the longest."""

@@ -117,7 +117,7 @@ def test_no_link_is_as_orange_or_as_red_as_what_has_a_meaning() -> None:
     cube = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3).astype(np.uint8)
     for second in (False, True):
         drawn = muted(cube, second).astype(float)
-        for meaning in ((222, 128, 62), (168, 16, 22), (169, 57, 22), (255, 90, 54)):
+        for meaning in ((215, 124, 71), (168, 16, 22), (169, 57, 22), (255, 90, 54)):
             assert np.linalg.norm(drawn - meaning, axis=1).min() > 60
     greys = muted(np.repeat(steps[:, None], 3, axis=1).astype(np.uint8), False).astype(int)
     assert (np.ptp(greys, axis=1) <= 1).all()

@@ -53,11 +53,22 @@ LINES: Colours = {
 JOINTS: Colours = {f"q{number + 1}": colour for number, colour in enumerate(style.JOINTS)}
 PLOT: Colours = {"tool": style.MARK} | dict(zip("xyz", style.AXES, strict=True))
 STEPPED: Colours = {"now": style.MARK, "obstacle": style.OBSTACLE, "nodes": style.MESH}
+SCENE: Colours = {
+    "workspace": style.WORKSPACE,
+    "mesh": style.MESH,
+    "excluded": style.EXCLUDED,
+    "before": style.FADED,
+    "now": style.MARK,
+    "visited": style.CLOSED,
+    "end": style.POINT,
+    **dict(zip("xyz", style.AXES, strict=True)),
+}
 JUST_TOLD_APART = 2.3
 """Distance in CIELAB that an eye just tells apart side by side; lines need several times it."""
+LIGHT: style.Colour = (255, 255, 255)
 DARK: style.Colour = (36, 36, 36)
 
-PAGES: tuple[style.Colour, style.Colour] = ((255, 255, 255), (46, 46, 46))
+PAGES: tuple[style.Colour, style.Colour] = (LIGHT, (46, 46, 46))
 """Grounds of the panels: the light page's, and the lighter of the dark one's."""
 
 
@@ -96,15 +107,19 @@ def test_colours_keep_apart_for_every_sight(colours: Colours, sight: str) -> Non
         assert np.linalg.norm(seen[a] - seen[b]) > 8 * JUST_TOLD_APART, (a, b)
 
 
-@pytest.mark.parametrize("colour", [*LINES.values(), *style.JOINTS])
-def test_every_line_shows_on_both_pages(colour: style.Colour) -> None:
-    for ground in ((255, 255, 255), DARK):
-        assert _contrast(colour, ground) > 2
+@pytest.mark.parametrize(
+    "colour", [*LINES.values(), *SCENE.values(), *style.JOINTS], ids=[*LINES, *SCENE, *JOINTS]
+)
+def test_every_line_is_easily_seen_on_the_light_page_and_shows_on_the_dark_one(
+    colour: style.Colour,
+) -> None:
+    assert _contrast(colour, LIGHT) >= 3  # WCAG 2.1, 1.4.11
+    assert _contrast(colour, DARK) > 2
 
 
 @pytest.mark.parametrize("colour", [*style.JOINTS, *PLOT.values()])
 def test_thin_lines_of_plots_are_easily_seen_on_both_pages(colour: style.Colour) -> None:
-    for ground in ((255, 255, 255), DARK):
+    for ground in (LIGHT, DARK):
         assert _contrast(colour, ground) >= 3  # WCAG 2.1, 1.4.11
 
 
