@@ -23,7 +23,7 @@ from abi.robot.urdf.robot_files import robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 
 TIP = "panda_hand"
-_JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
+JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
 _FOLDER = "resources/panda/"
 
 
@@ -48,12 +48,21 @@ class MotionProblem(NamedTuple):
 def panda(archive: Path) -> UrdfArm:
     """The arm with its fingers open, as the source distribution describes it."""
     content = BytesIO()
-    with tarfile.open(archive) as files, zipfile.ZipFile(content, "w") as packed:
+    with zipfile.ZipFile(content, "w") as packed:
+        for path, data in panda_files(archive).items():
+            packed.writestr(path, data)
+    return urdf_arm(robot_from_archive(content.getvalue()), TIP, (0.0, 0.0, 0.0))
+
+
+def panda_files(archive: Path) -> dict[str, bytes]:
+    """The URDF, its SRDF and its meshes, by their paths below the robot's folder."""
+    found = {}
+    with tarfile.open(archive) as files:
         for member in files.getmembers():
             _, _, inside = member.name.partition(_FOLDER)
             if member.isfile() and inside.endswith((".obj", "panda.urdf", "panda.srdf")):
-                packed.writestr(inside, _read(files, member))
-    return urdf_arm(robot_from_archive(content.getvalue()), TIP, (0.0, 0.0, 0.0))
+                found[inside] = _read(files, member)
+    return found
 
 
 def problems(archive: Path, each: int) -> Iterator[MotionProblem]:
@@ -77,7 +86,7 @@ def problems(archive: Path, each: int) -> Iterator[MotionProblem]:
             environment,
             number,
             ObstacleSet(tuple(_obstacles(data["scene"]["world"]["collision_objects"]))),
-            *(np.array([float(end[name]) for name in _JOINTS]) for end in (start, goal)),
+            *(np.array([float(end[name]) for name in JOINTS]) for end in (start, goal)),
         )
 
 
