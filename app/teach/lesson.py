@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.search.compare import COMPARED
+from abi.teach.catalogue import exercises
 from app.state.frame import Frame
 from app.teach.measures import MEASURES, names_in
 from app.theatre.searches import EDGES
@@ -172,6 +173,7 @@ class Step(_Part):
         task: to be done before it is.
         reveal: what is set then.
         after: text that is shown then.
+        exercises: names of those that can be downloaded then.
     """
 
     text: str
@@ -180,6 +182,13 @@ class Step(_Part):
     task: Task | None = None
     reveal: Setting = Setting()
     after: str = ""
+    exercises: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _exercises_exist(self) -> Self:
+        if set(self.exercises) - set(exercises()):
+            raise ValueError(f"in exercises names of {', '.join(exercises())}")
+        return self
 
     @property
     def settings(self) -> tuple[Setting, ...]:

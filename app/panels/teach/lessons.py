@@ -11,6 +11,7 @@ import viser
 from abi import assets
 from abi.errors import SceneError
 from abi.scene.scene import Scene
+from app.panels.teach.exercise_start import ExerciseStart
 from app.panels.widgets import Wake
 from app.state.frame import Frame
 from app.teach.cue import Cue
@@ -67,6 +68,7 @@ class LessonPanel:
         ]
         self._reply = gui.add_markdown("", visible=False)
         self._after = gui.add_markdown("", visible=False)
+        self.exercise = ExerciseStart(client, wake)
         self.show_me = gui.add_button(
             "Show me", visible=False, color="gray", hint="Does it for you."
         )
@@ -257,6 +259,7 @@ class LessonPanel:
 
     def _take_presses(self) -> None:
         """Do what the student pressed or chose since the last call."""
+        self.exercise.send_asked()
         titles = self.titles
         chosen = self.choice.value
         name = list(self._lessons)[titles.index(chosen)] if chosen in titles else ""
@@ -315,6 +318,7 @@ class LessonPanel:
         self.next_lesson.visible = False
         self._intro.visible = step is None
         if step is None:
+            self.exercise.show(())
             for text in (self._question, self._reply, self._after):
                 text.visible = False
             for button in (self.show_me, *self.answers):
@@ -346,6 +350,7 @@ class LessonPanel:
         # what it says is so once the page is done, and may not be when it is turned to again
         told = self._done or (question is None and task is None)
         self._show(self._after, step.after if told else "", frame)
+        self.exercise.show(step.exercises if passed else ())
         self.show_me.visible = task is not None and not self._done
         self.next.disabled = not passed
         last = self._number + 1 == len(lesson.steps)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import re
 from html import unescape
 from pathlib import Path
@@ -12,7 +13,8 @@ from abi import assets, load_scene, plan
 from abi.paper.curve_figures import of_splines
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
-from abi.teach import exercises
+from abi.teach import exercises, notebook
+from abi.teach.exercise_file import exercises_in
 from app.cli.command_line import cli
 from app.layers.result.paper_text import PaperTextLayer
 from app.panels.teach.figures import _wrapped
@@ -57,9 +59,10 @@ def test_there_are_enough_lessons_and_each_asks() -> None:
 
 
 def test_each_exercise_has_a_lesson_that_leads_to_it() -> None:
-    ends = [lesson.steps[-1].after for lesson, _ in LESSONS.values()]
+    ends = [lesson.steps[-1] for lesson, _ in LESSONS.values()]
     for name in exercises():
-        assert sum(f"--only {name}`" in text for text in ends) == 1
+        assert sum(f"--only {name}`" in end.after and name in end.exercises for end in ends) == 1
+    assert sum(len(end.exercises) for end in ends) == len(exercises())
 
 
 @pytest.mark.parametrize("name", LESSONS)
@@ -442,6 +445,37 @@ def test_a_lesson_that_is_done_leads_to_the_next(tab: tuple[FakeTab, Session]) -
     assert [names[k] for k, card in enumerate(cards) if "✓ done" in card] == ["01-mesh"]
     assert [k for k, card in enumerate(cards) if "· next" in card] == [1]
     assert all("<img" in card for card in cards)
+
+
+def test_a_lesson_gives_the_exercise_to_which_it_leads(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    fake, session = tab
+    panel, files = session.panels.lessons, dict[str, bytes]()
+    monkeypatch.setattr(
+        session.client,
+        "send_file_download",
+        lambda name, content, **_: files.update({name: content}),
+    )
+    until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
+    fake.set(panel.choice, panel.titles[list(LESSONS).index("03-search")])
+    until(lambda: panel.chosen and panel._text.visible)
+    assert not panel.exercise.file.visible
+    last = len(LESSONS["03-search"][0].steps) - 1
+    panel.restore(
+        json.dumps({"lesson": "03-search", "step": last, "passed": [["03-search", last]]})
+    )
+    session.wake(None)
+    until(lambda: panel.exercise.file.visible and panel.exercise.notebook.visible)
+    fake.set(panel.exercise.file, True)
+    fake.set(panel.exercise.notebook, True)
+    until(lambda: len(files) == 2)
+    file = tmp_path / "mine.py"
+    file.write_bytes(files["mine.py"])
+    assert {one.name for one in exercises_in(file)} == {"priority", "heuristic"}
+    assert json.loads(files["mine.ipynb"]) == notebook(("priority", "heuristic"))
+    fake.set(panel.leave, True)
+    until(lambda: not panel.chosen and not panel.exercise.file.visible)
 
 
 def test_a_page_that_asks_gives_no_answer_away(tab: tuple[FakeTab, Session]) -> None:
