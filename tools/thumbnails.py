@@ -24,6 +24,7 @@ from abi.search.compare import COMPARED
 from abi.search.replay import replay
 from app.drawing.box import box_edges
 from app.drawing.lines import parameters, rows_at
+from app.layers.arm.joint_trees import tree_lines
 from app.teach.lesson import Lesson, scene_of
 from app.teach.lesson_file import load_lessons
 from app.ui import style
@@ -126,6 +127,12 @@ def _add_lines(drawing: Drawing, plan: Plan, shown: frozenset[str]) -> None:
         if fit is not None and name in shown:
             points = fit.curve(parameters(fit.curve.interval, 60))
             drawing.line(points, style.CURVES[name][1], 2.6)
+    if "edges" in shown:
+        trees = tree_lines(plan)
+        colours = (style.DIJKSTRA, style.BELLMAN_FORD, style.QUADRATIC)
+        for lines, colour, width in zip(trees, colours, (1.0, 1.0, 2.6), strict=True):
+            for piece in lines:
+                drawing.line(piece, colour, width)
     if plan.bspline is not None and "control" in shown:
         for point in plan.bspline.curve.control_points:
             drawing.add(point[None], style.BSPLINE, 5)
@@ -134,7 +141,7 @@ def _add_lines(drawing: Drawing, plan: Plan, shown: frozenset[str]) -> None:
 def _add_mesh(drawing: Drawing, plan: Plan, shown: frozenset[str]) -> None:
     if plan.mesh is None or plan.free is None:
         return
-    if "edges" in shown:
+    if "edges" in shown and plan.joint_search is None:
         for edge in plan.mesh.edges:
             drawing.add(plan.mesh.points[edge], (74, 90, 108), 0.4)
     if "nodes" in shown:

@@ -79,6 +79,20 @@ def _axis_speed(plan: Plan, place: float) -> float | None:
     return float(np.linalg.norm(curve(np.array([first + place * (last - first)]), 1)[0]))
 
 
+def _joint_nodes(frame: Frame) -> float | None:
+    """Poses in both trees of a search in the space of the joints."""
+    search = frame.plan.joint_search
+    return None if search is None else sum(len(tree.positions) for tree in search.trees)
+
+
+def _tool_length(frame: Frame) -> float | None:
+    """Length of the tool tip's way in the motion, along its samples, [unit]."""
+    motion = frame.plan.motion
+    if motion is None:
+        return None
+    return float(np.linalg.norm(np.diff(motion.tool, axis=0), axis=1).sum())
+
+
 def _phase(name: str, frame: Frame) -> float | None:
     """Duration of one of a motion's three phases, [s]."""
     return getattr(frame.plan.profile, name, None)
@@ -132,6 +146,10 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "motion.peak": partial(_number, "plan.profile.peak_speed"),
         "arm.clearance": partial(_number, "plan.arm_clearance.distance"),
         "arm.reaches": partial(_number, "plan.motion.reachable"),
+        "tool.length": _tool_length,
+        "joints.nodes": _joint_nodes,
+        "joints.proofs": partial(_number, "plan.joint_search.proofs"),
+        "joints.refused": partial(_number, "plan.joint_search.refused"),
         "plan.complete": lambda f: float(_is_complete(f.plan) and f.plan.is_arm_clear),
         "plan.tool_complete": lambda f: float(_is_complete(f.plan)),
         "search.step": partial(_number, "theatre.state.step"),
@@ -147,7 +165,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
 """The numbers by name."""
 
 _COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
-_COUNTS |= {"degree", "pieces", "step", "moved", "changed"}
+_COUNTS |= {"degree", "pieces", "step", "moved", "changed", "proofs", "refused"}
 _LENGTHS = {"length", "clearance", "wanted", "pitch", "asked"}
 _SETTINGS = {"wanted", "asked", "speed", "a", "b"}
 _LOWER_BOUNDS = {"optimum.length"}

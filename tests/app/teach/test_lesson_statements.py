@@ -18,6 +18,7 @@ from abi.planner.planner import Planner
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.robot.paper_arm.wrist_drives import wrist_positions
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import load_scene
 from abi.tet_mesh.lattice import REGULAR
 from app.state.frame import Frame
@@ -186,6 +187,14 @@ def a_thousand_points_miss_the_plate_that_the_quadratic_goes_through() -> bool:
     return bool(plate.signed_distance(points).min() > 0 > clearance)
 
 
+def ten_values_of_each_joint_are_so_many_poses_so_far_apart() -> bool:
+    """Of one turn of each joint, ten values are a tenth of a turn apart."""
+    arm = planned("14-joints", 1).plan.arm
+    assert isinstance(arm, UrdfArm)
+    ranges = np.ptp(arm.chain.usual_range(), axis=1)
+    return 10 ** len(ranges) == 1_000_000 and np.allclose(np.degrees(ranges) / 10, 36)
+
+
 STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
     ("01-mesh", "3 times as many"): the_other_powers_are_those_of_a_line_and_a_surface,
     ("01-mesh", "9 times as many"): the_other_powers_are_those_of_a_line_and_a_surface,
@@ -210,6 +219,10 @@ STATEMENTS: dict[tuple[str, str], Callable[[], bool]] = {
         "13-samples",
         "1,000 points",
     ): a_thousand_points_miss_the_plate_that_the_quadratic_goes_through,
+    (
+        "14-joints",
+        "1,000,000 poses, and 36° apart",
+    ): ten_values_of_each_joint_are_so_many_poses_so_far_apart,
     ("10-optimal", "13.295, 13.695 and 13.496"): the_lengths_are_those_of_table_one,
     ("10-optimal", "each edge costs **1**"): by_hops_each_edge_costs_1,
 }
