@@ -127,7 +127,21 @@ window.abi = {
       if (uuid) this.send(uuid, Number(event.target.value));
     });
     host.append(root);
+    this.edges?.disconnect();
+    this.edges = new ResizeObserver(() => this.placeNotices(root));
+    for (const part of [root, ...root.querySelectorAll(".abi-top, .abi-bottom")]) this.edges.observe(part);
     return root;
+  },
+  // Notices lie between what is written over the scene above and below.
+  placeNotices(root) {
+    const edges = (part, edge) => [...root.querySelectorAll(`.abi-${part} > *`)]
+      .map(each => each.getBoundingClientRect()).filter(box => box.height > 0).map(box => box[edge]);
+    const above = Math.max(0, ...edges("top", "bottom")) + 6;
+    const below = innerHeight - Math.min(innerHeight, ...edges("bottom", "top")) + 6;
+    const {style} = document.documentElement;
+    style.setProperty("--abi-above", `${Math.round(above)}px`);
+    style.setProperty("--abi-below", `${Math.round(below)}px`);
+    style.setProperty("--abi-width", `${root.clientWidth}px`);
   },
   show(part, html) {
     this.parts[part] = html;
@@ -661,11 +675,9 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
 .mantine-ScrollArea-scrollbar[data-orientation=vertical] { width: 9px !important; padding: 1px; }
 .mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
 .mantine-Notifications-root {
-  top: 92px !important; bottom: auto; max-height: calc(100vh - 92px - 60px); overflow-y: auto; scrollbar-width: thin;
-}
-body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-part=challenge] > *, .abi-error))
-  .mantine-Notifications-root {
-  top: 45vh !important; max-height: calc(55vh - 60px);  /* not over a question, the tour, a challenge, or why there is no path */
+  top: var(--abi-above, 92px) !important; bottom: auto; overflow-y: auto; scrollbar-width: thin;
+  max-height: max(100px, 100vh - var(--abi-above, 92px) - var(--abi-below, 60px));
+  max-width: calc(var(--abi-width, 100vw) - 20px);
 }
 /* a search that is stepped through: its legend, rings around nodes, and the node that is pointed at */
 #abi-overlay .abi-legend { display: flex; flex-wrap: wrap; gap: 2px 14px; align-self: flex-start; font-size: 13px; }
