@@ -2,35 +2,81 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import itertools
+from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import click
 
 from app.cli.output import print_text
 
-_FILE_WIDTH = 150  # characters of a table that is written to a file
+if TYPE_CHECKING:
+    from abi.paper.comparison import PaperComparison
+
+_FILE_WIDTH = 80  # characters of a table that is written to a file
+_SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
+_HEADER = ("where", "what", "printed", "ours", "verdict")
 
 
-@click.command(short_help="Set the paper's numbers beside ours, computed anew.")
-def reproduce() -> None:
-    """Set the paper's figures and Table I beside ours, computed anew, as a table."""
+def as_table(rows: Sequence[PaperComparison]) -> str:
+    """A table as wide as the terminal, or of 80 columns where there is none."""
     from rich.console import Console
     from rich.table import Table
 
-    from abi.paper.reproduction import compare
-
-    signs = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
-    table = Table("where", "what", "printed", "ours", "")
-    for section, comparisons in itertools.groupby(compare(), attrgetter("section")):
+    table = Table(*_HEADER[:-1], "")
+    for section, comparisons in itertools.groupby(rows, attrgetter("section")):
         table.add_section()
         for number, row in enumerate(comparisons):
             title = "" if number else section
-            table.add_row(title, row.subject, row.printed, row.ours, signs[row.verdict])
+            table.add_row(title, row.subject, row.printed, row.ours, _SIGNS[row.verdict])
     console = Console()
     if not console.is_terminal:
-        console.width = max(console.width, _FILE_WIDTH)
+        console.width = _FILE_WIDTH
     with console.capture() as captured:
         console.print(table)
-        console.print("   ".join(f"{sign} {verdict}" for verdict, sign in signs.items()))
-    print_text(captured.get().rstrip("\n"))
+        console.print("   ".join(f"{sign} {verdict}" for verdict, sign in _SIGNS.items()))
+    return captured.get().rstrip("\n")
+
+
+def as_markdown(rows: Sequence[PaperComparison]) -> str:
+    """A table of Markdown, a line each row."""
+    lines = [_HEADER, ("---",) * len(_HEADER), *map(_cells, rows)]
+    escaped = ([cell.replace("|", r"\|") for cell in cells] for cells in lines)
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in escaped)
+
+
+def as_csv(rows: Sequence[PaperComparison]) -> str:
+    """Values separated by commas, a line each row."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([_HEADER, *map(_cells, rows)])
+    return text.getvalue().rstrip("\n")
+
+
+FORMATS: Mapping[str, Callable[[Sequence[PaperComparison]], str]] = MappingProxyType(
+    {"table": as_table, "markdown": as_markdown, "csv": as_csv}
+)
+"""How the comparisons are written, by the name of the format."""
+
+
+@click.command(short_help="Set the paper's numbers beside ours, computed anew.")
+@click.option(
+    "--format",
+    "format_name",
+    type=click.Choice(tuple(FORMATS)),
+    default="table",
+    show_default=True,
+    help="How they are written.",
+)
+def reproduce(format_name: str) -> None:
+    """Set the paper's figures and Table I beside ours, computed anew, as a table."""
+    from abi.paper.reproduction import compare
+
+    print_text(FORMATS[format_name](compare()))
+
+
+def _cells(row: PaperComparison) -> tuple[str, ...]:
+    return row.section, row.subject, row.printed, row.ours, row.verdict
