@@ -46,7 +46,8 @@ def beginning(asked: Sequence[Exercise]) -> str:
     """The text of a file with the tasks of exercises as comments, and functions to change."""
     parts = []
     for one in asked:
-        task = textwrap.wrap(f"{one.title}. {one.task}", _WIDTH)
+        title = one.title if one.title.endswith("?") else f"{one.title}."
+        task = textwrap.wrap(f"{title} {one.task}", _WIDTH)
         parts.append("\n".join(f"# {line}" for line in task) + "\n" + one.starter.strip() + "\n")
     text = "\n\n".join(parts)
     imports = [line for line in text.splitlines() if line.startswith("import ")]
