@@ -71,6 +71,7 @@ def test_a_motion_is_checked_repaired_and_saved(page: Page, session: Session) ->
     assert not np.allclose(old, page.position(gizmo))
     page.click("Back to your own plan")
     page.until(lambda: session.frame.checked is None, "the tab's own plan")
+    page.until(lambda: drawn.shows(page, session.plan), "the tab's own curve")
     page.click("Scene")
     page.choose("scene", "paper")
     page.until(lambda: drawn.shows(page, session.plan), "the first scene")

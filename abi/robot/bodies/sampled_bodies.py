@@ -7,6 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, place, segment_distances
@@ -43,15 +44,20 @@ class SampledBodies(NamedTuple):
         return np.asarray(np.stack(gaps, axis=1) <= radii)
 
     def overlap(self, pairs: Sequence[tuple[int, int]], asked: BoolArray) -> BoolArray:
-        """Check which bodies of each pair overlap, in the poses in which it is asked, (k, p)."""
+        """Check which bodies of each pair overlap, in the poses in which it is asked, (k, p).
+
+        Raises:
+            ArgumentError: there are no such pairs, or flags are missing.
+        """
+        listed = np.array(pairs, dtype=np.int32).reshape(-1, 2)
+        each = arguments.ids("pairs", listed, (-1, 2), len(self.capsules))
+        asked = arguments.flags("asked", asked, (len(self.positions), len(each)))
         found = np.zeros(asked.shape, dtype=np.bool_)
         poses, numbers = (one.astype(np.int32) for one in np.nonzero(asked))
-        found[poses, numbers] = self._distances(pairs, poses, numbers) <= 0
+        found[poses, numbers] = self._distances(each, poses, numbers) <= 0
         return found
 
-    def _distances(
-        self, pairs: Sequence[tuple[int, int]], poses: IntArray, numbers: IntArray
-    ) -> FloatArray:
+    def _distances(self, pairs: IntArray, poses: IntArray, numbers: IntArray) -> FloatArray:
         """Distances (m,) of bodies in poses, each by its number and that of the pair, [m]."""
         packed = self.chain.packed_poses(self.positions)
         hulls, none = [one.points for one in self.capsules], read_only(np.zeros(0))
@@ -61,7 +67,7 @@ class SampledBodies(NamedTuple):
             ends=none,
             radii=none,
             levers=none,
-            pairs=read_only(np.array(pairs, dtype=np.int32).reshape(-1)),
+            pairs=read_only(pairs.reshape(-1)),
             pair_levers=none,
             points=flat(np.concatenate(hulls)),
             first=read_only(np.cumsum([0, *map(len, hulls)], dtype=np.int32)),

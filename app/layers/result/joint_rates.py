@@ -56,11 +56,11 @@ class JointRatesLayer(Layer):
         rates, motion = plan.joint_rates, plan.motion
         self._peaks.visible = rates is not None
         if rates is None or motion is None:
-            for plot in self._plots.values():
-                plot.visible = False
+            self._remove()
             return
         made = motion.joints, plan.scene.unit, rates.torques is not None
         if self._made != made:
+            self._remove()
             self._made = made
             self._make(motion.joints, motion.slides, plan.scene.unit)
         self._peaks.content = _peaks(plan)
@@ -83,10 +83,14 @@ class JointRatesLayer(Layer):
         has_torques = self._made is not None and self._made[-1]
         return tuple(line for line in _USES if has_torques or line[0] != "torque")
 
-    def _make(self, joints: tuple[str, ...], slides: tuple[bool, ...], unit: str) -> None:
-        """Make the plots anew for joints with these names."""
+    def _remove(self) -> None:
+        """Remove the plots: a page may miss that they are hidden first and removed at once."""
         for plot in self._plots.values():
             plot.remove()
+        self._plots, self._made = {}, None
+
+    def _make(self, joints: tuple[str, ...], slides: tuple[bool, ...], unit: str) -> None:
+        """Make the plots for joints with these names."""
         gui = self._layout.client.gui
         labels = [
             f"{name} (slide, {unit})" if slide else name

@@ -25,13 +25,13 @@ from tests.app.fake_tab import until
 
 Result = TypeVar("Result")
 
-FEW = 150
+FEW = 250
 """Messages that a page can be behind with: one for each thing that a drag changes."""
 ENOUGH = 0.5
 """Seconds between two looks at a run that would last longer, until there were enough drags."""
 LOOKS = 5
 """Looks at what a tab has not read yet, at each of which there is less."""
-PLANS = 10
+PLANS = 15
 """Plans whose messages, about 35 each, would be far more than that."""
 
 
