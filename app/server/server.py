@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 _ADDRESS, _AS_THE_SYSTEM = Address(), Appearance()
 _FAREWELL = 0.2
 """Seconds in which the tabs are told that the server stops."""
+_LONGEST_OPENING = 2.0
+"""Seconds that the end of the server waits for tabs that are being opened."""
 
 
 _DEMOS = 3
@@ -67,6 +69,8 @@ class Server:
         """Open the port; ``policy`` as for :func:`start`."""
         self._look = look
         self._lock = threading.Lock()
+        self._opened = threading.Condition(self._lock)
+        self._being_opened = 0
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
         self.exercise: ExerciseWatch | None = None
@@ -94,9 +98,7 @@ class Server:
         look_at(self.viser.initial_camera, scene)
         warm_up = WarmUp(scene, self.opening)
         self.viser.on_client_disconnect(self._close_session)
-        self.viser.on_client_connect(
-            functools.partial(self._open_session, name, scene, library, warm_up)
-        )
+        self.viser.on_client_connect(functools.partial(self._open, name, scene, library, warm_up))
         self.guard.ready = True
 
     @functools.cached_property
@@ -127,7 +129,8 @@ class Server:
         self.guard.ready = False
         if self.exercise is not None:
             self.exercise.close()
-        with self._lock:
+        with self._opened:  # a tab that is being opened is told, too
+            self._opened.wait_for(lambda: not self._being_opened, _LONGEST_OPENING)
             sessions, self.sessions = list(self.sessions.values()), {}
         for session in sessions:
             session.close()
@@ -136,6 +139,23 @@ class Server:
             threading.Event().wait(_FAREWELL)
         page.run_on_loop(self.viser, self.guard.hang_up)
         self.viser.stop()
+
+    def _open(
+        self,
+        name: str,
+        scene: Scene,
+        library: Library,
+        warm_up: WarmUp,
+        client: viser.ClientHandle,
+    ) -> None:
+        with self._opened:
+            self._being_opened += 1
+        try:
+            self._open_session(name, scene, library, warm_up, client)
+        finally:
+            with self._opened:
+                self._being_opened -= 1
+                self._opened.notify_all()
 
     def _open_session(
         self,
