@@ -9,7 +9,7 @@ links that stand still. Nothing else may be missing.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -36,10 +36,10 @@ _NEAR = 1e-6
 """Distance at which bodies count as overlapping, over the size of both."""
 _WHOLE = 1e3
 """Weight of that the parts of corners in a point add up to one, beside the way between points."""
-_POSES = 64
-"""Random poses in which links that are said to overlap always are looked at."""
 _UPRIGHT = 1e-3
 """Tilt of an axis that counts as none, [rad]."""
+_POSES = 64
+"""Random poses in which links that are said to overlap always are looked at."""
 _MOSTLY = 0.85
 """Part of these in which they do, of a motion that was planned elsewhere: 0.95 of others did."""
 
@@ -59,11 +59,7 @@ def allowed_contacts(
     """
     found: set[tuple[str, Other]] = set()
     always: list[tuple[str, str]] = []
-    for entry in list_of(f"{ARM}.allowed", certificate.get("allowed", [])):
-        data = mapping(f"{ARM}.allowed", entry)
-        link, other, reason = data.get("link"), data.get("other"), data.get("reason")
-        if not isinstance(link, str) or link not in chain.frames:
-            raise Fault("a contact is allowed of no link")
+    for link, other, reason in _entries(f"{ARM}.allowed", certificate.get("allowed", []), chain):
         if isinstance(other, str) and other in chain.frames:
             if reason == "always":
                 always.append((link, other))
@@ -91,11 +87,7 @@ def contacts_of_motion(
     """
     found: set[frozenset[str]] = set()
     always: list[tuple[str, str]] = []
-    for entry in list_of("allowed", data.get("allowed")):
-        contact = mapping("allowed", entry)
-        link, other, reason = contact.get("link"), contact.get("other"), contact.get("reason")
-        if not isinstance(link, str) or link not in chain.frames:
-            raise Fault("a contact is allowed of no link")
+    for link, other, reason in _entries("allowed", data.get("allowed"), chain):
         if isinstance(other, str) and other in chain.frames:
             if reason == "always":
                 always.append((link, other))
@@ -112,6 +104,18 @@ def contacts_of_motion(
             raise Fault(f"{link} may not touch {other}")
     _check_overlap(always, chain, bodies, _MOSTLY * _POSES)
     return frozenset(found)
+
+
+def _entries(
+    field: str, entries: object, chain: ExactChain
+) -> Iterator[tuple[str, object, object]]:
+    """Each contact's link, which is one of the chain, what it may touch, and the reason given."""
+    for entry in list_of(field, entries):
+        contact = mapping(field, entry)
+        link = contact.get("link")
+        if not isinstance(link, str) or link not in chain.frames:
+            raise Fault("a contact is allowed of no link")
+        yield link, contact.get("other"), contact.get("reason")
 
 
 def _name(other: Other) -> str:

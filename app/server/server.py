@@ -12,7 +12,7 @@ import socket
 import sys
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -68,8 +68,7 @@ class Server:
     ) -> None:
         """Open the port; ``policy`` as for :func:`start`."""
         self._look = look
-        self._lock = threading.Lock()
-        self._opened = threading.Condition(self._lock)
+        self._tabs = threading.Condition()
         self._being_opened = 0
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
@@ -98,7 +97,9 @@ class Server:
         look_at(self.viser.initial_camera, scene)
         warm_up = WarmUp(scene, self.opening)
         self.viser.on_client_disconnect(self._close_session)
-        self.viser.on_client_connect(functools.partial(self._open, name, scene, library, warm_up))
+        self.viser.on_client_connect(
+            functools.partial(self._open_session, name, scene, library, warm_up)
+        )
         self.guard.ready = True
 
     @functools.cached_property
@@ -129,8 +130,8 @@ class Server:
         self.guard.ready = False
         if self.exercise is not None:
             self.exercise.close()
-        with self._opened:  # a tab that is being opened is told, too
-            self._opened.wait_for(lambda: not self._being_opened, _LONGEST_OPENING)
+        with self._tabs:  # a tab that is being opened is told, too
+            self._tabs.wait_for(lambda: not self._being_opened, _LONGEST_OPENING)
             sessions, self.sessions = list(self.sessions.values()), {}
         for session in sessions:
             session.close()
@@ -139,23 +140,6 @@ class Server:
             threading.Event().wait(_FAREWELL)
         page.run_on_loop(self.viser, self.guard.hang_up)
         self.viser.stop()
-
-    def _open(
-        self,
-        name: str,
-        scene: Scene,
-        library: Library,
-        warm_up: WarmUp,
-        client: viser.ClientHandle,
-    ) -> None:
-        with self._opened:
-            self._being_opened += 1
-        try:
-            self._open_session(name, scene, library, warm_up, client)
-        finally:
-            with self._opened:
-                self._being_opened -= 1
-                self._opened.notify_all()
 
     def _open_session(
         self,
@@ -167,29 +151,42 @@ class Server:
     ) -> None:
         from app.tab.session import Session
 
-        alone = len(self.sessions) < _DEMOS
-        look = replace(self._look, demo=self._look.demo and alone)
-        session = Session(
-            client,
-            name,
-            scene,
-            look,
-            warm_up.planned,
-            library,
-            self.budget,
-            self.opening,
-            self.classroom,
-            self.exercise,
-        )
-        warm_up.add(client)
-        with self._lock:
-            if client.client_id in self.viser.get_clients():
-                self.sessions[client.client_id] = session
-                return
-        session.close()
+        with self._awaited():
+            alone = len(self.sessions) < _DEMOS
+            look = replace(self._look, demo=self._look.demo and alone)
+            session = Session(
+                client,
+                name,
+                scene,
+                look,
+                warm_up.planned,
+                library,
+                self.budget,
+                self.opening,
+                self.classroom,
+                self.exercise,
+            )
+            warm_up.add(client)
+            with self._tabs:
+                if client.client_id in self.viser.get_clients():
+                    self.sessions[client.client_id] = session
+                    return
+            session.close()
+
+    @contextlib.contextmanager
+    def _awaited(self) -> Iterator[None]:
+        """Let :meth:`stop` wait for a tab that is being opened."""
+        with self._tabs:
+            self._being_opened += 1
+        try:
+            yield
+        finally:
+            with self._tabs:
+                self._being_opened -= 1
+                self._tabs.notify_all()
 
     def _close_session(self, client: viser.ClientHandle) -> None:
-        with self._lock:
+        with self._tabs:
             session = self.sessions.pop(client.client_id, None)
         if session is not None:
             session.close()
