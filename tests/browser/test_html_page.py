@@ -7,10 +7,12 @@ import re
 import zipfile
 from pathlib import Path
 
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, FrameLocator, Page
 
 from abi import load_scene, plan
 from abi.export import formats
+from app.teach.exercise_files import exercise_files
+from app.teach.lesson import Step
 from app.teach.lesson_file import lesson_named
 from app.teach.take_home.lesson_page import lesson_page
 from app.teach.take_home.scorm import scorm_package
@@ -91,16 +93,11 @@ def test_a_lesson_tells_the_platform_its_score(chromium: Browser) -> None:
     assert frame.locator("#next").is_disabled()
     assert "too near" not in frame.locator("main").inner_text()
     for number, step in enumerate(lesson.steps):
-        if step.question is not None:
-            right = [one.right for one in step.question.choices].index(True)
-            if number == 0:
-                frame.locator("#choices button").nth(right - 1).click()
-                frame.get_by_text("✗ No.").wait_for()
-                assert frame.locator("#next").is_disabled()
-            frame.locator("#choices button").nth(right).click()
-            frame.get_by_text("✓ Right.").wait_for()
-        else:
-            frame.locator("#do").click()
+        if number == 0:
+            frame.locator("#choices button").nth(_right(step) - 1).click()
+            frame.get_by_text("✗ No.").wait_for()
+            assert frame.locator("#next").is_disabled()
+        _pass(frame, step)
         assert tab.frames[1].evaluate("abiPage.drawn") > 12
         status = "completed" if number + 1 == len(lesson.steps) else "incomplete"
         assert tab.evaluate("values['cmi.core.lesson_status']") == status
@@ -111,8 +108,48 @@ def test_a_lesson_tells_the_platform_its_score(chromium: Browser) -> None:
     assert tab.evaluate("calls[0]") == "initialize"
     # whoever comes back goes on at the last page
     tab.evaluate("document.querySelector('iframe').contentWindow.location.reload()")
+    tab.wait_for_function("calls.includes('finish')")
     frame.get_by_text(f"{len(lesson.steps)} of {len(lesson.steps)}").wait_for()
-    assert "finish" in tab.evaluate("calls")
     assert re.fullmatch(r"\d{4}:\d\d:\d\d", tab.evaluate("values['cmi.core.session_time']"))
     assert errors == []
     context.close()
+
+
+def test_a_lesson_opened_from_a_file_ends_with_its_exercise(
+    chromium: Browser, tmp_path: Path
+) -> None:
+    lesson, file = lesson_named("02-graph")
+    page = tmp_path / "lesson.html"
+    page.write_bytes(lesson_page(file.stem, lesson, file.parent))
+    context = chromium.new_context(offline=True)
+    tab = context.new_page()
+    tab.goto(page.as_uri())
+    last = lesson.steps[-1]
+    for step in lesson.steps:
+        _pass(tab, step)
+        assert tab.locator("#exercise").is_visible() is (step is last)
+        if step is not last:
+            tab.locator("#next").click()
+    for name, text in exercise_files(last.exercises).items():
+        with tab.expect_download() as download:
+            tab.get_by_role("link", name=name).click()
+        assert download.value.suggested_filename == name
+        assert download.value.path().read_text(encoding="utf-8") == text
+    tab.reload()
+    tab.get_by_role("link", name="mine.py").wait_for()
+    context.close()
+
+
+def _pass(page: Page | FrameLocator, step: Step) -> None:
+    """Answer what a page of a lesson asks, or have its task shown."""
+    if step.question is not None:
+        page.locator("#choices button").nth(_right(step)).click()
+        page.get_by_text("✓ Right.").wait_for()
+    elif step.task is not None:
+        page.locator("#do").click()
+
+
+def _right(step: Step) -> int:
+    """Number of the right answer."""
+    assert step.question is not None
+    return [one.right for one in step.question.choices].index(True)

@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import viser
 
-from abi.teach.catalogue import exercise
-from abi.teach.exercise_file import beginning
-from abi.teach.exercise_notebook import notebook
 from app.panels.widgets import Wake, pressed
-
-_NAME = "mine"
-"""Name of the files, as the lessons and the documentation call them."""
+from app.teach.exercise_files import NOTEBOOK, SCRIPT, exercise_files
 
 
 class ExerciseStart:
@@ -43,14 +36,8 @@ class ExerciseStart:
 
     def send_asked(self) -> None:
         """Download what was asked for since the last call."""
-        asked = pressed(self.file), pressed(self.notebook)
-        if not self._names:
-            return
-        if asked[0]:
-            self._send(f"{_NAME}.py", beginning(tuple(map(exercise, self._names))))
-        if asked[1]:
-            made = json.dumps(notebook(self._names), indent=1, ensure_ascii=False)
-            self._send(f"{_NAME}.ipynb", f"{made}\n")
-
-    def _send(self, name: str, text: str) -> None:
-        self._client.send_file_download(name, text.encode(), save_immediately=True)
+        buttons = {SCRIPT: self.file, NOTEBOOK: self.notebook}
+        asked = [name for name, button in buttons.items() if pressed(button)]
+        for name in asked if self._names else ():
+            content = exercise_files(self._names)[name].encode()
+            self._client.send_file_download(name, content, save_immediately=True)

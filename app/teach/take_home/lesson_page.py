@@ -16,6 +16,7 @@ from abi.errors import ExportError
 from abi.export.html_page import page_data, page_of, rounded
 from abi.planner.planner import Planner
 from app.state.frame import Frame
+from app.teach.exercise_files import exercise_files
 from app.teach.lesson import Lesson, Step
 from app.teach.measures import filled
 from app.teach.rehearsal import Rehearsal
@@ -94,6 +95,7 @@ class _PageData:
             "task": task is not None,
             "passed": question is None and task is None,
             "after": _html(step.after, after),
+            "files": exercise_files(step.exercises) if step.exercises else {},
             "before": seen,
             "revealed": self._view(after),
         }

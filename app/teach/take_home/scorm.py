@@ -6,6 +6,7 @@ The manifest follows IMS Content Packaging 1.1.2 with ADL's extensions of SCORM 
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 
 from lxml import etree
@@ -35,8 +36,12 @@ def scorm_package(name: str, title: str, page: bytes) -> bytes:
 
 
 def manifest(name: str, title: str) -> bytes:
-    """The package's table of contents, with one item that starts the page."""
-    identifier = f"abi-{''.join(one if one.isalnum() else '-' for one in name)}"
+    """The package's table of contents, with one item that starts the page.
+
+    Characters of the title that XML does not have become spaces.
+    """
+    title = "".join(one if one.isprintable() else " " for one in title)
+    identifier = "abi-" + re.sub(r"[^A-Za-z0-9]", "-", name)
     root = etree.Element(
         _tag("manifest"), nsmap={None: _IMS, "adlcp": _ADL, "xsi": _XSI}, identifier=identifier
     )

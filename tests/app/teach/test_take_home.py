@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from lxml import etree
 
 from app.cli.command_line import cli
@@ -17,6 +19,24 @@ from app.teach.take_home.scorm import manifest, scorm_package
 
 _CP = "{http://www.imsproject.org/xsd/imscp_rootv1p1p2}"
 _ADL = "{http://www.adlnet.org/xsd/adlcp_rootv1p2}"
+_XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
+_STRUCTURE = {
+    "manifest": ("metadata organizations resources", "identifier", "version"),
+    "metadata": ("schema schemaversion", "", ""),
+    "schema": ("", "", ""),
+    "schemaversion": ("", "", ""),
+    "organizations": ("organization", "default", ""),
+    "organization": ("title item", "identifier", "structure"),
+    "title": ("", "", ""),
+    "item": ("title", "identifier", "identifierref isvisible parameters"),
+    "resources": ("resource", "", ""),
+    "resource": ("file", f"identifier type {_ADL}scormtype", "href"),
+    "file": ("", "href", ""),
+}
+"""Of each element: children in their order, attributes that SCORM 1.2 requires, and others.
+
+From ``imscp_rootv1p1p2.xsd`` and ``adlcp_rootv1p2.xsd``, as far as a package of one page goes.
+"""
 
 
 @pytest.fixture(scope="module")
@@ -27,15 +47,24 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
     return zipfile.ZipFile(io.BytesIO(file.read_bytes()))
 
 
-def test_a_package_has_what_its_manifest_lists_in_the_order_of_the_schema(
+def test_a_manifest_has_the_structure_that_the_schemas_ask_for(
     package: zipfile.ZipFile,
 ) -> None:
     root = etree.fromstring(package.read("imsmanifest.xml"))
-    assert [one.tag.removeprefix(_CP) for one in root] == ["metadata", "organizations", "resources"]
+    for element in root.iter():
+        name = element.tag.removeprefix(_CP)
+        children, required, optional = _STRUCTURE[name]
+        found = [one.tag.removeprefix(_CP) for one in element]
+        assert found == [one for one in children.split() if one in found]
+        attributes = {key for key in element.attrib if not key.startswith(_XSI)}
+        assert set(required.split()) <= attributes <= {*required.split(), *optional.split()}
+
+
+def test_a_package_has_what_its_manifest_lists(package: zipfile.ZipFile) -> None:
+    root = etree.fromstring(package.read("imsmanifest.xml"))
     assert [one.text for one in root[0]] == ["ADL SCORM", "1.2"]
     identifiers = [one.get("identifier") for one in root.iter() if one.get("identifier")]
     assert len(set(identifiers)) == len(identifiers)
-    assert all(re.fullmatch(r"[A-Za-z_][\w.-]*", one) for one in identifiers)
     organizations = root.find(f"{_CP}organizations")
     assert organizations is not None
     assert organizations.get("default") == organizations[0].get("identifier")
@@ -68,10 +97,13 @@ def test_a_page_asks_for_nothing_from_elsewhere_and_has_all_of_the_lesson(
             assert 0 <= view["plan"] < len(data["plans"])
 
 
-def test_titles_with_any_letters_make_a_manifest() -> None:
-    root = etree.fromstring(manifest("1. Kürze & <Länge>", 'A "b" & <c>'))
-    assert root.findtext(f".//{_CP}item/{_CP}title") == 'A "b" & <c>'
-    assert re.fullmatch(r"[A-Za-z_][\w.-]*", str(root.get("identifier")))
+@settings(max_examples=25)
+@given(name=st.text(min_size=1), title=st.text(min_size=1))
+def test_names_and_titles_of_any_letters_make_a_manifest(name: str, title: str) -> None:
+    root = etree.fromstring(manifest(name, title))
+    written = "".join(one if one.isprintable() else " " for one in title)
+    assert [one.text for one in root.iter(f"{_CP}title")] == [written, written]
+    assert re.fullmatch(r"[A-Za-z_][A-Za-z0-9_.-]*", str(root.get("identifier")))
 
 
 def test_the_same_lesson_gives_the_same_package() -> None:
