@@ -27,6 +27,8 @@ _MOST = 10_000
 """Trajectories in a bag, at most."""
 _LISTED = 100
 """Trajectories of which one can be chosen from a list, at most."""
+_PLAIN_CDR = (b"\0\0", b"\0\1")
+"""Beginnings of messages whose bytes are big- and little-endian."""
 _BAR = "=" * 80
 JOINT_TRAJECTORY = f"""std_msgs/Header header
 string[] joint_names
@@ -81,8 +83,7 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
         for name, data in read(content):
             numbers[name] += 1
             found.append(BagMessage(name, numbers[name], data))
-            if len(found) > _MOST:
-                raise MotionError(f"The bag has more than {_MOST:,} trajectories.")
+            _check_number(len(found))
     except MotionError:
         raise
     except Exception as error:  # readers of damaged bags raise whatever they meet
@@ -122,22 +123,24 @@ def _chosen(found: list[BagMessage], topic: str | None) -> BagMessage:
 
 
 def _mcap_messages(content: bytes) -> Iterator[tuple[str, Any]]:
-    """Topic and data of each trajectory of an MCAP file."""
-    from mcap.reader import make_reader  # here, since few need it
-    from mcap_ros2.decoder import DecoderFactory
+    """Topic and data of each trajectory of an MCAP file, in the order of their times.
 
-    reader = make_reader(io.BytesIO(content), decoder_factories=[DecoderFactory()])
-    summary = reader.get_summary()
-    kinds = {one.name for one in summary.schemas.values()} if summary else {*KINDS}
-    if kinds.isdisjoint(KINDS):
-        return
-    topics = None
-    if summary:
-        schemas = {key for key, one in summary.schemas.items() if one.name in KINDS}
-        topics = [one.topic for one in summary.channels.values() if one.schema_id in schemas]
-    for schema, channel, _, message in reader.iter_decoded_messages(topics=topics):
+    The file is read from its beginning, since what its end lists of it need not be complete.
+    """
+    from mcap.reader import NonSeekingReader  # here, since few need it
+
+    reader = NonSeekingReader(io.BytesIO(content), validate_crcs=True)
+    found = []
+    for schema, channel, message in reader.iter_messages(log_time_order=False):
         if schema is not None and schema.name in KINDS:
-            yield channel.topic, _plain(message)
+            found.append((message.log_time, schema, channel, message.data))
+            _check_number(len(found))
+    decoders: dict[tuple[int, str], Callable[[bytes], Any]] = {}
+    for _, schema, channel, data in sorted(found, key=lambda one: one[0]):
+        key = schema.id, channel.message_encoding
+        if key not in decoders:
+            decoders[key] = _decoder(schema, channel.message_encoding)
+        yield channel.topic, _decoded(decoders[key], data)
 
 
 def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
@@ -147,14 +150,18 @@ def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
         bag.deserialize(content)
         bag.execute("PRAGMA temp_store = MEMORY")  # no file may be written where others' are read
         definitions = {KINDS[0]: JOINT_TRAJECTORY} | _definitions(bag)
-        decoders = {kind: _decoder(kind, text) for kind, text in definitions.items()}
         rows = bag.execute(
-            "SELECT topics.name, topics.type, messages.data FROM messages "
-            "JOIN topics ON topics.id = messages.topic_id ORDER BY messages.timestamp"
+            "SELECT topics.name, topics.type, topics.serialization_format, messages.data "
+            "FROM messages JOIN topics ON topics.id = messages.topic_id ORDER BY messages.timestamp"
         )
-        for topic, kind, data in rows:
-            if kind in decoders:
-                yield str(topic), _plain(decoders[kind](data))
+        decoders: dict[tuple[str, str], Callable[[bytes], Any]] = {}
+        for topic, kind, encoding, data in rows:
+            if kind in definitions:
+                if (kind, encoding) not in decoders:
+                    text = definitions[kind].encode()
+                    schema = Schema(data=text, encoding="ros2msg", id=1, name=kind)
+                    decoders[kind, encoding] = _decoder(schema, str(encoding))
+                yield str(topic), _decoded(decoders[kind, encoding], data)
             elif kind in KINDS:
                 raise MotionError(
                     f"The bag does not say what a message of the kind {kind} holds.",
@@ -176,13 +183,40 @@ def _definitions(bag: sqlite3.Connection) -> dict[str, str]:
     return {str(kind): str(text) for kind, text in rows if kind in KINDS}
 
 
-def _decoder(kind: str, text: str) -> Callable[[bytes], Any]:
+def _decoder(schema: Schema, encoding: str) -> Callable[[bytes], Any]:
+    """Decoder of the messages of a schema.
+
+    Raises:
+        MotionError: they are in another encoding than CDR, or are defined in another language.
+    """
     from mcap_ros2.decoder import DecoderFactory
 
-    schema = Schema(data=text.encode(), encoding="ros2msg", id=1, name=kind)
-    decoder = DecoderFactory().decoder_for("cdr", schema)
-    assert decoder is not None
+    decoder = DecoderFactory().decoder_for(encoding, schema)
+    if decoder is None:
+        raise MotionError(
+            f"The bag has messages in {short(encoding)}, defined in {short(schema.encoding)}.",
+            "Record them with ROS 2, in CDR and with definitions in ros2msg.",
+        )
     return decoder
+
+
+def _decoded(decoder: Callable[[bytes], Any], data: bytes) -> Any:
+    """A message as plain data.
+
+    Raises:
+        MotionError: it is compressed, or in a newer CDR, whose numbers are aligned otherwise.
+    """
+    if bytes(data[:2]) not in _PLAIN_CDR:
+        raise MotionError(
+            "A message of the bag does not begin as one in CDR does.",
+            "If its messages are compressed, convert it: ros2 bag convert.",
+        )
+    return _plain(decoder(data))
+
+
+def _check_number(count: int) -> None:
+    if count > _MOST:
+        raise MotionError(f"The bag has more than {_MOST:,} trajectories.")
 
 
 def _plain(value: Any) -> Any:

@@ -15,6 +15,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.primitives import PRIMITIVES
 
 _SHAPES: dict[str, type[BaseModel]] = {**PRIMITIVES, "mesh": MeshShape}
+_HELD = "attached"
 _ANY_SHAPE = f"{', '.join(PRIMITIVES)} or mesh"
 
 _EXPECTED = {
@@ -61,11 +62,9 @@ def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
         scene: the model that they were checked against.
     """
     detail = error.errors(include_url=False)[0]
-    # below a list pydantic adds the name of the shape it chose
+    # below a shape's field pydantic adds the name of the shape it chose
     parts = ("", *detail["loc"])
-    location = [
-        b for a, b in itertools.pairwise(parts) if not (isinstance(a, int) and b in _SHAPES)
-    ]
+    location = [b for a, b in itertools.pairwise(parts) if not (_holds_shape(a) and b in _SHAPES)]
     if detail["type"] == "mesh_file":
         location.append("file")
         detail["input"] = detail["ctx"]["file"]
@@ -98,6 +97,8 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
         )
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _ANY_SHAPE if location[-1] == "shape" else f"a mapping with shape: {_ANY_SHAPE}"
+    if kind == "model_attributes_type" and location[-1] == _HELD:
+        return f"a mapping with shape: {_ANY_SHAPE}"
     if kind in ("model_type", "model_attributes_type") and isinstance(location[-1], str):
         return f"the fields {', '.join(_fields_at(detail['loc'], scene))}"
     if kind in _EXPECTED:
@@ -118,6 +119,11 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
     return message
 
 
+def _holds_shape(part: int | str) -> bool:
+    """Check whether a part of a location is that of an obstacle, or of the object that is held."""
+    return isinstance(part, int) or part == _HELD
+
+
 def _format_limit(limit: float) -> str:
     """Text of a limit, with commas in a large one and no exponent in a small one."""
     return f"{limit:,.10f}".rstrip("0").rstrip(".")
@@ -125,7 +131,7 @@ def _format_limit(limit: float) -> str:
 
 def _fields_at(location: tuple[int | str, ...], scene: type[BaseModel]) -> list[str]:
     """Names of the fields of the section at ``location``."""
-    if "obstacles" in location:
+    if "obstacles" in location or _HELD in location:
         return list(_SHAPES[str(location[-1])].model_fields)
     model: Any = scene
     for part in location:

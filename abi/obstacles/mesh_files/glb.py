@@ -48,6 +48,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     file = _File(document, binary, most_faces)
     parts: list[Parts] = []
     corners_read, faces_read = 0, 0
+    file.check_extensions(document, "the file")
     meshes = placed_meshes(file.item, document.get("scene", 0))
     for mesh, pose, weights in meshes:
         for triangles in file.triangles(mesh, weights):
@@ -81,9 +82,11 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
             raise ValueError("a whole GLB file, its binary part has another length than announced")
         binary = data[end + 8 :]
     try:
-        document = json.loads(data[20:end].decode(), parse_constant=_refuse)
+        document = json.loads(
+            data[20:end].decode(), parse_constant=_refuse, object_pairs_hook=_each_once
+        )
     except (ValueError, RecursionError):
-        raise ValueError("a GLB file, its description is not JSON") from None
+        raise ValueError("a GLB file, its description is not JSON with each name once") from None
     if not isinstance(document, dict):
         raise ValueError("a GLB file, its description is not a mapping")
     return document, binary
@@ -96,6 +99,14 @@ def _weigh(weights: object) -> bool:
 
 def _refuse(constant: str) -> None:
     raise ValueError(constant)
+
+
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A mapping; of a name that is there twice readers take either."""
+    mapping = dict(pairs)
+    if len(mapping) < len(pairs):
+        raise ValueError
+    return mapping
 
 
 class _File:
@@ -115,7 +126,7 @@ class _File:
         if isinstance(entries, list) and type(index) is int and 0 <= index < len(entries):
             entry = entries[index]
             if isinstance(entry, dict):
-                self._check_extensions(entry, f"{kind}[{index}]")
+                self.check_extensions(entry, f"{kind}[{index}]")
                 return entry
         raise ValueError(f"a whole GLB file, {kind}[{str(index)[:12]}] is missing")
 
@@ -133,7 +144,7 @@ class _File:
             if mode in _NO_AREA:
                 self._no_area[_NO_AREA[mode]] += 1
                 continue
-            self._check_extensions(primitive, f"meshes[{index}]")
+            self.check_extensions(primitive, f"meshes[{index}]")
             if primitive.get("targets"):
                 self._morphs = True
                 if _weigh(weights) or (not weights and _weigh(mesh.get("weights"))):
@@ -176,7 +187,7 @@ class _File:
         listed = entries if isinstance(entries, list) else []
         return [one for one in listed if isinstance(one, dict)]
 
-    def _check_extensions(self, entry: dict[str, Any], name: str) -> None:
+    def check_extensions(self, entry: dict[str, Any], name: str) -> None:
         """Refuse extensions that multiply or pack triangles; note others that are not known."""
         extensions = entry.get("extensions", {})
         if not isinstance(extensions, dict):

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.reader import NonSeekingReader
+from mcap.writer import Writer as RawWriter
 from mcap_ros2.writer import Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as BagWriter
@@ -109,11 +111,43 @@ def test_one_of_several_is_chosen_by_topic_and_number() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(st.data())
-def test_a_damaged_bag_is_refused_or_read(data: st.DataObject) -> None:
+def test_a_damaged_bag_is_refused_or_read_as_it_was(data: st.DataObject) -> None:
     whole = bytearray(mcap("/plan"))
     place = data.draw(st.integers(0, len(whole) - 1))
     whole[place] ^= data.draw(st.integers(1, 255))
     cut = data.draw(st.sampled_from([len(whole), place]))
     for name in ("a.mcap", "a.db3"):
         with contextlib.suppress(MotionError):
-            read_motion(name, bytes(whole[:cut]), own_joints(ROBOT))
+            motion = read_motion(name, bytes(whole[:cut]), own_joints(ROBOT))
+            np.testing.assert_array_equal(motion.positions, POSITIONS)
+            np.testing.assert_allclose(motion.times, TIMES, atol=1e-9)
+
+
+def copied(encoding: str = "cdr", first: bytes = b"", omitted: str = "use_statistics") -> bytes:
+    """A bag with the same message, encoded otherwise, or without a part of the file."""
+    reader = NonSeekingReader(io.BytesIO(mcap("/plan")))
+    ((schema, channel, sent),) = reader.iter_messages()
+    assert schema is not None
+    file = io.BytesIO()
+    options: dict[str, Any] = {omitted: False}
+    writer = RawWriter(file, **options)
+    writer.start()
+    kind = writer.register_schema(schema.name, schema.encoding, schema.data)
+    topic = writer.register_channel(channel.topic, encoding, kind)
+    writer.add_message(topic, 0, first + sent.data[len(first) :], 0)
+    writer.finish()  # type: ignore[no-untyped-call]
+    return file.getvalue()
+
+
+def test_messages_that_are_encoded_otherwise_are_refused() -> None:
+    with pytest.raises(MotionError, match="messages in 'ros1'"):
+        read_motion("a.mcap", copied("ros1"), own_joints(ROBOT))
+    for compressed_or_newer in (b"\x28\xb5\x2f\xfd", b"\0\3", b"\0\7", b"\0\x0b"):
+        with pytest.raises(MotionError, match="does not begin as one in CDR"):
+            read_motion("a.mcap", copied(first=compressed_or_newer), own_joints(ROBOT))
+
+
+@pytest.mark.parametrize("missing", ["repeat_schemas", "repeat_channels", "use_chunking"])
+def test_a_bag_is_read_whatever_its_end_lists(missing: str) -> None:
+    motion = read_motion("a.mcap", copied(omitted=missing), own_joints(ROBOT))
+    np.testing.assert_array_equal(motion.positions, POSITIONS)

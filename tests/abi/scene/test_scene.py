@@ -272,6 +272,15 @@ def test_a_change_of_another_kind_names_the_field(change: dict[str, object]) -> 
     [
         ({"start": [0, 0, 0, 0]}, "start is [0, 0, 0, 0]; expected a list of 3."),
         ({"obstacles": [5]}, "obstacles[0] is 5; expected a mapping."),
+        (
+            {"arm": {"attached": 5}},
+            "attached is 5; expected a mapping with shape: box, sphere, cylinder, capsule or mesh.",
+        ),
+        ({"arm": {"attached": {**BOX, "siez": 1}}}, "(did you mean size?)."),
+        (
+            {"arm": {"attached": {**BOX, "size": [1, 1, 0]}}},
+            "arm.attached.size[2] is 0; expected above 0.",
+        ),
         ({"mesh": 5}, "mesh is 5; expected the fields lattice, pitch, seed, max_nodes."),
         ({"search": {"taut": "yes"}}, "search.taut is 'yes'; expected true or false."),
         ({"mesh": {"pitch": "1"}}, "mesh.pitch is '1'; expected a number."),

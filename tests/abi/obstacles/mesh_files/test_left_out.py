@@ -130,6 +130,7 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
         ("a.glb", glb(MORPH), "morph targets are left out"),
         ("a.glb", glb({"animations": [{}]}), "animations are left out"),
         ("a.glb", glb(extensions={"ACME_lod": {}}), "'ACME_lod'"),
+        ("a.glb", glb({"extensions": {"ACME_more": {}}}), "'ACME_more'"),
         ("a.obj", OBJ + b"f 1 2\nl 1 2 3\n", "2 lines are left out"),
         ("a.obj", OBJ + b"f 1 2 # no face\n", "1 line is left out"),
         ("a.obj", OBJ + b"p 1\n", "1 point is left out"),

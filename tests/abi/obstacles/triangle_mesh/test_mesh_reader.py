@@ -198,6 +198,7 @@ def test_polygons_and_indices_from_the_end_of_an_obj() -> None:
         ("m.glb", glb(children=[99]), "nodes[99]"),
         ("m.glb", glb(translation=[1e300, 0, 0]), "within"),
         ("m.glb", glb(matrix=[float("nan")] * 16), "JSON"),
+        ("m.glb", glb().replace(b'"asset"', b'"nodes"'), "each name once"),
         ("m.glb", glb(rotation=[0, 0, 0, 0]), "rotations"),
         ("m.glb", glb(scale=[1, 1]), "3 numbers"),
         ("m.glb", glb({"nodes": "x"}), "nodes[0]"),
