@@ -72,14 +72,14 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     if state.trace.queue == "rounds":
         parts.append(f"{_disc(style.WAITING[0])}waiting")
     elif lesson and theatre.asking:
-        parts.append(f"waiting: next {_scale()} last")
+        parts.append(f"waiting, from the next one {_scale()} to the last")
     elif state.trace.queue == "first_in":
-        parts.append(f"waiting: first in line {_scale()} last")
+        parts.append(f"waiting; the one that has waited longest is next: {_scale()} last")
     else:
         by = formula(state)
         by = f"f = {by}" if by not in ("g", "h") else by
         span = least if least == most else f"{least} {_scale()} {most}"
-        parts.append(f"waiting, by {by}: {span}")
+        parts.append(f"waiting; the one with the least {by} is next: {span}")
     ringed = len(theatre.ringed)
     if ringed and state.trace.queue != "rounds":
         parts.append(f"{_RING}{'next' if ringed == 1 else f'{ringed} tie for the least'}")
