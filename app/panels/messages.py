@@ -166,7 +166,7 @@ def _planning(what: str) -> str:
 def _progress(frame: Frame, still: bool = False) -> str:
     """Task, and what the last plan did, in numbers; ``still`` where nothing is to be dragged."""
     plan = frame.plan
-    if plan.free is None or plan.path is None or frame.asks:
+    if plan.free is None or plan.path is None or not frame.tells_curve:
         return ""
     name = style.ALGORITHMS[plan.path.algorithm][0]
     preview = "≈ one search while you drag · " if frame.partial else ""

@@ -98,6 +98,14 @@ class Frame:
         return not self.outdated and self.refused is None
 
     @property
+    def tells_curve(self) -> bool:
+        """Whether to write numbers of the curve that is followed.
+
+        A lesson that does not show it has no use for them, and one that asks would give them away.
+        """
+        return not self.lesson or (not self.asks and self.plan.followed in self.shown)
+
+    @property
     def duration(self) -> float:
         """Duration of the motion, [s]; 0 without one."""
         plan = self.plan

@@ -74,12 +74,13 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     elif lesson and theatre.asking:
         parts.append(f"waiting, from the next one {_scale()} to the last")
     elif state.trace.queue == "first_in":
-        parts.append(f"waiting; the one that has waited longest is next: {_scale()} last")
+        parts.append(f"waiting; longest first: {_scale()}")
     else:
         by = formula(state)
         by = f"f = {by}" if by not in ("g", "h") else by
         span = least if least == most else f"{least} {_scale()} {most}"
-        parts.append(f"waiting; the one with the least {by} is next: {span}")
+        order = f"waiting when it ended, by {by}" if state.done else f"waiting; least {by} is next"
+        parts.append(f"{order}: {span}")
     ringed = len(theatre.ringed)
     if ringed and state.trace.queue != "rounds":
         parts.append(f"{_RING}{'next' if ringed == 1 else f'{ringed} tie for the least'}")

@@ -19,9 +19,7 @@ class HeadlineLayer(Layer):
     def draw(self, frame: Frame) -> None:
         """Write the plan's numbers; none while a search is stepped through, which counts itself."""
         plan, content = frame.plan, ""
-        # a lesson without the curve has no use for its numbers, or asks for them
-        unused = frame.lesson and (frame.asks or plan.followed not in frame.shown)
-        if frame.theatre is None and not unused:
+        if frame.theatre is None and frame.tells_curve:
             content = stage_headline(plan, frame.stage) if frame.stage else headline(plan)
         if not frame.current:  # what is proven of the plan is not of what was asked for
             content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'

@@ -62,7 +62,9 @@ def test_a_lesson_has_notes_on_what_it_shows_alone(tab: tuple[FakeTab, Session])
     written, note = layer(session, StageNotesLayer), notes(session.frame.plan)["quadratic"]
     assert note
     for shown in ({"edges", "bspline"}, {"edges", "quadratic"}, {"edges"}):
-        written.draw(replace(session.frame, lesson=True, shown=frozenset(shown)))
+        frame = replace(session.frame, lesson=True, shown=frozenset(shown))
+        assert bool(_progress(frame)) == (frame.plan.followed in shown)
+        written.draw(frame)
         assert (unbroken(note) in written._notes["quadratic"].content) == ("quadratic" in shown)
 
 

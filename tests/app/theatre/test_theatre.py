@@ -73,6 +73,7 @@ def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
     assert COMPARED[name].label in text
     end = replay(state.trace, state.trace.steps)
     assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), PLAN.scene)
+    assert "next" not in legend(Theatre(name, end))
     shares = order_colours(end, end.closed)
     assert 0 <= shares.min() <= shares.max() <= 1
 
@@ -104,7 +105,7 @@ def test_a_guess_is_not_given_away_until_it_was_wrong() -> None:
     assert state.following in Theatre("a_star", state, asking=True, answer=wrong).ringed
     asked = legend(Theatre("a_star", state, asking=True))
     assert "abi-ring" not in asked
-    assert "the one with the least f = g + h is next" in asked
+    assert "least f = g + h is next" in asked
 
 
 def test_on_the_grid_of_the_lesson_on_searches_no_two_nodes_tie() -> None:
