@@ -398,6 +398,38 @@ class NoJointMotion(StageError):
         self.where = where
 
 
+class DirectionNotHeld(StageError):
+    """Error if no motion of the arm keeps the direction of its tool where that is asked for.
+
+    Args:
+        where: ``start`` or ``goal`` if the tool is turned otherwise there, ``path`` if no motion
+            was found.
+        tolerance: angle within which the direction is to be kept, [rad].
+        part: shares of the motion's time between which it is.
+        angle: by how much it is off at start or goal, at least, [rad].
+    """
+
+    def __init__(
+        self, where: str, tolerance: float, part: tuple[float, float], angle: float = 0.0
+    ) -> None:
+        within = f"{math.degrees(tolerance):.3g}°"
+        begin, end = (f"{100 * share:.3g} %" for share in part)
+        message = (
+            f"No motion was found that keeps the tool within {within} of its direction from "
+            f"{begin} to {end} of its time."
+        )
+        hint = "Allow a larger tolerance (arm.axis.tolerance), or a shorter part of the motion."
+        if where != "path":
+            message = (
+                f"At the {where} the tool is {math.degrees(angle):.3g}° off the direction that it "
+                f"has to keep within {within} there."
+            )
+            name = "from" if where == "start" else "to"
+            hint = f"Turn the tool at the {where}, or let arm.axis.{name} leave the {where} out."
+        super().__init__("arm", "direction_not_held", message, hint)
+        self.where = where
+
+
 class NotFollowed(StageError):
     """Error for a stretch of the curve that a URDF arm cannot follow.
 

@@ -44,7 +44,7 @@ class UrdfArmModel:
     """
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
-        stands = settings.base, settings.axis, unit, settings.base_wxyz
+        stands = settings.base, settings.exact_axis, unit, settings.base_wxyz
         robot = settings.with_attached(METRES[unit])
         touches = settings.gripper, settings.allowed, settings.grasping
         self.arm = urdf_arm(robot, settings.tool, *stands, *touches)

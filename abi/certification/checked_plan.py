@@ -45,7 +45,7 @@ def _arm(verdict: MotionVerdict) -> UrdfArm:
     """The scene's arm, with all joints that the motion moves: a second arm's, too."""
     scene: Scene = verdict.scene
     settings, chain = scene.arm, verdict.task.motion.chain
-    stands = settings.base, settings.axis, scene.unit, settings.base_wxyz
+    stands = settings.base, settings.exact_axis, scene.unit, settings.base_wxyz
     arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper, settings.allowed)
     if {*chain.names} <= {*arm.joints}:
         return arm

@@ -75,7 +75,7 @@ def _space(verdict: MotionVerdict) -> JointSpace:
     """The space of the joints of the scene's arm."""
     scene = verdict.scene
     settings = scene.arm
-    stands = settings.base, settings.axis, scene.unit, settings.base_wxyz
+    stands = settings.base, settings.exact_axis, scene.unit, settings.base_wxyz
     arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper, settings.allowed)
     names = verdict.task.motion.chain.names
     if others := [name for name in names if name not in arm.joints]:

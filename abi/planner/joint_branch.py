@@ -14,6 +14,7 @@ import numpy as np
 from abi import progress
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
+from abi.arm_planning.joint_search.held_part import HeldPart
 from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import spline_near
@@ -31,6 +32,7 @@ from abi.arrays import FloatArray
 from abi.errors import NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, rotation
+from abi.planner.held_branch import move_holding
 from abi.planner.planning_task import sample_count
 from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import REACHED, UrdfArm
@@ -51,7 +53,7 @@ End = Literal["start", "goal"]
 
 def asks_for_joints(arm: ArmSettings) -> bool:
     """Check whether a motion is to be sought in the space of the joints alone."""
-    asked = arm.start is not None or arm.goal is not None
+    asked = any(one is not None for one in (arm.start, arm.goal, arm.held_axis))
     return arm.search == "joints" or (arm.search == "auto" and asked)
 
 
@@ -84,10 +86,14 @@ def move_joints(
 
     Raises:
         NoJointMotion: none was found; tells why.
+        DirectionNotHeld: none was found that keeps the direction of the tool.
     """
     progress.tell("searching in the space of the joints")
     space = JointSpace(arm, collision_world, scene.arm.clearance)
     starts, goals = (_clear_poses(space, obstacles, scene, end) for end in ENDS)
+    if scene.arm.held_axis is not None:
+        part = HeldPart.of(arm, scene.arm.held_axis)
+        return move_holding(part, space, scene, obstacles, (starts, goals), effort)
     search = search_joints(space, starts, goals, effort)
     if search.path is None:
         raise NoJointMotion("path", samples=search.samples)
@@ -148,5 +154,9 @@ def _poses(arm: UrdfArm, scene: Scene, end: End) -> FloatArray:
         tolerances = asked.position_tolerance, asked.angle_tolerance
         return tool_poses(arm, place, rotation(asked.wxyz), tolerances)[:_MOST_POSES]
     poses = np.array(arm.first_poses(place, _MOST_POSES))
+    held = scene.arm.held_axis
+    if held is not None:
+        aiming = arm.aiming(held.direction).first_poses(place, _MOST_POSES)
+        poses = np.concatenate([aiming, poses])
     missed = np.linalg.norm(arm.tool(poses) - place, axis=1)
     return np.asarray(poses[missed <= REACHED * arm.reach])

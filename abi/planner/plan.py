@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates, joint_rates, passed_limits
+from abi.arm_planning.joint_search.held_part import HeldPart, HeldSpan
 from abi.arm_planning.motion.liquid import largest_tilt
 from abi.arm_planning.motion.trajectory import Violation
 from abi.arrays import ReadOnlyCopies
@@ -17,6 +18,7 @@ from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
 from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 
 
@@ -85,6 +87,21 @@ class Plan(StageResults, ReadOnlyCopies):
         rates = passed_limits(self.motion, self.joint_rates)
         return (*self.motion.limit_violations, *rates)
 
+    @cached_property
+    def held_spans(self) -> tuple[HeldSpan, ...]:
+        """When the direction of the tool is kept, and how well; one for each leg that keeps one."""
+        if self.legs:
+            spans, begin = [], 0.0
+            for leg in self.legs:
+                spans += [span.later(begin) for span in leg.held_spans]
+                begin += 0.0 if leg.motion is None else float(leg.motion.time[-1])
+            return tuple(spans)
+        held, arm, motion = self.scene.arm.held_axis, self.arm, self.motion
+        if held is None or motion is None or self.joint_search is None:
+            return ()
+        assert isinstance(arm, UrdfArm)
+        return (HeldPart.of(arm, held).span(motion),)
+
     @property
     def straight_length(self) -> float:
         """Length of the straight line from start to goal, [unit]: no curve is shorter."""
@@ -113,6 +130,7 @@ class Plan(StageResults, ReadOnlyCopies):
                 self.arm_clearance,
                 self.scene.obstacles,
                 (self.joint_rates, self.limits_passed),
+                self.held_spans,
                 self.ms,
                 full,
             ),

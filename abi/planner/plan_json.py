@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates
+from abi.arm_planning.joint_search.held_part import HeldSpan
 from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.links_clearance import links_clearance
@@ -237,13 +238,14 @@ def arm(
     clearance: ArmClearance | None,
     obstacles: Sequence[Obstacle],
     limits: tuple[JointRates | None, Sequence[Violation]],
+    held: Sequence[HeldSpan],
     ms: Times,
     full: bool,
 ) -> Section:
     """Stage 6; at most ``SAMPLES`` samples, or ``full`` all, with the capsules at each.
 
     Of every sample kept it has the links' distance to the obstacles. ``limits`` are the joints'
-    rates beside theirs, and where limits are passed.
+    rates beside theirs, and where limits are passed; ``held`` is when a direction is kept.
     """
     rates, passed = limits
     if model is None or motion is None or clearance is None or rates is None:
@@ -279,6 +281,7 @@ def arm(
         "joint_torque_limits": _finites(rates.torque_limits),
         "limits_passed": [violation._asdict() for violation in passed],
         "within_limits": not passed,
+        "axis": held[0]._asdict() if held else None,
         "ms": ms["arm"],
     }
     if full:

@@ -12,6 +12,7 @@ from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
+from abi.scene.held_axis import plain_axis
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 
@@ -39,6 +40,7 @@ def next_scene(scene: Scene, number: int, last: Plan) -> Scene:
     arm: dict[str, Any] = {
         "start": {"joints": dict(zip(motion.joints, joints.tolist(), strict=True))},
         "goal": None,
+        "axis": plain_axis(leg.axis),
         "grasping": leg.grasps or scene.tasks[number - 1].grasps,
     }
     if leg.gripper is not None:

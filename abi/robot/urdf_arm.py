@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from operator import itemgetter
 from typing import Any, Literal
@@ -287,6 +287,12 @@ class UrdfArm(ShortRepr):
     def is_redundant(self) -> bool:
         """Whether it has more joints than its task needs."""
         return len(self.joints) > (5 if self.chain.table.aims else 3)
+
+    def aiming(self, direction: Vec3) -> UrdfArm:
+        """The arm with the task that its tip's z axis points along a direction, world."""
+        unit = np.array(direction) / np.linalg.norm(direction)
+        table = self.chain.table._replace(direction=read_only(unit), aims=True)
+        return replace(self, chain=replace(self.chain, table=table))
 
     def first_poses(self, point: FloatArray, most: int = TRIED) -> tuple[FloatArray, ...]:
         """At most ``most`` different joint positions (n,) with the tip at ``point`` (3,).

@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails
 from abi.errors import Missing, SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.primitives import PRIMITIVES
+from abi.scene.held_axis import AXIS_TAGS, HeldAxis
 
 _SHAPES: dict[str, type[BaseModel]] = {**PRIMITIVES, "mesh": MeshShape}
 _HELD = "attached"
@@ -50,6 +51,7 @@ _MISSING = {
     "radius": "a length, such as radius: 0.5",
     "height": "a length, such as height: 2",
     "file": "the name of a file of triangles, such as file: bracket.stl",
+    "direction": "three numbers, such as direction: [0, 0, -1]",
 }
 """Values that would do for each field without a default."""
 
@@ -62,9 +64,13 @@ def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
         scene: the model that they were checked against.
     """
     detail = error.errors(include_url=False)[0]
-    # below a shape's field pydantic adds the name of the shape it chose
+    # below a shape's field pydantic adds the name of the shape it chose, and so below an axis
     parts = ("", *detail["loc"])
-    location = [b for a, b in itertools.pairwise(parts) if not (_holds_shape(a) and b in _SHAPES)]
+    location = [
+        b
+        for a, b in itertools.pairwise(parts)
+        if b not in AXIS_TAGS and not (_holds_shape(a) and b in _SHAPES)
+    ]
     if detail["type"] == "mesh_file":
         location.append("file")
         detail["input"] = detail["ctx"]["file"]
@@ -135,6 +141,11 @@ def _fields_at(location: tuple[int | str, ...], scene: type[BaseModel]) -> list[
         return list(_SHAPES[str(location[-1])].model_fields)
     model: Any = scene
     for part in location:
+        if isinstance(part, int):
+            continue
+        if part in AXIS_TAGS:
+            model = HeldAxis
+            continue
         annotation = model.model_fields[part].annotation
         model = next(filter(None, typing.get_args(annotation)), annotation)  # of a section or None
-    return list(model.model_fields)
+    return [field.alias or name for name, field in model.model_fields.items()]

@@ -8,6 +8,7 @@ from pydantic import Field, Strict
 
 from abi.obstacles.pose import Vec3
 from abi.scene.arm_end import ArmEnd
+from abi.scene.held_axis import HeldAxis
 from abi.scene.section import Settings
 from abi.scene.settings import Count, Flag, HeldJoints
 
@@ -21,7 +22,9 @@ class Leg(Settings):
     obstacle, by its number from 0, or releases what it holds. ``gripper`` holds it from this leg
     on: ``open``, ``closed``, or positions by the names of its joints, [rad], slides in [unit].
 
-    The goal of the first leg is the scene's, and so is its gripper.
+    ``axis`` is a direction that the tip keeps on this leg, within a tolerance.
+
+    The goal of the first leg is the scene's, and so are its gripper and its axis.
     """
 
     name: Annotated[str, Strict(), Field(max_length=80)] = ""
@@ -29,6 +32,7 @@ class Leg(Settings):
     gripper: HeldJoints | None = None
     attach: Annotated[Count, Field(ge=0)] | None = None
     release: Flag = False
+    axis: HeldAxis | None = None
 
     @property
     def grasps(self) -> bool:
@@ -37,21 +41,22 @@ class Leg(Settings):
 
     def __hash__(self) -> int:
         gripper = None if self.gripper is None else frozenset(self.gripper.items())
-        return hash((self.name, self.goal, gripper, self.attach, self.release))
+        return hash((self.name, self.goal, gripper, self.attach, self.release, self.axis))
 
 
 def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
-    """A scene's fields with the goal and gripper of its first leg where a scene has them."""
+    """A scene's fields with goal, gripper and axis of its first leg where a scene has them."""
     tasks = data.get("tasks")
     if not isinstance(tasks, list | tuple) or not tasks or not isinstance(tasks[0], dict):
         return data
     first = dict(tasks[0])
-    goal, gripper = first.pop("goal", None), first.pop("gripper", None)
+    goal = first.pop("goal", None)
     found = {**data, "tasks": [first, *tasks[1:]]}
     if goal is not None:
         found["goal"] = goal
     arm = data.get("arm", {})
-    of_arm = {} if gripper is None else {"gripper": gripper}
+    given = ((name, first.pop(name, None)) for name in ("gripper", "axis"))
+    of_arm = {name: value for name, value in given if value is not None}
     if first.get("attach") is not None or first.get("release"):
         of_arm["grasping"] = True
     if of_arm:

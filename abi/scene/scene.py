@@ -27,6 +27,7 @@ from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
 from abi.scene.arm_end import ENDS, with_arm_ends, without_stale_ends
 from abi.scene.field_errors import first_error
+from abi.scene.held_axis import check_axis
 from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
 from abi.scene.numpy_data import plain
 from abi.scene.scene_changes import changed_value, without_stale_meshes
@@ -191,6 +192,7 @@ class Scene(Settings):
         holds = self.arm.attached is not None
         for number, leg in enumerate(self.tasks):
             field = f"tasks[{number}]"
+            check_axis(f"{field}.axis", leg.axis, self.arm.model, self.arm.search)
             if number > 0 and leg.goal is None:
                 raise SceneError(f"{field}.goal", Missing(), "a waypoint")
             if leg.attach is not None and leg.attach >= len(self.obstacles):

@@ -35,6 +35,7 @@ from abi.robot.urdf.tip_pose import tip_pose
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.arm_end import ArmEnd
+from abi.scene.held_axis import Axis, HeldAxis, check_axis
 from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.section import Settings
 
@@ -226,9 +227,10 @@ class ArmSettings(Settings):
     from it is left out. ``gripper`` holds joints that are not planned at positions by their names,
     [rad], slides in [unit], or is ``open`` or ``closed``; without it they rest nearest to 0.
     ``allowed`` are pairs of links, or of a link and the number of an obstacle from 0, that may
-    touch. ``axis`` is the direction in which the tip's z axis must point, None for any, and
-    ``base_wxyz`` the orientation of the base link, as a quaternion. All fields not named here but
-    ``base`` belong to the paper's arm. With ``avoid`` the plan keeps the whole arm clear, its links
+    touch. ``axis`` is the direction in which the tip's z axis must point, None for any, exactly and
+    throughout or as :class:`abi.scene.held_axis.HeldAxis` says, and ``base_wxyz`` the orientation
+    of the base link, as a quaternion. All fields not named here but ``base`` belong to the paper's
+    arm. With ``avoid`` the plan keeps the whole arm clear, its links
     ``clearance`` [unit] from every obstacle; ``elbow`` auto takes the branch with the shorter path.
     ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
     forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
@@ -250,7 +252,7 @@ class ArmSettings(Settings):
     allowed: Annotated[tuple[AllowedPair, ...], Field(max_length=10_000)] = ()
     attached: Obstacle | None = None
     grasping: Flag = False
-    axis: Vec3 | None = None
+    axis: Axis | None = None
     start: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
     goal: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
     search: Literal["auto", "mesh", "joints"] = "auto"
@@ -274,17 +276,19 @@ class ArmSettings(Settings):
 
     @model_validator(mode="after")
     def _load(self, info: ValidationInfo) -> Self:
-        if self.axis is not None and not any(self.axis):
-            raise SceneError("arm.axis", self.axis, "a direction, or none for any")
+        check_axis("arm.axis", self.axis, self.model, self.search)
         if self.model == "abi" and abs(self.base_wxyz[0]) < math.hypot(*self.base_wxyz):
             expected = "[1, 0, 0, 0]: the paper's arm stands upright, only a URDF may be turned"
             raise SceneError("arm.base_wxyz", self.base_wxyz, expected)
         if self.search == "joints" and self.model != "urdf":
             raise SceneError("arm.search", self.search, "auto or mesh for the paper's arm")
         asked = self.start is not None or self.goal is not None or self.search == "joints"
-        if self.axis is not None and asked:
-            expected = "none where joints or poses are asked for: no direction is held meanwhile"
-            raise SceneError("arm.axis", self.axis, expected)
+        if self.exact_axis is not None and asked:
+            expected = (
+                "{direction: [x, y, z], tolerance: 0.1} where joints or poses are asked for: "
+                "a direction alone is held exactly, on the mesh"
+            )
+            raise SceneError("arm.axis", self.exact_axis, expected)
         if self.model == "urdf":
             meshes = (info.context or {}).get("meshes", MeshSource())
             self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)
@@ -429,6 +433,16 @@ class ArmSettings(Settings):
     def tool(self) -> str:
         """Name of the link whose origin is the tool: ``tip``, or the arm's usual one."""
         return self.tip or SHIPPED.get(self.urdf) or usual_tip(self.robot)
+
+    @property
+    def exact_axis(self) -> Vec3 | None:
+        """Direction that the tip's z axis is held to exactly and throughout; None for none."""
+        return None if isinstance(self.axis, HeldAxis) else self.axis
+
+    @property
+    def held_axis(self) -> HeldAxis | None:
+        """Direction that it is held to within a tolerance, for a part of the motion."""
+        return self.axis if isinstance(self.axis, HeldAxis) else None
 
     @property
     def branches(self) -> tuple[Elbow, ...]:

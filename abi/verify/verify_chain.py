@@ -36,6 +36,7 @@ from abi.verify.exact import ExactFloor, ExactSolid, Vec3, dot, sub, times_lengt
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
+from abi.verify.held_direction import check_held
 from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_apart
@@ -149,11 +150,11 @@ def check_chain(
     for number, capsule in enumerate(capsules):
         least = partial(_least, motion, capsule)
         touches = scene.arm.grasping and capsule.frame == chain.frames[scene.arm.tool]
-        kept = Fraction(0) if touches else margin
+        distance = Fraction(0) if touches else margin
         for k, obstacle in enumerate(obstacles):
             if (capsule.link, k) not in allowed:
                 label = f"{capsule.link} and obstacle {k + 1}"
-                check_apart(label, planes.get((number, k), []), least, span, obstacle, kept)
+                check_apart(label, planes.get((number, k), []), least, span, obstacle, distance)
         if (capsule.link, "floor") not in allowed:
             label = f"{capsule.link} and floor"
             check_apart(label, planes.get((number, "floor"), []), least, span, floor)
@@ -162,6 +163,8 @@ def check_chain(
         apart = partial(_apart, motion, capsules[i], capsules[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles, allowed)
+    held = scene.arm.held_axis
+    kept = "" if held is None else check_held(held, chain, motion.rows, section)
     count = sum(map(len, planes.values()))
     words = words_of(margin, scene.unit)
     if scene.arm.grasping:
@@ -169,7 +172,7 @@ def check_chain(
     left_out = _left_out(certificate)
     return (
         f"{words}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
-        f"directions{left_out}"
+        f"directions{kept}{left_out}"
     )
 
 

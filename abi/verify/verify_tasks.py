@@ -22,7 +22,7 @@ from abi.verify.plan_fields import list_of, mapping, numbers_of
 _SAME = 1e-9
 """Difference that is let pass between joints, [rad] or [unit], and of poses, over their size."""
 _OF_LEG = ("start", "goal", "obstacles", "tasks", "arm")
-_OF_LEG_ARM = ("start", "goal", "gripper", "attached", "allowed", "grasping")
+_OF_LEG_ARM = ("start", "goal", "gripper", "axis", "attached", "allowed", "grasping")
 """Fields of a scene, and of its arm, that differ from leg to leg."""
 
 
@@ -61,6 +61,8 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
                 f"{label} keeps less distance than where objects are neither taken nor left"
             )
         _check_same(label, data, whole, gripper)
+        if data["arm"]["axis"] != (task.get("axis") if number > 0 else whole["arm"]["axis"]):
+            raise Fault(f"{label} keeps another direction of the tool than is asked for")
         if number > 0:
             _check_goal(label, here, scene.tasks[number].goal)
         positions = _positions(leg)

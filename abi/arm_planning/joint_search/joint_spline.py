@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -65,13 +66,20 @@ class JointSpline(ShortRepr):
         return JointSpline(np.insert(points, edges + 1, middles, axis=0), p)
 
 
-def spline_near(space: JointSpace, path: FloatArray, degree: int = DEGREE) -> JointSpline | None:
+Lack = Callable[[JointSpline], float | None]
+"""Finds a parameter at which a curve is not what is asked for; None where it is throughout."""
+
+
+def spline_near(
+    space: JointSpace, path: FloatArray, degree: int = DEGREE, lack: Lack | None = None
+) -> JointSpline | None:
     """A smooth curve near a path along which the arm is proven clear; None if none was found.
 
     Args:
         space: the arm and what it keeps clear of.
         path: joint positions (k, n), k >= 2, whose edges are proven clear, [rad] or [unit].
         degree: of the curve.
+        lack: finds where a curve that is clear is not near enough to the path all the same.
     """
     path = arguments.numbers("path", path, (-1, len(space.weights)))
     while len(path) <= degree:  # every edge is halved
@@ -81,7 +89,10 @@ def spline_near(space: JointSpace, path: FloatArray, degree: int = DEGREE) -> Jo
     places = np.linspace(0.0, 1.0, _SAMPLES)
     for _ in range(_ROUNDS):
         fault = chain_refutation(space.arm, spline(places), space.collision_world, space.margin)
-        if fault is None:
+        at = None if fault is None else fault.parameter / (_SAMPLES - 1)
+        if at is None and lack is not None:
+            at = lack(spline)
+        if at is None:
             return spline
-        spline = spline.nearer_at(fault.parameter / (_SAMPLES - 1))
+        spline = spline.nearer_at(at)
     return None

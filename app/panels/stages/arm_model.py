@@ -16,6 +16,7 @@ from abi.robot.urdf.held_joints import NOT_HELD, planned_sentence
 from abi.robot.urdf.robot import Robot, bases_to, part_from
 from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
+from abi.scene.held_axis import HeldAxis, plain_axis
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
 from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob, shown_name
@@ -112,7 +113,7 @@ class ArmModelPanel:
         self._model_shown = self.model.value
         self._kept = _OF_ONE_ARM
         self._kept_of: tuple[str, str, str] | None = None
-        self._scene_axis: tuple[float, float, float] | None = None
+        self._scene_axis: tuple[float, float, float] | HeldAxis | None = None
         self._scene_mount: Quaternion = UNTURNED
         self._tips_of: str | None = None
         self._unnamed_tip: tuple[str, str] | None = None
@@ -149,14 +150,14 @@ class ArmModelPanel:
         if name is None:
             self._take_size_back()
             self._show(False)
-            return {"model": "abi", "base_wxyz": UNTURNED, **_OF_ONE_ARM}
+            return {"model": "abi", "base_wxyz": UNTURNED, "axis": None, **_OF_ONE_ARM}
         if name != self._tips_of:
             self._list_tips(name, None)
             self._compare_size(name)
         if (name, self.tip.value) != self._bases_of:
             self._list_bases(name, None)
         self._show(True)
-        axis = _AXES.get(self.axis.value, self._scene_axis)
+        axis = _AXES.get(self.axis.value, plain_axis(self._scene_axis))
         mount = _MOUNTS.get(self.mount.value, self._scene_mount)
         # what a scene leaves to be found stays so, or it would be another scene
         tip, base = self.tip.value, self.base_link.value

@@ -25,7 +25,7 @@ from tests.abi.arm_planning.test_paper_arm_regions import _winding, solid
 
 def arm_of(scene: Scene) -> UrdfArm:
     arm = scene.arm
-    return urdf_arm(arm.robot, arm.tool, arm.base, arm.axis, scene.unit)
+    return urdf_arm(arm.robot, arm.tool, arm.base, arm.exact_axis, scene.unit)
 
 
 @pytest.fixture(scope="module")

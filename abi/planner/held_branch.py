@@ -1,0 +1,188 @@
+"""Motions in the space of the joints that keep the direction of the tool for a part of their time.
+
+When a motion is where is known only once it has been found: a path is sought whose part by length
+is as asked, and where its part by time is too short, another one with a longer part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from abi.arm_planning.joint_search.held_part import HeldPart
+from abi.arm_planning.joint_search.held_path import HeldPath, path_holding
+from abi.arm_planning.joint_search.held_search import HeldSearch
+from abi.arm_planning.joint_search.joint_motion import JointPassage, passage_of, proven_motion
+from abi.arm_planning.joint_search.joint_space import JointSpace
+from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
+from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
+from abi.arm_planning.motion_law import motion_law
+from abi.arrays import FloatArray
+from abi.errors import DirectionNotHeld, NoJointMotion
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.planning_task import sample_count
+from abi.planner.stage_results import TimedMotion
+from abi.scene.scene import Scene
+from abi.scene.settings import MotionSettings
+
+_TRIES, _PAIRS = 16, 4
+"""Paths, at most, that are sought, and pairs of a start and a goal between which they are."""
+_LONGER = 0.02
+"""Share of the way by which the part is longer, at either end, than it was too short by."""
+_PLACES = 2001
+"""Places of a curve among which the one nearest to a pose is found."""
+_SAMPLES = 401
+"""Samples of a motion by which it is timed."""
+
+
+def move_holding(
+    part: HeldPart,
+    space: JointSpace,
+    scene: Scene,
+    obstacles: ObstacleSet,
+    ends: tuple[FloatArray, FloatArray],
+    effort: JointSearchEffort,
+) -> tuple[JointSearch, TimedMotion]:
+    """Find a motion that keeps a direction during a part of it, all of it proven clear.
+
+    Args:
+        part: the direction, and when it is kept.
+        space: the arm and what it keeps clear of.
+        scene: the scene.
+        obstacles: its obstacles.
+        ends: joint positions (k, n) at the start, and at the goal, that are clear.
+        effort: how long to search.
+
+    Raises:
+        DirectionNotHeld: none was found.
+        NoJointMotion: the joints are at the goal already.
+    """
+    held, (starts, goals) = HeldSearch(space, part.hold), ends
+    starts = _aligned(part, "start", starts) if part.begin == 0 else starts
+    goals = _aligned(part, "goal", goals) if part.end == 1 else goals
+    nearest = _nearest_pairs(space, starts, goals)
+    for pair in nearest:
+        tries = range(effort.seed, effort.seed + _TRIES // len(nearest))
+        efforts = [replace(effort, seed=seed) for seed in tries]
+        found = _between(part, held, scene, obstacles, pair, efforts)
+        if found is not None:
+            return found
+    raise DirectionNotHeld("path", part.hold.tolerance, (part.begin, part.end))
+
+
+def _between(
+    part: HeldPart,
+    held: HeldSearch,
+    scene: Scene,
+    obstacles: ObstacleSet,
+    pair: tuple[FloatArray, FloatArray],
+    efforts: Sequence[JointSearchEffort],
+) -> tuple[JointSearch, TimedMotion] | None:
+    """A motion between a start and a goal, (1, n) each; None where no effort leads to one."""
+    asked, space = (part.begin, part.end), held.space
+    for effort in efforts:
+        found = path_holding(held, asked, *pair, effort)
+        if found is None:
+            continue
+        if found.search.length == 0:
+            raise NoJointMotion("same")
+        assert found.search.path is not None
+        spline = spline_near(space, found.search.path)
+        if spline is None:
+            continue
+        at = _part_of(found, passage_of(spline, space.arm), scene.motion)
+        if (short := _shorter_by(part, at)) is None:
+            moved = _moved(part, space, scene, obstacles, found)
+            if moved is not None:
+                return found.search, moved
+        asked = _longer(asked, short or (0.0, 0.0))
+    return None
+
+
+def _nearest_pairs(
+    space: JointSpace, starts: FloatArray, goals: FloatArray
+) -> list[tuple[FloatArray, FloatArray]]:
+    """A few pairs of a start and a goal, (1, n) each, whose joints are nearest to each other."""
+    away = np.linalg.norm((starts[:, None] - goals) * space.weights, axis=2)
+    best = np.argsort(away, axis=None, kind="stable")[:_PAIRS]
+    rows = zip(*np.unravel_index(best, away.shape), strict=True)
+    return [(starts[i : i + 1], goals[j : j + 1]) for i, j in rows]
+
+
+def _aligned(part: HeldPart, end: str, poses: FloatArray) -> FloatArray:
+    """Those joint positions (k, n) that keep the direction.
+
+    Raises:
+        DirectionNotHeld: there are none.
+    """
+    angles, tolerance = part.hold.angles(poses), part.hold.tolerance
+    if angles.min() > tolerance:
+        raise DirectionNotHeld(end, tolerance, (part.begin, part.end), float(angles.min()))
+    return np.asarray(poses[angles <= tolerance])
+
+
+def _part_of(
+    found: HeldPath, passage: JointPassage, settings: MotionSettings
+) -> tuple[float, float]:
+    """Shares of a motion's time at which it passes the ends of the part of its path."""
+    positions = _timed(passage, settings)
+    assert found.search.path is not None
+    rows = found.search.path[[found.first, found.last]]
+    begin, end = (int(np.abs(positions - row).sum(axis=1).argmin()) for row in rows)
+    return begin / (_SAMPLES - 1), end / (_SAMPLES - 1)
+
+
+def _shorter_by(part: HeldPart, at: tuple[float, float]) -> tuple[float, float] | None:
+    """Shares of time by which a part is too short at both ends; None where it is long enough."""
+    late = at[0] - part.begin if part.begin > 0 else 0.0
+    early = part.end - at[1] if part.end < 1 else 0.0
+    return (max(late, 0.0), max(early, 0.0)) if max(late, early) > 0 else None
+
+
+def _longer(part: tuple[float, float], by: tuple[float, float]) -> tuple[float, float]:
+    """A part by length that is longer, if need be by half of what is left before and after it."""
+    begin, end = part
+    before, after = by
+    return max(begin - before - _LONGER, begin / 2), min(end + after + _LONGER, (1 + end) / 2)
+
+
+def _moved(
+    part: HeldPart,
+    space: JointSpace,
+    scene: Scene,
+    obstacles: ObstacleSet,
+    found: HeldPath,
+) -> TimedMotion | None:
+    """A motion along a smooth curve near a path; None if none is clear and keeps the direction."""
+    assert found.search.path is not None
+    lack = partial(_lack, part, scene.motion)
+    spline = spline_near(space, found.search.path, lack=lack)
+    if spline is None:
+        return None
+    passage = passage_of(spline, space.arm)
+    profile = motion_law(passage, scene.motion)
+    count = sample_count(profile, scene.motion)
+    around = obstacles, space.collision_world, space.margin
+    moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
+    holds = part.fault(moved.motion.positions) is None
+    return moved if moved.is_clear and holds else None
+
+
+def _lack(part: HeldPart, settings: MotionSettings, spline: JointSpline) -> float | None:
+    """Parameter at which a motion along a curve keeps the direction least; None if it is kept."""
+    positions = _timed(passage_of(spline, part.hold.arm), settings)
+    row = part.fault(positions)
+    if row is None:
+        return None
+    places = np.linspace(0.0, 1.0, _PLACES)
+    away = np.abs(spline(places) - positions[row]).sum(axis=1)
+    return float(places[away.argmin()])
+
+
+def _timed(passage: JointPassage, settings: MotionSettings) -> FloatArray:
+    """Joint positions at uniform times of a motion by the law that is asked for."""
+    profile = motion_law(passage, settings)
+    return passage.at(profile(np.linspace(0.0, profile.duration, _SAMPLES)))
