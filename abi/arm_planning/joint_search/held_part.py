@@ -34,7 +34,7 @@ class HeldSpan(NamedTuple):
     tolerance: float
 
     def later(self, by: float) -> HeldSpan:
-        """The same in a motion that begins so much later, [s]."""
+        """The span in a motion that begins so much later, [s]."""
         return self._replace(first=self.first + by, last=self.last + by)
 
 
