@@ -6,6 +6,7 @@ lightweight approach to repairing digitized polygon meshes, The Visual Computer 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -109,8 +110,10 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> _Split:
     if len(other_sides) and not shells.closed.all():
         sheets = np.sort(kept[~shells.is_solid & ~shells.has_border], axis=1)
         of_sheet = in_rows(np.sort(other_sides, axis=1), sheets)
-        kept = faces_in_order(np.concatenate([kept, other_sides[of_sheet]]))
-        shells = shells_of(vertices, kept)
+        kept = np.concatenate([kept, other_sides[of_sheet]])
+        turned = shells_of(vertices, faces_in_order(kept))
+        ordered = shells_of(vertices, faces_in_order(turned.faces))
+        shells = replace(ordered, notes=turned.notes)
     dropped = len(faces) - len(kept)
     twice = (f"{dropped} triangles were there twice and count once.",) if dropped else ()
     return _Split(vertices, shells, (*twice, *shells.notes))

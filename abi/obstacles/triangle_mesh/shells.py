@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.obstacles.triangle_mesh.distinct_rows import in_groups
+from abi.obstacles.triangle_mesh.distinct_rows import first_of_distinct_rows, in_groups, in_rows
 
 _FLAT = 1e-9
 """A shell whose volume is below this part of its area to the power 3/2 has no inside."""
@@ -79,12 +79,16 @@ def _split(
     edges = _Edges.of(faces)
     faces, notes = faces.copy(), []
     flipped = edges.flipped()
+    if (edges.sides > 3).any():
+        # a triangle with both its sides agrees with any neighbour: the others have to by themselves
+        single = ~_have_both_sides(faces)
+        flipped = np.zeros(len(faces), dtype=np.bool_)
+        flipped[single] = _Edges.of(faces[single]).flipped() if single.any() else False
     if flipped.any():
         faces[flipped] = faces[flipped, ::-1]
         edges = _Edges.of(faces)
         notes.append(f"{flipped.sum()} triangles were inside out and have been turned.")
-    paired = np.flatnonzero(edges.edge[1:] == edges.edge[:-1])
-    count, label = _components(edges.face[paired], edges.face[paired + 1], len(faces))
+    count, label = edges.shells()
     # a shell without a boundary winds a whole number of times around every point
     loose = edges.balance != 0
     closed = np.bincount(label[edges.face[loose[edges.edge]]], minlength=count) == 0
@@ -138,6 +142,26 @@ class _Edges:
         face = (order // 3).astype(np.int32)
         return cls(face, edge, forward, balance, first, sides, len(faces))
 
+    def shells(self) -> tuple[int, IntArray]:
+        """Number of shells, and that of each face (m,).
+
+        Patches within which edges have two sides are joined at edges of more, unless as many sides
+        of a patch run forward there as back: it needs no other.
+        """
+        inner = self.first[self.sides == 2]
+        count, patch = _components(self.face[inner], self.face[inner + 1], self.faces)
+        if self.sides.max() <= 2:
+            return count, patch
+        of_patch = self.edge.astype(np.int64) * count + patch[self.face]
+        order, is_first = in_groups(of_patch)
+        step = np.where(self.forward, np.int32(1), np.int32(-1))
+        balance = np.add.reduceat(step[order], np.flatnonzero(is_first))
+        needs = np.zeros(len(self.face), dtype=np.bool_)
+        needs[order] = (balance != 0)[np.cumsum(is_first) - 1]
+        needing = np.flatnonzero(needs | (self.sides == 2)[self.edge])
+        same = np.flatnonzero(self.edge[needing[1:]] == self.edge[needing[:-1]])
+        return _components(self.face[needing[same]], self.face[needing[same + 1]], self.faces)
+
     def flipped(self) -> BoolArray:
         """Faces (m,) to turn so that neighbours agree over every edge of two sides.
 
@@ -158,6 +182,14 @@ class _Edges:
         as_is, turned = kept[half[:m]], kept[half[m:]]
         # on a tie the half of the patch's first face stays
         return np.asarray((turned > as_is) | ((turned == as_is) & (half[m:] < half[:m])))
+
+
+def _have_both_sides(faces: IntArray) -> BoolArray:
+    """Mask (m,) of the faces whose corners another face has, too."""
+    corners = np.sort(faces, axis=1)
+    rest = np.ones(len(faces), dtype=np.bool_)
+    rest[first_of_distinct_rows(corners.astype(np.int64))] = False
+    return in_rows(corners, corners[rest])
 
 
 def _components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:

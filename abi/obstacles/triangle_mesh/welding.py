@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
-from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows
+from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows, in_rows
 
 
 def weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
@@ -36,12 +36,13 @@ def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> tuple[Flo
 
 
 def without_duplicates(faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Each triangle once, in the order of the file, and the other sides of those with two."""
-    first = first_of_distinct_rows(np.sort(faces, axis=1).astype(np.int64))
+    """Each triangle once, in the order of the file, and the other sides of those there twice."""
+    corners = np.sort(faces, axis=1)
+    first = first_of_distinct_rows(corners.astype(np.int64))
     if len(first) == len(faces):
         return faces, faces[:0]
-    sides = first_of_distinct_rows(_turned(faces).astype(np.int64))
-    return faces[first], faces[np.setdiff1d(sides, first)]
+    twice = in_rows(corners[first], np.delete(corners, first, axis=0))
+    return faces[first], faces[first][twice, ::-1]
 
 
 def compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:

@@ -123,15 +123,19 @@ SHEETS = {
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(
-    st.sets(st.tuples(st.integers(-1, 1), st.integers(-1, 1)), min_size=1),
+    st.dictionaries(st.tuples(st.integers(-1, 1), st.integers(-1, 1)), st.booleans(), min_size=1),
     st.sets(st.sampled_from(sorted(SHEETS))),
     st.booleans(),
     st.booleans(),
 )
 def test_solids_stay_solid_and_sheets_stay_beside_them(
-    places: set[tuple[int, int]], names: set[str], two_sides: bool, shaken: bool
+    places: dict[tuple[int, int], bool], names: set[str], two_sides: bool, shaken: bool
 ) -> None:
-    boxes = meshes.joined(*(touching_box(x, y) for x, y in sorted(places)))
+    solids = [
+        meshes.inverted(touching_box(*place)) if inside_out else touching_box(*place)
+        for place, inside_out in sorted(places.items())
+    ]
+    boxes = meshes.joined(*solids)
     if shaken:
         vertices = boxes[0][boxes[1]].reshape(-1, 3)
         faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
