@@ -17,8 +17,9 @@ from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.errors import ArmNotClear
 from abi.planner.branch import BranchRun
+from abi.planner.plan import Plan
 from abi.planner.planning_task import PlanningTask
-from abi.planner.stage_results import ShortestPath, StageResults
+from abi.planner.stage_results import ShortestPath
 from abi.planner.whole_arm_branch import WholeArmBranch
 
 _NO_PATH = ("start", "goal", "path")
@@ -49,15 +50,13 @@ class ArmAware:
     def __init__(self) -> None:
         self._exclude: dict[str, ArmExclusionCache] = {}
 
-    def __call__(
-        self, task: PlanningTask, collision_world: CollisionWorld, tool: StageResults
-    ) -> StageResults:
-        """Results on a branch on which the whole arm is proven clear.
+    def __call__(self, task: PlanningTask, collision_world: CollisionWorld, tool: Plan) -> Plan:
+        """The plan on a branch on which the whole arm is proven clear.
 
         Args:
             task: what to plan.
             collision_world: everything around the arm.
-            tool: results of the tool alone, up to the curves.
+            tool: the plan for the tool alone, up to the curves.
 
         Raises:
             ArmNotClear: no branch has a motion; tells why.
@@ -84,7 +83,7 @@ class ArmAware:
         self,
         task: PlanningTask,
         collision_world: CollisionWorld,
-        tool: StageResults,
+        tool: Plan,
         arm_branch: ArmBranch,
         memory: str,
     ) -> WholeArmBranch:
@@ -95,15 +94,15 @@ class ArmAware:
 
 
 def _shortest_motion(
-    branches: Sequence[WholeArmBranch], tool: StageResults
-) -> tuple[StageResults | None, dict[str, ArmNotClear]]:
-    """Results on the branch with the shortest path that leads to a motion; None without any.
+    branches: Sequence[WholeArmBranch], tool: Plan
+) -> tuple[Plan | None, dict[str, ArmNotClear]]:
+    """The plan on the branch with the shortest path that leads to a motion; None without any.
 
     Whether a path's edges are clear takes longest, so it is asked only of a branch whose path may
     be the shortest, by the search on all its edges.
 
     Returns:
-        The results, and why branches by their names lead to none: those without a path first.
+        The plan, and why branches by their names lead to none: those without a path first.
     """
     shut: dict[int, ArmNotClear] = {}
     failed: dict[str, ArmNotClear] = {}
@@ -122,12 +121,12 @@ def _shortest_motion(
         waiting.remove(best)
         try:
             if best.path is None:
-                assert best.run.results.graph is not None
-                path = best.run.search(best.run.results.graph)
+                assert best.run.plan.graph is not None
+                path = best.run.search(best.run.plan.graph)
                 waiting.append(best._replace(cost=path.path.cost, path=path))
             else:
                 best.run.move_arm(best.run.fit_curves(best.path))
-                found = best.run.results
+                found = best.run.plan
         except ArmNotClear as fault:
             if best.path is None:
                 shut[best.number] = fault
@@ -139,15 +138,15 @@ def _shortest_motion(
 
 def _first_motion(
     branches: Iterable[WholeArmBranch],
-    tool: StageResults,
+    tool: Plan,
     faults: Sequence[ArmNotClear],
     note: str,
-) -> StageResults:
-    """Results on the first of the further branches that leads to a motion.
+) -> Plan:
+    """The plan on the first of the further branches that leads to a motion.
 
     Args:
         branches: the branches.
-        tool: results of the tool alone.
+        tool: the plan for the tool alone.
         faults: why those tried before lead to none.
         note: sentence on why there are no further ones.
 
@@ -162,7 +161,7 @@ def _first_motion(
         except ArmNotClear as fault:
             found.append(fault)
         else:
-            return run.results
+            return run.plan
     raise ArmNotClear.of_all(faults, found, note)
 
 

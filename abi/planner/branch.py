@@ -12,12 +12,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
+from abi.planner.plan import Plan
 from abi.planner.stage_results import (
     CurveName,
     QuadraticOnSpline,
     ShortestPath,
     SplineOnPath,
-    StageResults,
     TimedMotion,
 )
 from abi.search.graph import Graph
@@ -60,18 +60,19 @@ class Branch(Protocol):
 
 
 class BranchRun:
-    """A branch whose stages run in their order, and what they have given.
+    """A branch whose stages run in their order, and the plan that they make.
 
-    Results are kept as they come, so that a plan which ends early shows how far it came.
+    The plan has each result as soon as it is there, so that one which ends early shows how far it
+    came.
 
     Attributes:
         branch: the branch.
-        results: what its stages have given so far.
+        plan: what its stages have given so far.
     """
 
-    def __init__(self, branch: Branch, results: StageResults) -> None:
-        """Begin with ``results``, of which those of the stages that run are replaced."""
-        self.branch, self.results = branch, results
+    def __init__(self, branch: Branch, plan: Plan) -> None:
+        """Begin with ``plan``, in which the results of the stages that run are replaced."""
+        self.branch, self.plan = branch, plan
 
     def find_path(self) -> ShortestPath:
         """Stages 1 to 3: the free mesh, the graph and the shortest path.
@@ -88,9 +89,9 @@ class BranchRun:
             StageError: start or goal cannot be used.
         """
         free = self.branch.free_mesh()
-        self.results = replace(self.results, free=free)
+        self.plan = replace(self.plan, free=free)
         graph = self.branch.graph(free)
-        self.results = replace(self.results, graph=graph)
+        self.plan = replace(self.plan, graph=graph)
         return graph
 
     def search(self, graph: Graph) -> ShortestPath:
@@ -100,8 +101,8 @@ class BranchRun:
             StageError: there is no path.
         """
         found = self.branch.shortest(graph)
-        self.results = replace(
-            self.results, graph=found.graph, path=found.path, path_clearance=found.clearance
+        self.plan = replace(
+            self.plan, graph=found.graph, path=found.path, path_clearance=found.clearance
         )
         return found
 
@@ -111,14 +112,14 @@ class BranchRun:
         Raises:
             StageError: there is no curve to follow.
         """
-        self.results = replace(self.results, searches=self.branch.searches(path))
+        self.plan = replace(self.plan, searches=self.branch.searches(path))
         bspline = self.branch.bspline(path)
         taut, fit, arc = bspline
-        self.results = replace(self.results, taut=taut, bspline=fit, bspline_arc=arc)
+        self.plan = replace(self.plan, taut=taut, bspline=fit, bspline_arc=arc)
         quadratic = self.branch.quadratic(bspline)
-        self.results = replace(self.results, quadratic=quadratic.fit, quadratic_arc=quadratic.arc)
+        self.plan = replace(self.plan, quadratic=quadratic.fit, quadratic_arc=quadratic.arc)
         followed = self.branch.followed(bspline, quadratic)
-        self.results = replace(self.results, followed=followed)
+        self.plan = replace(self.plan, followed=followed)
         return bspline if followed == "bspline" else quadratic
 
     def move_arm(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
@@ -129,7 +130,5 @@ class BranchRun:
         """
         moved = self.branch.motion(followed)
         profile, motion, clearance = moved
-        self.results = replace(
-            self.results, profile=profile, motion=motion, arm_clearance=clearance
-        )
+        self.plan = replace(self.plan, profile=profile, motion=motion, arm_clearance=clearance)
         return moved

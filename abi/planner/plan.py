@@ -102,6 +102,11 @@ class Plan(StageResults, ReadOnlyCopies):
         assert isinstance(arm, UrdfArm)
         return (HeldPart.of(arm, held).span(motion),)
 
+    def for_arm(self) -> Plan:
+        """The plan to begin with on an arm's branch, of that of the tool alone."""
+        optimum, tool_only = self.optimum, self.followed_curve
+        return Plan(self.scene, arm=self.arm, optimum=optimum, tool_only=tool_only)
+
     @property
     def straight_length(self) -> float:
         """Length of the straight line from start to goal, [unit]: no curve is shorter."""

@@ -24,7 +24,7 @@ from abi.planner.branch import BranchRun
 from abi.planner.joint_branch import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
-from abi.planner.stage_results import QuadraticOnSpline, SplineOnPath, StageResults, TimedMotion
+from abi.planner.stage_results import QuadraticOnSpline, SplineOnPath, TimedMotion
 from abi.planner.tool_branch import ToolBranch, ToolStages
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_end import ENDS
@@ -111,10 +111,10 @@ class Planner:
         self._arm_aware_ms, self._arm_aware_interpreted = 0.0, False
         searches = (scene.search.algorithm,) if chosen_only else tuple(SEARCHES)
         tool = ToolBranch.of(scene, searches, self._stages)
-        run, fault = BranchRun(tool, StageResults()), None
+        run, fault = BranchRun(tool, Plan(scene, arm=tool.task.model.arm)), None
         try:
-            run.results = self._run(tool, run)
-            refuse_slow(run.results, tool.task.model.arm, scene)
+            run.plan = self._run(tool, run)
+            refuse_slow(run.plan)
         except StageError as error:
             # a copy: the stage remembers its error for scenes in another unit
             fault = error.in_unit(scene.unit)
@@ -122,25 +122,23 @@ class Planner:
         self._planned = True
         if self._compile:
             compiling.begin()
-        return Plan(
-            scene,
-            **vars(run.results),
-            arm=tool.task.model.arm,
+        return replace(
+            run.plan,
             error=fault,
             ms=MappingProxyType(self._times()),
             interpreted=self._interpreted(),
             total_ms=total,
         )
 
-    def _run(self, tool: ToolBranch, run: BranchRun) -> StageResults:
+    def _run(self, tool: ToolBranch, run: BranchRun) -> Plan:
         """Plan for the tool alone and, if the arm is not clear along that, for the whole arm.
 
         Args:
             tool: the branch of the tool alone.
-            run: runs its stages, and has their results as far as it comes.
+            run: runs its stages, and has its plan as far as it comes.
 
         Returns:
-            Results of the branch that counts.
+            The plan of the branch that counts.
 
         Raises:
             StageError: there is no path or no curve for the tool, or no motion for the arm.
@@ -149,24 +147,24 @@ class Planner:
         if asks_for_joints(scene.arm):
             with suppress(StageError):  # what there is of the tool's own curve is shown, too
                 self._curve(tool, run)
-            return self._through_joints(tool, run.results)
+            return self._through_joints(tool, run.plan)
         curve = self._curve(tool, run)
         if not scene.arm.avoid:
             if (error := run.move_arm(curve).motion.error) is not None:
                 raise error
-            return run.results
+            return run.plan
         refuted = tool.is_refuted(curve)
         if not refuted and run.move_arm(curve).is_clear:
-            return run.results
+            return run.plan
         try:
-            return self._avoid(tool, run.results)
+            return self._avoid(tool, run.plan)
         except ArmNotClear as fault:
             moved = run.move_arm(curve)
             on_mesh = moved.motion.error or _with_contact(fault, moved, scene)
         if not may_search_joints(scene.arm):
             raise on_mesh
         try:
-            return self._through_joints(tool, run.results)
+            return self._through_joints(tool, run.plan)
         except NoJointMotion as fault:
             if isinstance(on_mesh, ArmNotClear) and fault.where not in ENDS:
                 on_mesh = on_mesh.nor_in_joints(fault)
@@ -179,11 +177,11 @@ class Planner:
             StageError: there is no path or no curve.
         """
         path = run.find_path()
-        run.results = replace(run.results, optimum=tool.optimum())
+        run.plan = replace(run.plan, optimum=tool.optimum())
         return run.fit_curves(path)
 
-    def _through_joints(self, tool: ToolBranch, results: StageResults) -> StageResults:
-        """Results of a motion that is sought in the space of the joints.
+    def _through_joints(self, tool: ToolBranch, plan: Plan) -> Plan:
+        """The plan with a motion that is sought in the space of the joints.
 
         Raises:
             NoJointMotion: there is none.
@@ -194,17 +192,17 @@ class Planner:
             task.scene, task.model.arm, task.obstacles, tool.collision_world, self._effort
         )
         return replace(
-            results,
+            plan,
             profile=profile,
             motion=motion,
             arm_clearance=clearance,
             followed=None,
-            tool_only=results.followed_curve,
+            tool_only=plan.followed_curve,
             joint_search=search,
         )
 
-    def _avoid(self, tool: ToolBranch, results: StageResults) -> StageResults:
-        """Results on the branch of the arm whose motion is clear and shortest.
+    def _avoid(self, tool: ToolBranch, plan: Plan) -> Plan:
+        """The plan on the branch of the arm whose motion is clear and shortest.
 
         Raises:
             ArmNotClear: there is none.
@@ -212,7 +210,7 @@ class Planner:
         progress.tell("avoiding with the whole arm")
         begin, before = time.perf_counter(), interpreted_calls()
         try:
-            return self._arm_aware(tool.task, tool.collision_world, results)
+            return self._arm_aware(tool.task, tool.collision_world, plan)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before

@@ -7,15 +7,13 @@ import numpy as np
 from abi.arm_planning.joint_rates import joint_rates
 from abi.curves.speed_profile import three_phase
 from abi.errors import TooSlow
-from abi.planner.stage_results import StageResults
-from abi.robot.any_arm import AnyArm
-from abi.scene.scene import Scene
+from abi.planner.plan import Plan
 
 _LONG, _TIMES = 60.0, 20.0
 """A motion is refused if it takes longer than this, [s], and so many times what would be enough."""
 
 
-def refuse_slow(results: StageResults, arm: AnyArm, scene: Scene) -> None:
+def refuse_slow(plan: Plan) -> None:
     """Raise for a motion that a law has slowed down beyond all use.
 
     Enough is the time that the tool's path takes at the scene's speed, and each joint for its own
@@ -23,15 +21,13 @@ def refuse_slow(results: StageResults, arm: AnyArm, scene: Scene) -> None:
     a turn of the joints that they can pass but slowly.
 
     Args:
-        results: of a branch; without a motion, nothing is refused.
-        arm: the arm.
-        scene: the scene.
+        plan: the plan; without an arm and its motion, nothing is refused.
 
     Raises:
         TooSlow: the motion takes so long; names the joint, and when it is at its limit.
     """
-    profile, motion, asked = results.profile, results.motion, scene.motion
-    if profile is None or motion is None or profile.duration <= _LONG:
+    arm, profile, motion, asked = plan.arm, plan.profile, plan.motion, plan.scene.motion
+    if arm is None or profile is None or motion is None or profile.duration <= _LONG:
         return
     limits = arm.rate_limits(asked.joint_acceleration)
     travel = np.abs(np.diff(motion.positions, axis=0)).sum(axis=0)

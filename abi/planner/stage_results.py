@@ -173,7 +173,3 @@ class StageResults:
     def best_known(self) -> float | None:
         """Length of the shortest of this plan's curves that keep the clearance, [unit]."""
         return min(self.kept_lengths.values(), default=None)
-
-    def for_arm(self) -> StageResults:
-        """Results to begin with on an arm's branch, of those of the tool alone."""
-        return StageResults(optimum=self.optimum, tool_only=self.followed_curve)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from abi.errors import SceneError, TooManySamples, TooSlow
+from abi.planner.plan import Plan
 from abi.planner.planner import Planner, plan
 from abi.planner.slow_motion import refuse_slow
-from abi.planner.stage_results import StageResults
 from abi.scene.scene import load_scene
 from abi.verify.verify import verify
 
@@ -53,10 +53,10 @@ def test_a_motion_slowed_down_beyond_use_is_refused_and_a_slow_one_that_is_asked
     assert slow.profile is not None
     assert slow.profile.duration > 600
     assert slow.arm is not None
-    results = StageResults(profile=slow.profile, motion=slow.motion)
+    unasked = Plan(scene, arm=slow.arm, profile=slow.profile, motion=slow.motion)
 
     with pytest.raises(TooSlow) as refusal:
-        refuse_slow(results, slow.arm, scene)
+        refuse_slow(unasked)
 
     assert f"{slow.profile.duration:.0f} s" in refusal.value.message
-    refuse_slow(results, slow.arm, slow.scene)
+    refuse_slow(slow)
