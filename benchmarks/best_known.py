@@ -18,8 +18,7 @@ from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.primitives import Box
 from abi.obstacles.vector_kernels import vec3_at
 from abi.scene.scene import Scene
-from abi.search.taut.free_space_kernels import FreeSpace
-from abi.search.taut.tighten_kernels import tighten
+from abi.search.taut.tighten_kernels import FreeSpace, tighten
 
 declare_helpers()
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, Protocol, Self
 
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
-from abi.arm_planning.exclusion.paper_arm_segment_kernels import ArmSegments
+from abi.arm_planning.exclusion.arm_path_kernels import ArmSegments
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.collision_world import CollisionWorld

@@ -28,10 +28,9 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.convex_bodies import RobotBodies, robot_bodies
-from abi.certification.motion_path_kernels import Path
 from abi.certification.posed_hulls_kernels import nearest_obstacle
 from abi.certification.robot_motion import RobotMotion
-from abi.certification.separate_motion_kernels import separate_motion
+from abi.certification.separate_motion_kernels import Path, separate_motion
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH

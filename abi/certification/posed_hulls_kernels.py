@@ -1,4 +1,9 @@
-"""Convex bodies of a robot in a pose: where they are, and what they are near."""
+"""Convex bodies of a robot in a pose: where they are, and what they are near.
+
+:func:`abi.robot.bodies.hull_kernels.separation` takes their differences from obstacles and from
+each other. What a direction proves is computed anew from all points, so that errors here can lose
+a proof but never make a false one.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +18,6 @@ from abi.arm_planning.world.collision_world_kernels import (
     open_box,
 )
 from abi.arrays import FloatArray, IntArray
-from abi.certification.hull_distance_kernels import from_hull, from_row, radius_of
 from abi.clearance.separation_kernels import (
     CERTIFIED,
     REFUTED,
@@ -21,11 +25,58 @@ from abi.clearance.separation_kernels import (
 )
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, compiled
-from abi.obstacles.primitive_kernels import BOUNDS
+from abi.obstacles.primitive_kernels import BOUNDS, axes_of, centre_of, core_of, in_body, in_world
 from abi.obstacles.primitive_kernels import WIDTH as ROW
-from abi.obstacles.vector_kernels import Vec3, vec3_at
+from abi.obstacles.vector_kernels import Vec3, axpy, sub, vec3_at
 from abi.robot.bodies.hull_kernels import APART, OVERLAP, separation
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, place_chain
+
+Points = tuple[FloatArray, int, int]
+"""Points, flat, the first of a hull and the one behind its last, [unit], world."""
+
+
+@jitable
+def lowest_of(hull: Points, way: Vec3) -> Vec3:
+    """Point of a hull that is lowest along a direction."""
+    points, first, last = hull
+    best, which = math.inf, first
+    x, y, z = way
+    for k in range(first, last):
+        product = x * points[3 * k] + y * points[3 * k + 1] + z * points[3 * k + 2]
+        if product < best:
+            best, which = product, k
+    return vec3_at(points, 3 * which)
+
+
+@jitable
+def radius_of(primitives: FloatArray, s: int) -> float:
+    """Radius around a primitive's core, [unit]; 0 of a cylinder, whose core is all of it."""
+    core = core_of(primitives, s)
+    return 0.0 if core.is_cylinder == 1 else core.radius
+
+
+@jitable
+def from_row(pair: tuple[Points, FloatArray, int], way: Vec3) -> Vec3:
+    """Lowest point of a hull less the highest of a primitive's core, without its radius."""
+    hull, primitives, s = pair
+    core, axes = core_of(primitives, s), axes_of(primitives, s)
+    x, y, z = in_body(axes, way)
+    c = core.z if z >= 0 else -core.z
+    if core.is_cylinder == 1:
+        across = math.sqrt(x * x + y * y)
+        share = core.x / across if across > 0 else 0.0
+        point = (share * x, share * y, c)
+    else:
+        point = (core.x if x >= 0 else -core.x, core.y if y >= 0 else -core.y, c)
+    highest = axpy(1.0, in_world(axes, point), centre_of(primitives, s))
+    return sub(lowest_of(hull, way), highest)
+
+
+@jitable
+def from_hull(pair: tuple[Points, Points], way: Vec3) -> Vec3:
+    """Lowest point of a hull less the highest of another."""
+    hull, other = pair
+    return sub(lowest_of(hull, way), lowest_of(other, (-way[0], -way[1], -way[2])))
 
 
 class Hulls(NamedTuple):

@@ -31,8 +31,7 @@ import numpy as np
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import Bezier, PolynomialCurve
-from abi.clearance.certify_mesh_kernels import separate_from_mesh
-from abi.clearance.certify_primitives_kernels import separate_from_primitives
+from abi.clearance.certify_curve_kernels import separate_from_mesh, separate_from_primitives
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet

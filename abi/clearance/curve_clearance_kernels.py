@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 
 from abi.arrays import FloatArray
-from abi.clearance.bezier_kernels import divide, extent_of
 from abi.clearance.mesh_clearance_kernels import (
     Nearest,
     Pieces,
@@ -18,13 +17,14 @@ from abi.clearance.mesh_clearance_kernels import (
     joints_near_meshes,
     middles_near_meshes,
 )
+from abi.clearance.separation_kernels import divide, extent_of
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import next_near
-from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
+from abi.obstacles.triangle_mesh.surface_kernels import NO_SURFACES, SurfaceSet
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
 from abi.obstacles.vector_kernels import Vec3
 

@@ -25,10 +25,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from abi.clearance.bezier_kernels import divide
+from abi.clearance.separation_kernels import divide
 from abi.compilation.jitable import jitable
-from abi.obstacles.surface_set import SurfaceSet
-from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh, widened
+from abi.obstacles.triangle_mesh.surface_kernels import (
+    SurfaceSet,
+    most_to_mesh,
+    nearest_mesh,
+    widened,
+)
 from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace
 from abi.obstacles.triangle_mesh.triangle_kernels import on_side
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, norm, sub, vec3_at

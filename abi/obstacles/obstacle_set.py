@@ -23,13 +23,13 @@ from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_on
 from abi.errors import ArgumentError
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set_kernels import polyline_distances, polyline_distances_near_meshes
 from abi.obstacles.packing import pack
 from abi.obstacles.per_shape import PerShape
-from abi.obstacles.polyline_kernels import polyline_distances, polyline_distances_near_meshes
 from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
-from abi.obstacles.surface_set import SurfaceSet, surface_set
-from abi.obstacles.surface_set_kernels import WIDER
+from abi.obstacles.surface_set import surface_set
+from abi.obstacles.triangle_mesh.surface_kernels import WIDER, SurfaceSet
 
 Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
 Obstacles = tuple[Obstacle, ...]

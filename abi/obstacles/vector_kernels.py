@@ -12,12 +12,21 @@ from abi.compilation.jitable import jitable
 
 Vec3 = tuple[float, float, float]
 """A point or a direction."""
+Triangle = tuple[Vec3, Vec3, Vec3]
+"""Its corners."""
 
 
 @jitable
 def vec3_at(flat: FloatArray | list[float], i: int) -> Vec3:
     """The three entries of ``flat`` from i."""
     return (flat[i], flat[i + 1], flat[i + 2])
+
+
+@jitable
+def triangle_at(corners: FloatArray, number: int) -> Triangle:
+    """The triangle of that number; ``corners`` are nine numbers of each."""
+    k = 9 * number
+    return vec3_at(corners, k), vec3_at(corners, k + 3), vec3_at(corners, k + 6)
 
 
 @jitable

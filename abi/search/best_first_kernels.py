@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.compilation.jitable import jitable
 from abi.compiled import compiled
-from abi.search.heuristic_kernels import NONE, Metric, to_go
-from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
+from abi.search.search_kernels import EXAMPLE, LITTLE, NONE, Metric, Problem, to_go
 from abi.tet_mesh.adjacency_kernels import (
     ALL_INTERIOR,
     CSR,

@@ -11,7 +11,7 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import PointBlocked, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
-from abi.search import graph_kernels as kernels
+from abi.search import search_kernels as kernels
 from abi.search.graph import Graph
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS
 from abi.tet_mesh.adjacency_kernels import LINKED_BIT

@@ -1,6 +1,8 @@
-"""Searches with a binary heap, for comparison: with any weights of g and h, and from both ends.
+"""Searches over arcs with a binary heap: with any weights, from both ends, and repaired.
 
-Compiled by numba; they run uncompiled too. A node is expanded once, as in the textbooks.
+Those with any weights of g and h and those from both ends are there to compare with; a node is
+expanded once, as in the textbooks. Lifelong Planning A* repairs a search where its graph has
+changed. Compiled by numba; they run uncompiled too.
 """
 
 from __future__ import annotations
@@ -10,8 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, compiled
+from abi.search.search_kernels import LITTLE
 
 
 class ArcRows(NamedTuple):
@@ -122,3 +126,154 @@ def bidirectional_order(arcs: ArcRows, ends: tuple[int, int]) -> IntArray:
                     heapq.heappush(backward, (through, serial, place + side))
                 best = min(best, through + cost[place + nodes - side])
     return order[:expanded]
+
+
+Key = tuple[float, float, int]
+
+
+class _LifelongLabels(NamedTuple):
+    """Labels of the nodes.
+
+    Attributes:
+        cost: (n,) g, by which a node was expanded last; inf where it was not.
+        ahead: (n,) rhs, the best that g of the neighbours says now.
+        parent: (n,) the neighbour that says it; -1 for none.
+    """
+
+    cost: FloatArray
+    ahead: FloatArray
+    parent: IntArray
+
+
+@jitable
+def _key(labels: _LifelongLabels, estimates: FloatArray, node: int) -> Key:
+    """Place of a node in the queue: f, then g, by the lesser of its two costs."""
+    least = min(labels.cost[node], labels.ahead[node])
+    return least + estimates[node], least, node
+
+
+@jitable
+def _look_ahead(arcs: ArcRows, labels: _LifelongLabels, node: int) -> int:
+    """Find the best that the neighbours of a node say; the number of arcs looked at."""
+    least, parent = np.inf, -1
+    for k in range(arcs.indptr[node], arcs.indptr[node + 1]):
+        through = labels.cost[arcs.indices[k]] + arcs.weights[k]
+        if through < least:
+            least, parent = through, arcs.indices[k] + 0
+    labels.ahead[node], labels.parent[node] = least, parent
+    return int(arcs.indptr[node + 1] - arcs.indptr[node])
+
+
+@jitable
+def _settle(
+    arcs: ArcRows,
+    labels: _LifelongLabels,
+    estimates: FloatArray,
+    ends: tuple[int, int],
+    queue: list[Key],
+) -> tuple[list[int], int]:
+    """Expand what disagrees with its neighbours, until the goal's cost is sure.
+
+    The estimates are consistent but for rounding: what promises as much as the goal does waits only
+    if it is no nearer to the start.
+
+    Returns:
+        The expanded nodes, and the number of arcs looked at. The queue keeps what waits.
+    """
+    cost, ahead, parent = labels
+    start, goal = ends
+    order, examined = [start][:0], 0
+    little = LITTLE * np.abs(arcs.weights).max() if len(arcs.weights) > 0 else 0.0
+    later = queue[:0]
+    while True:
+        sure = cost[goal] == ahead[goal]
+        while not sure and len(later) > 0:
+            heapq.heappush(queue, later.pop())
+        if len(queue) == 0:
+            break
+        top = queue[0]
+        node = top[2]
+        if cost[node] == ahead[node] or top != _key(labels, estimates, node):
+            heapq.heappop(queue)  # settled since, or entered again with another key
+            continue
+        if sure and top[0] > cost[goal] + estimates[goal] + little:
+            break
+        heapq.heappop(queue)
+        if sure and top[0] >= cost[goal] + estimates[goal] - little and top[1] >= cost[goal]:
+            later.append(top)
+            continue
+        order.append(node)
+        first, last = arcs.indptr[node], arcs.indptr[node + 1]
+        if cost[node] > ahead[node]:
+            cost[node] = ahead[node]
+            for k in range(first, last):
+                other = arcs.indices[k] + 0
+                through = cost[node] + arcs.weights[k]
+                if other != start and through < ahead[other]:
+                    ahead[other], parent[other] = through, node
+                    heapq.heappush(queue, _key(labels, estimates, other))
+            examined += last - first
+        else:
+            # what it told its neighbours does not hold any more
+            cost[node] = np.inf
+            heapq.heappush(queue, _key(labels, estimates, node))
+            for k in range(first, last):
+                other = arcs.indices[k] + 0
+                if other != start and parent[other] == node:
+                    examined += _look_ahead(arcs, labels, other)
+                    if cost[other] != ahead[other]:
+                        heapq.heappush(queue, _key(labels, estimates, other))
+            examined += last - first
+    for key in later:
+        heapq.heappush(queue, key)
+    return order, examined
+
+
+@jitable
+def _changed(before: ArcRows, now: ArcRows, node: int) -> bool:
+    """Check whether a node has other arcs than before."""
+    a, b = before.indptr[node], now.indptr[node]
+    count = now.indptr[node + 1] - b
+    if before.indptr[node + 1] - a != count:
+        return True
+    for k in range(count):
+        if (
+            before.indices[a + k] != now.indices[b + k]
+            or before.weights[a + k] != now.weights[b + k]
+        ):
+            return True
+    return False
+
+
+@compiled(example=(NO_ARCS, NO_ARCS, FLOATS, (0, 1)))
+def repair_order(
+    before: ArcRows, now: ArcRows, estimates: FloatArray, ends: tuple[int, int]
+) -> tuple[IntArray, int, BoolArray, FloatArray, IntArray]:
+    """Search the arcs as they were, then mend that search for the arcs as they are.
+
+    Args:
+        before, now: arcs between the same n nodes, which lead both ways at the same cost.
+        estimates: (n,) h, consistent for both.
+        ends: start and goal.
+
+    Returns:
+        Nodes expanded by the repair in order (m,); arcs that it looked at; whether each node has
+        other arcs than before (n,); g of each node now (n,); and where it comes from (n,).
+    """
+    nodes, start = len(estimates), ends[0]
+    labels = _LifelongLabels(
+        np.full(nodes, np.inf), np.full(nodes, np.inf), np.full(nodes, -1, np.int32)
+    )
+    labels.ahead[start] = 0.0
+    queue = [_key(labels, estimates, start)]
+    _settle(before, labels, estimates, ends, queue)
+    changed, examined = np.zeros(nodes, np.bool_), 0
+    for node in range(nodes):
+        changed[node] = _changed(before, now, node)
+        if changed[node] and node != start:
+            examined += _look_ahead(now, labels, node)
+            if labels.cost[node] != labels.ahead[node]:
+                heapq.heappush(queue, _key(labels, estimates, node))
+    order, more = _settle(now, labels, estimates, ends, queue)
+    expanded = np.array(order, np.int32)
+    return expanded, examined + more, changed, labels.ahead, labels.parent

@@ -9,7 +9,7 @@ from typing import Literal
 
 from abi.obstacles.pose import Vec3
 from abi.search.graph import Graph
-from abi.search.heuristic_kernels import INSIDE, ON_A_FACE, Metric, Norm
+from abi.search.search_kernels import INSIDE, ON_A_FACE, Metric, Norm
 
 Weight = Literal["length", "hops"]
 """The cost of a path: its length, or the number of its edges."""
@@ -21,7 +21,7 @@ _HOPS = Norm(axes=(1.0, 1.0, 1.0), faces=(1.0, 1.0, 1.0), diagonal=1.0, centres=
 def metric(graph: Graph, weight: Weight) -> Metric:
     """Cost of the path to the goal in the empty mesh, in the format of the kernels.
 
-    In a lattice it counts the steps (:func:`abi.search.heuristic_kernels.to_go`). In ``delaunay``
+    In a lattice it counts the steps (:func:`abi.search.search_kernels.to_go`). In ``delaunay``
     it is the straight line; by hops, divided by the longest edge.
     """
     mesh, goal = graph.mesh, graph.goal

@@ -1,18 +1,143 @@
-"""Recording of the changes of cost and parent that a search makes.
+"""Searches that lower labels: Bellman-Ford with a queue, and those whose every change is recorded.
 
-Compiled by numba; they run uncompiled too.
+Changes of cost and parent are recorded in order, Lazy Theta*'s among them. Compiled by numba; they
+run uncompiled too. A primitive is a row of numbers, see ``abi.obstacles.primitive_kernels``; for
+Bellman-Ford see :mod:`abi.search.best_first_kernels`.
 """
 
 from __future__ import annotations
 
+import heapq
 from typing import NamedTuple
 
 import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
-from abi.compiled import IDS, compiled
+from abi.compiled import FLOATS, IDS, compiled
+from abi.obstacles.primitive_tree_kernels import blocked
+from abi.obstacles.vector_kernels import distance, vec3_at
 from abi.search.heap_kernels import NO_ARCS, ArcRows
+from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
+from abi.tet_mesh.adjacency_kernels import (
+    ALL_INTERIOR,
+    CSR,
+    INTERIOR_DIRECTIONS,
+    LINKED_BIT,
+    across,
+    cell,
+    ones,
+)
+
+
+class _RoundLabels(NamedTuple):
+    """Knowledge of the nodes.
+
+    Attributes:
+        cost: (n,) from the start, so far.
+        parent: (n,) node before.
+        waiting: (n,) whether it waits for its turn.
+        order: nodes in their turns; those that had theirs stay.
+    """
+
+    cost: FloatArray
+    parent: IntArray
+    waiting: ByteArray
+    order: IntArray
+
+
+@compiled(example=EXAMPLE)
+def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
+    """Bellman-Ford with a queue (Moore, 1959): runs until no cost can be lowered.
+
+    Only nodes whose cost was lowered are examined again, first come, first served. Takes and
+    returns the same as ``best_first``, but needs no goal and no metric, and expands a node as often
+    as its cost was lowered.
+    """
+    adjacency, opened, links, ends, largest, _ = problem
+    shape, offsets, _, _, indptr, indices = adjacency
+    open_directions, weights = opened
+    tails, heads, link_weights = links
+    kind, nodes, directions, cross = shape.kind, shape.nodes, shape.directions, shape.cross
+    total = nodes + ends.own
+    cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
+    waiting = np.zeros(total, np.uint8)
+    most = shape.most + len(tails)
+    order = np.empty(total + most, np.int32)
+    # how many had their turn, and how many have or had a place in the order
+    expanded, last, relaxed = 0, 1, 0
+    little = LITTLE * largest
+    cost[ends.start], parent[ends.start], order[0] = 0.0, -1, ends.start
+    while expanded < last:
+        if last + most > len(order):
+            order = np.concatenate((order, np.empty_like(order)))
+        own = _RoundLabels(cost, parent, waiting, order)
+        labels = borrowed(own)
+        while expanded < last and last + most <= len(order):
+            node = order[expanded]
+            waiting[node] = 0
+            expanded += 1
+            so_far, linked = cost[node], True
+            if node < nodes:
+                bits = open_directions[node]
+                linked = (bits >> LINKED_BIT) & 1 == 1
+                if kind == CSR:
+                    for k in range(indptr[node], indptr[node + 1]):
+                        if weights[k] < np.inf:
+                            relaxed += 1
+                            through = so_far + weights[k]
+                            last = _lower(labels, node, indices[k], through, little, last)
+                else:
+                    i, j, h = cell(shape, node)
+                    row = (i & 1) * directions
+                    other = across(shape, i, j, h)
+                    if bits == ALL_INTERIOR:  # as most have: nothing to look at but the costs
+                        relaxed += INTERIOR_DIRECTIONS
+                        for k in range(INTERIOR_DIRECTIONS):
+                            neighbour = (other if k < cross else node) + offsets[row + k]
+                            through = so_far + weights[k]
+                            last = _lower(labels, node, neighbour, through, little, last)
+                    else:
+                        relaxed += ones(bits)
+                        others = (bits >> INTERIOR_DIRECTIONS) & 63
+                        for k in range(directions if others else INTERIOR_DIRECTIONS):
+                            if (bits >> k) & 1:
+                                neighbour = (other if k < cross else node) + offsets[row + k]
+                                through = so_far + weights[k]
+                                last = _lower(labels, node, neighbour, through, little, last)
+            if linked:
+                for k in range(len(tails)):
+                    tail, head = tails[k], heads[k]
+                    if tail == node or head == node:
+                        neighbour = head if tail == node else tail
+                        relaxed += 1
+                        through = so_far + link_weights[k]
+                        last = _lower(labels, node, neighbour, through, little, last)
+        held(own)
+    return cost, parent, order[:expanded], relaxed
+
+
+@jitable(forceinline=True)
+def _lower(
+    labels: _RoundLabels, node: int, neighbour: int, through: float, little: float, last: int
+) -> int:
+    """Reach a neighbour by way of a node if that costs less; where the order ends then.
+
+    Args:
+        labels: written.
+        node, neighbour: the nodes.
+        through: cost of the neighbour by that way.
+        little: what its cost must fall by.
+        last: end of the order.
+    """
+    cost, parent, waiting, order = labels
+    if through < cost[neighbour] - little:
+        cost[neighbour], parent[neighbour] = through, node
+        if waiting[neighbour] == 0:
+            waiting[neighbour], order[last] = 1, neighbour
+            return last + 1
+    return last
 
 
 class Labels(NamedTuple):
@@ -166,3 +291,77 @@ def rounds(
             if len(cycle) > 0:
                 break
     return recorded(ends, node_of, cost_of, parent_of), cycle
+
+
+@compiled(example=(IDS, IDS, FLOATS, (0, 1), FLOATS, FLOATS))
+def lazy_theta_star_steps(
+    indptr: IntArray,
+    indices: IntArray,
+    places: FloatArray,
+    ends: tuple[int, int],
+    primitives: FloatArray,
+    margins: FloatArray,
+) -> tuple[IntArray, Labels]:
+    """Search from start to goal; see :func:`abi.search.lazy_theta_star.lazy_theta_star`.
+
+    Args:
+        indptr, indices: neighbours of n nodes.
+        places: (3n,) [unit], world, one node after the other.
+        ends: start and goal.
+        primitives: (k WIDTH,) rows, one after the other.
+        margins: (k,) distance from the primitives that a line of sight keeps, [unit].
+
+    Returns:
+        Expanded nodes (m,), and the changes.
+    """
+    nodes = len(indptr) - 1
+    start, goal = ends
+    target = vec3_at(places, 3 * goal)
+    cost, parent = np.full(nodes, np.inf), np.full(nodes, -1, np.int32)
+    closed = np.zeros(nodes, np.uint8)
+    cost[start] = 0.0
+    queue = [(distance(vec3_at(places, 3 * start), target), 0, start)]
+    order, counts = [start][:0], [1]
+    node_of, cost_of, parent_of = [start], [0.0], [-1]
+    while len(queue) > 0:
+        node = heapq.heappop(queue)[2]
+        if closed[node] == 1:
+            continue
+        first, last = indptr[node], indptr[node + 1]
+        origin, here = parent[node] + 0, vec3_at(places, 3 * node)
+        if origin >= 0:
+            is_edge = False
+            for k in range(first, last):
+                is_edge = is_edge or indices[k] == origin
+            if not is_edge and blocked(primitives, margins, 0, vec3_at(places, 3 * origin), here):
+                least = np.inf
+                for k in range(first, last):
+                    other = indices[k]
+                    through = cost[other] + distance(vec3_at(places, 3 * other), here)
+                    if closed[other] == 1 and through < least:
+                        least, origin = through, other + 0
+                cost[node], parent[node] = least, origin
+                node_of.append(node)
+                cost_of.append(float(least))
+                parent_of.append(origin)
+        closed[node] = 1
+        order.append(node)
+        if node == goal:
+            counts.append(len(node_of))
+            break
+        if origin < 0:
+            origin = node
+        so_far, there = cost[origin], vec3_at(places, 3 * origin)
+        for k in range(first, last):
+            other = indices[k] + 0
+            place = vec3_at(places, 3 * other)
+            through = so_far + distance(there, place)
+            if closed[other] == 0 and through < cost[other]:
+                cost[other], parent[other] = through, origin
+                node_of.append(other)
+                cost_of.append(float(through))
+                parent_of.append(origin)
+                value = through + distance(place, target)
+                heapq.heappush(queue, (value, -len(node_of), other))
+        counts.append(len(node_of))
+    return np.array(order, np.int32), recorded(counts, node_of, cost_of, parent_of)

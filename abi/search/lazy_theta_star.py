@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from abi.arrays import flat, read_only
-from abi.search.lazy_theta_star_kernels import lazy_theta_star_steps
+from abi.search.label_kernels import lazy_theta_star_steps
 from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace, finished_trace
 

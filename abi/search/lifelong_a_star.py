@@ -13,7 +13,7 @@ import numpy as np
 from abi.arrays import IntArray, read_only
 from abi.errors import AbiError
 from abi.search.arcs import Arcs
-from abi.search.lifelong_a_star_kernels import repair_order
+from abi.search.heap_kernels import repair_order
 from abi.search.search_kernels import reconstruct_path
 from abi.search.trace import NO_NODES
 

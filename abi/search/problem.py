@@ -9,8 +9,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
-from abi.search.heuristic_kernels import Metric
-from abi.search.search_kernels import Ends, Problem
+from abi.search.search_kernels import Ends, Metric, Problem
 from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 

@@ -19,13 +19,12 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.errors import NoPath
 from abi.scene.settings import Algorithm
-from abi.search.bellman_ford_kernels import bellman_ford
 from abi.search.best_first_kernels import best_first
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
-from abi.search.heuristic_kernels import NO_METRIC
+from abi.search.label_kernels import bellman_ford
 from abi.search.problem import Expansion, problem_of
-from abi.search.search_kernels import places_along, reconstruct_path
+from abi.search.search_kernels import NO_METRIC, places_along, reconstruct_path
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,20 +16,21 @@ from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import IDS, compiled
 from abi.obstacles.primitive_kernels import in_body
-from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
-from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
 from abi.obstacles.triangle_mesh.gather_kernels import comes_near_gathered, gather, no_triangles
 from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
+from abi.obstacles.triangle_mesh.surface_kernels import limit_of
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     NO_PLACEMENT,
     NO_TABLES,
     Placement,
     SurfaceTables,
+    distance_bounds,
     new_room,
+    steepest,
     to_surface,
 )
-from abi.obstacles.triangle_mesh.triangle_kernels import segment_to_triangle, triangle_at
-from abi.obstacles.vector_kernels import Vec3, add, axpy, norm, sub
+from abi.obstacles.triangle_mesh.triangle_kernels import segment_to_triangle
+from abi.obstacles.vector_kernels import Vec3, add, axpy, norm, sub, triangle_at
 from abi.tet_mesh.adjacency_kernels import (
     CSR,
     INTERIOR_DIRECTIONS,

@@ -14,19 +14,22 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import jitable
-from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
-from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
-from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
 from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
+from abi.obstacles.triangle_mesh.surface_kernels import limit_of
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     DescentWorkspace,
     Placement,
     SurfaceTables,
+    distance_bounds,
+    steepest,
     to_surface,
 )
-from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, triangle_at
-from abi.obstacles.triangle_mesh.winding_kernels import is_inside
-from abi.obstacles.vector_kernels import Vec3, norm, sub
+from abi.obstacles.triangle_mesh.triangle_kernels import (
+    is_inside,
+    nearest_triangle,
+    point_to_triangle,
+)
+from abi.obstacles.vector_kernels import Vec3, norm, sub, triangle_at
 from abi.tet_mesh.adjacency_kernels import (
     Adjacency,
     Span,

@@ -40,8 +40,8 @@ from abi.robot.paper_arm.pose_kernels import ArmNumbers, pose_of, rates_near, re
 from abi.robot.urdf.robot import MOST_JOINTS
 from abi.robot.urdf.urdf_reader import MAX_LINKS
 from abi.scene.scene import load_scene
-from abi.search.taut import geodesic_box_kernels
-from abi.search.taut.geodesic_box_kernels import around_box
+from abi.search.taut import geodesic_kernels
+from abi.search.taut.geodesic_kernels import around_box
 from abi.verify import exact_chain, verify_paper_arm
 from abi.verify.exact import vector
 from abi.verify.exact_paper_arm import ExactArm
@@ -415,7 +415,7 @@ def grazes(seed: int) -> bool:
 @pytest.mark.slow
 def test_a_path_that_grazes_a_face_of_a_box_counts(monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(map(grazes, range(60)))
-    monkeypatch.setattr(geodesic_box_kernels, "_ROUNDING", 0.0)
+    monkeypatch.setattr(geodesic_kernels, "_ROUNDING", 0.0)
     assert not all(map(grazes, range(60)))
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from abi.arm_planning.arm_model import ArmBranch
-from abi.arm_planning.branch.arm_path_kernels import pull, pulled
+from abi.arm_planning.exclusion.arm_path_kernels import pull, pulled
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.control_points import place_control_points

@@ -13,10 +13,12 @@ from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
-from abi.arm_planning.exclusion.configuration_tree_kernels import configurations_touching
+from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES
+from abi.arm_planning.exclusion.node_configuration_kernels import (
+    configurations_touching,
+    touching_configurations,
+)
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
-from abi.arm_planning.exclusion.paper_arm_segment_kernels import MOST_TRIES
 from abi.arm_planning.motion.urdf_motion import ChainJointPath, joint_path_from
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles

@@ -15,11 +15,11 @@ from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm_planning.exclusion import (
+    arm_path_kernels,
     paper_arm_mask_kernels,
     paper_arm_node_tree_kernels,
-    paper_arm_segment_kernels,
 )
-from abi.arm_planning.exclusion.paper_arm_segment_kernels import MOST_TRIES, ArmSegments
+from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES, ArmSegments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
@@ -128,7 +128,7 @@ class ElbowBranch:
         """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3)."""
         points = arguments.polyline("points", points)
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
-        paper_arm_segment_kernels.clear_segments(flat(points), self.segments, clear)
+        arm_path_kernels.clear_segments(flat(points), self.segments, clear)
         return clear
 
     def reached(self, points: FloatArray) -> BoolArray:

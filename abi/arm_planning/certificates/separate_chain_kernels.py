@@ -12,18 +12,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.certificates.direction_kernels import NO_DIRECTION
 from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
+    NO_DIRECTION,
     Found,
     Moving,
     ProofLists,
     Span,
     separate_pairs,
 )
+from abi.arm_planning.world.chain_distance_kernels import hull_and_row
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
-from abi.arm_planning.world.hull_row_kernels import hull_and_row
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,

@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.certificates.direction_kernels import NO_DIRECTION
 from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
     LONGER,
+    NO_DIRECTION,
     Moving,
     ProofLists,
     Span,

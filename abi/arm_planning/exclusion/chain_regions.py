@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
+from abi.arm_planning.exclusion.node_configuration_kernels import touching_configurations
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
 from abi.arm_planning.exclusion.paper_arm_regions import box_above, grid, surface
 from abi.arm_planning.world.collision_world import CollisionWorld

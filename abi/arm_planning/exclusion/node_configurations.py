@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 
 from abi import arguments
-from abi.arm_planning.exclusion import spread_configurations_kernels
-from abi.arm_planning.exclusion.configuration_tree_kernels import (
+from abi.arm_planning.exclusion import node_configuration_kernels
+from abi.arm_planning.exclusion.node_configuration_kernels import (
     ConfigurationTree,
     bound_configurations,
 )
@@ -113,12 +113,12 @@ def spread_over(
     reached = np.zeros(len(mesh.points), dtype=np.bool_)
     nearest = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
     configurations[nearest] = first / arm.scales
-    spread_configurations_kernels.spread(
+    node_configuration_kernels.spread(
         arm.chain.table,
-        spread_configurations_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
+        node_configuration_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
         nearest,
         Drift(flat(home / arm.scales), PULL),
-        spread_configurations_kernels.SpreadLimits(REACHED, _LONGEST),
+        node_configuration_kernels.SpreadLimits(REACHED, _LONGEST),
         configurations.reshape(-1),
         reached,
     )

@@ -28,8 +28,8 @@ from abi.obstacles.primitive_kernels import (
     in_body,
     segment_within,
 )
-from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.triangle_mesh.segment_kernels import inverse_of, stretch_in
+from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,

@@ -19,7 +19,7 @@ from abi.arrays import BoolArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, NEW_FLAGS, compiled
-from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
+from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,

@@ -16,7 +16,7 @@ from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRef
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world import paper_arm_distance_kernels
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arm_planning.world.paper_arm_mesh_distance_kernels import capsules_near_meshes
+from abi.arm_planning.world.paper_arm_distance_kernels import capsules_near_meshes
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet

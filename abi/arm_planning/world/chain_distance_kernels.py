@@ -1,20 +1,152 @@
-"""Distances of a URDF arm's capsules to all obstacles and to each other, over many poses."""
+"""Distances of a URDF arm, hulls and capsules, to its surroundings and to itself, over poses."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arm_planning.world.paper_arm_distance_kernels import way
 from abi.arrays import FloatArray, IntArray
+from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment, nearest_to_segment
-from abi.obstacles.primitive_kernels import WIDTH
-from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
-from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh_to_segment, widened
+from abi.obstacles.primitive_kernels import (
+    WIDTH,
+    Axes,
+    Core,
+    axes_of,
+    centre_of,
+    core_of,
+    in_body,
+    in_world,
+)
+from abi.obstacles.triangle_mesh.surface_kernels import (
+    NO_SURFACES,
+    SurfaceSet,
+    most_to_mesh,
+    nearest_mesh_to_segment,
+    widened,
+)
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
-from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
-from abi.obstacles.vector_kernels import norm, sub, vec3_at
+from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH, between_segments
+from abi.obstacles.vector_kernels import Vec3, add, norm, sub, vec3_at
+from abi.robot.bodies.capsule_table import BODIES, Bodies
+from abi.robot.bodies.hull_kernels import APART, OVERLAP, lowest_point, separation
+from abi.robot.kinematics.chain_kernels import POSE
+
+
+@jitable
+def _highest(core: Core, way: Vec3) -> Vec3:
+    """Point of a core without its radius that is highest along a direction, body frame."""
+    z = core.z if way[2] >= 0 else -core.z
+    if core.is_cylinder == 1:
+        across = math.sqrt(way[0] * way[0] + way[1] * way[1])
+        if across == 0:
+            return core.x, 0.0, z
+        return core.x * way[0] / across, core.x * way[1] / across, z
+    return (core.x if way[0] >= 0 else -core.x), (core.y if way[1] >= 0 else -core.y), z
+
+
+@jitable
+def _from_row(pair: tuple[Bodies, FloatArray, int, Core, Axes, Vec3], way: Vec3) -> Vec3:
+    """Lowest point of a hull less the highest of a row's core, world."""
+    bodies, poses, c, core, axes, centre = pair
+    highest = add(centre, in_world(axes, _highest(core, in_body(axes, way))))
+    return sub(lowest_point(bodies, poses, c, way), highest)
+
+
+@jitable
+def hull_and_row(
+    bodies: Bodies, poses: FloatArray, c: int, around: Obstacles, s: int, near: float, far: float
+) -> tuple[int, float, Vec3]:
+    """Check if a direction keeps the hull of body c farther than ``far`` from row s, at a pose.
+
+    Args:
+        bodies: the bodies.
+        poses: of the joints, flat (12 (m + 1),), [m].
+        c: number of the body.
+        around: what to keep clear of.
+        s: its row, the last one for the floor.
+        near, far: distances of the hull without its rounding, [unit].
+
+    Returns:
+        CERTIFIED, REFUTED with a distance below ``near``, or UNDECIDED; the distance; the direction
+        from the row.
+    """
+    if s == len(around.margins) - 1:
+        up = (0.0, 0.0, 1.0)
+        gap = lowest_point(bodies, poses, c, up)[2] - around.floor
+        return CERTIFIED if gap > far else REFUTED if gap < near else UNDECIDED, gap, up
+    core, centre = core_of(around.primitives, s), centre_of(around.primitives, s)
+    axes = axes_of(around.primitives, s)
+    radius = 0.0 if core.is_cylinder == 1 else core.radius
+    outcome, gap, way = separation(
+        _from_row,
+        (bodies, poses, c, core, axes, centre),
+        (0.0, 0.0, 1.0),
+        near + radius,
+        far + radius,
+    )
+    if outcome == APART:
+        return CERTIFIED, gap - radius, way
+    return REFUTED if outcome == OVERLAP else UNDECIDED, gap - radius, way
+
+
+@compiled(example=(BODIES, FLOATS, FLOATS, NO_OBSTACLES, IDS, 0.0, NEW_FLOATS, NEW_IDS))
+def hull_clearances(
+    bodies: Bodies,
+    poses: FloatArray,
+    ends: FloatArray,
+    around: Obstacles,
+    asked: IntArray,
+    enough: float,
+    distances: FloatArray,
+    rows: IntArray,
+) -> None:
+    """Distances of hulls, with their roundings, to what their capsules are to keep clear of.
+
+    Args:
+        bodies: the bodies.
+        poses: of the joints at each of n poses, flat (12 (m + 1) n,), [m].
+        ends: of all capsules at each, flat (6 c n,), [unit], world.
+        around: what to keep clear of.
+        asked: number of a pose and of a body, flat (2 k,).
+        enough: distances above it may be any from there on, [unit].
+        distances: (k,), [unit], 0 where they overlap; written.
+        rows: the nearest row of each, -1 where none is as near, (k,); written.
+    """
+    size, capsules, count = POSE * (bodies.moving + 1), len(bodies.frames), len(around.margins)
+    waiting = np.empty(DEPTH + count, np.int32)
+    for k in range(len(distances)):
+        at, c = asked[2 * k] * size, asked[2 * k + 1]
+        placed, first = poses[at : at + size], 6 * (asked[2 * k] * capsules + c)
+        a, b = vec3_at(ends, first), vec3_at(ends, first + 3)
+        best, nearest, open_ = bodies.roundings[c] + enough, -1, 0
+        for one in range(len(around.outer)):
+            if around.asked[c * count + around.outer[one]]:
+                waiting[open_] = around.outer[one]
+                open_ += 1
+        while open_ > 0:
+            open_ -= 1
+            s = waiting[open_]
+            # the hull is not in the capsule where this is exactly as wide
+            gap = -math.inf if s == count - 1 else box_gap(around.primitives, s, a, b)
+            if gap - 1.01 * bodies.radii[c] > best:
+                continue
+            if s < count - 1 and around.inside[2 * s + 1] > 0:
+                for row in range(around.inside[2 * s], around.inside[2 * s + 1]):
+                    waiting[open_] = row
+                    open_ += 1
+                continue
+            _, away, _ = hull_and_row(bodies, placed, c, around, s, 0.0, best)
+            if away < best:
+                best, nearest = away, s
+        distances[k], rows[k] = max(best - bodies.roundings[c], 0.0), nearest
+
 
 _AHEAD = 8.0
 """Distance looked beyond what counts, in ways to the pose before: so that it is seldom."""

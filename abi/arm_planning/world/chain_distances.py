@@ -13,9 +13,12 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.world.chain_distance_kernels import link_distances, pair_distances
+from abi.arm_planning.world.chain_distance_kernels import (
+    hull_clearances,
+    link_distances,
+    pair_distances,
+)
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arm_planning.world.hull_distance_kernels import hull_clearances
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.bodies.allowed_contacts import AllowedContact

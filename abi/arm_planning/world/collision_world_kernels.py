@@ -1,6 +1,7 @@
 """Surroundings of an arm in the format of the kernels, and their separation from a segment.
 
-``abi.arm_planning.world.collision_world`` makes them from a scene's obstacles.
+``abi.arm_planning.world.collision_world`` makes them from a scene's obstacles, with boxes that
+contain its triangle meshes as rows in the format of convex primitives.
 """
 
 from __future__ import annotations
@@ -11,16 +12,18 @@ from typing import NamedTuple
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compilation.jitable import jitable
-from abi.compiled import FLAGS, FLOATS, IDS
+from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     BOUNDS,
     WIDTH,
+    Axes,
     Core,
     centre_of,
+    in_world,
     signed_distance_gradient,
     support,
 )
-from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub
+from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, sub, vec3_at
 
 _STEPS = 40
 
@@ -212,3 +215,55 @@ def add_pairs_within(
             or box_gap(around.primitives, s, segment[0], segment[1]) <= far + around.margins[s]
         ):
             pairs.append(c * count + s)
+
+
+_ROUNDING = 1e-12
+
+_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@compiled(example=(FLOATS, FLOATS, FLOATS, _AXES, (0.0, 0.0, 0.0), 1.0, NEW_FLOATS), fallback=False)
+def box_rows(
+    middles: FloatArray,
+    halves: FloatArray,
+    axes: FloatArray,
+    turned: Axes,
+    position: Vec3,
+    factor: float,
+    rows: FloatArray,
+) -> None:
+    """Write the rows of boxes that are placed in the world, a little larger, for rounding.
+
+    Args:
+        middles: of the boxes, in the file's unit, flat (3 n,).
+        halves: half sizes, flat (3 n,).
+        axes: their axes as columns, flat (9 n,).
+        turned: axes of the file in the world.
+        position: its origin, [unit], world.
+        factor: [unit] per unit of the file.
+        rows: flat (n WIDTH,), 0 at first; written.
+    """
+    count = len(rows) // WIDTH
+    largest, farthest = 0.0, 0.0
+    for i in range(count):
+        x, y, z = in_world(turned, vec3_at(middles, 3 * i))
+        centre = add(position, (factor * x, factor * y, factor * z))
+        for k in range(3):
+            rows[WIDTH * i + k] = centre[k]
+            farthest = max(farthest, abs(centre[k]))
+            largest = max(largest, factor * halves[3 * i + k])
+    pad = _ROUNDING * (largest + farthest)
+    for i in range(count):
+        row = WIDTH * i
+        x = y = z = 0.0
+        for k in range(3):
+            j = 9 * i + k
+            u, v, w = in_world(turned, (axes[j], axes[j + 3], axes[j + 6]))
+            half = factor * halves[3 * i + k] + pad
+            rows[row + 3 + 3 * k], rows[row + 4 + 3 * k], rows[row + 5 + 3 * k] = u, v, w
+            rows[row + 12 + k] = half
+            x, y, z = x + abs(u) * half, y + abs(v) * half, z + abs(w) * half
+        for k in range(3):
+            reach = x if k == 0 else y if k == 1 else z
+            rows[row + BOUNDS + k] = rows[row + k] - reach
+            rows[row + BOUNDS + 3 + k] = rows[row + k] + reach

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.world.box_row_kernels import box_rows
+from abi.arm_planning.world.collision_world_kernels import box_rows
 from abi.arrays import FloatArray, IntArray, flat
 from abi.errors import ArgumentError
 from abi.obstacles.mesh_shape import MeshShape

@@ -12,8 +12,7 @@ from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS
 from abi.errors import ArgumentError
-from abi.obstacles.triangle_mesh.bvh_kernels import slabs_of_nodes
-from abi.obstacles.triangle_mesh.leaf_order_kernels import order_of_leaves
+from abi.obstacles.triangle_mesh.bvh_kernels import order_of_leaves, slabs_of_nodes
 from abi.obstacles.triangle_mesh.per_surface import PerSurface
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at

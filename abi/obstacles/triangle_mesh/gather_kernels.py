@@ -15,13 +15,8 @@ from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of
 from abi.obstacles.triangle_mesh.segment_kernels import inverse_of, stretch_in
-from abi.obstacles.triangle_mesh.triangle_kernels import (
-    THIN,
-    Triangle,
-    segment_to_triangle,
-    triangle_at,
-)
-from abi.obstacles.vector_kernels import Vec3, cross, dot, sub
+from abi.obstacles.triangle_mesh.triangle_kernels import THIN, segment_to_triangle
+from abi.obstacles.vector_kernels import Triangle, Vec3, cross, dot, sub, triangle_at
 
 _MOST = 96  # with more, descents are quicker
 

@@ -11,16 +11,14 @@ from typing import NamedTuple
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of, highest, highest_in_slab
-from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.triangle_kernels import (
-    Triangle,
     clamp,
     closest_point,
+    nearest_triangle,
     on_side,
     segment_to_triangle,
-    triangle_at,
 )
-from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, norm, sub
+from abi.obstacles.vector_kernels import Triangle, Vec3, add, axpy, dot, norm, sub, triangle_at
 
 _TRIES = 4  # steps towards the nearest triangle, until it is the same again
 

@@ -12,11 +12,15 @@ import numpy as np
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, dipoles, moved, tree_of
-from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid, grid_values
 from abi.obstacles.triangle_mesh.per_surface import PerSurface
 from abi.obstacles.triangle_mesh.rounding import error_of_distances
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, SurfaceTables
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    DistanceGrid,
+    Placement,
+    SurfaceTables,
+    grid_values,
+)
 
 _NODES = 60_000
 _BORDER = 0.1

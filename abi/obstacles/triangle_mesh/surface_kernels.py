@@ -1,24 +1,100 @@
-"""Signed distances to a surface that is placed in the world, of arrays of points and segments."""
+"""Distances to surfaces that are placed in the world, and segments that come too near to them.
+
+What is asked of all triangle meshes of a scene leaves out those that are far, by a tree over their
+bounding boxes (``primitive_tree_kernels``).
+"""
 
 from __future__ import annotations
 
-from abi.arrays import BoolArray, FloatArray
+import math
+from typing import NamedTuple
+
+from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
-from abi.compiled import FLOATS, NEW_FLAGS, NEW_FLOATS, compiled
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import in_world
-from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
-from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
-from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_of, signed_distance_at
-from abi.obstacles.triangle_mesh.surface_segment_kernels import least_distance
+from abi.obstacles.primitive_tree_kernels import next_near, next_near_segment
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
+from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
+from abi.obstacles.triangle_mesh.surface_distance_kernels import (
+    gradient_of,
+    is_inside_near,
+    least_distance,
+    signed_distance_at,
+)
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     NO_PLACEMENT,
     NO_TABLES,
+    TOUCHING,
+    DescentWorkspace,
+    DistanceGrid,
     Placement,
     SurfaceTables,
+    distance_bounds,
     new_room,
+    steepest,
     to_surface,
 )
-from abi.obstacles.vector_kernels import vec3_at
+from abi.obstacles.triangle_mesh.triangle_kernels import segment_to_triangle
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub, triangle_at, vec3_at
+
+_PARALLEL = 1e-8
+"""Part of a segment's length: error of its distance to a nearly parallel edge."""
+
+
+@jitable
+def limit_of(tables: SurfaceTables, margin: float, length: float) -> float:
+    """Distance at which a segment of some length counts as nearer than a margin, by rounding."""
+    return max(margin, TOUCHING * tables.extent) + _PARALLEL * length
+
+
+@jitable
+def is_blocked(
+    tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: DescentWorkspace
+) -> bool:
+    """Check if a segment of the body frame comes nearer to a surface than a margin, or touches it.
+
+    Walks along the segment as far as the grid's bounds allow at each place (Hart, Sphere tracing,
+    1996). The stretch in which they allow less than half a step of the grid is tested against the
+    triangles.
+    """
+    tree, _, grid, closed, _, _ = tables
+    length = distance(p, q)
+    limit = limit_of(tables, margin, length)
+    # it may be of another surface, but is a triangle of this one all the same
+    latest = room.latest[0]
+    if 0 <= latest < len(tree.corners) // 9:
+        triangle = triangle_at(tree.corners, latest)
+        if segment_to_triangle(p, q, triangle) <= limit * limit:
+            return True
+    d = sub(q, p)
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    at, outside = 0.0, not closed
+    first, last, nearest, there = length, -1.0, math.inf, 0.0
+    while at <= length:
+        lower, upper = distance_bounds(grid, axpy(at * inverse, d, p))
+        if upper < margin:
+            return True
+        outside = outside or lower > 0.0
+        far = lower - limit
+        if far < grid.step / 2:
+            if lower < nearest:
+                nearest, there = lower, at
+            far = min(grid.step, length - at)
+            first, last = min(first, at), at + far
+        if at + far >= length:
+            break
+        at += far
+    if last >= 0.0:
+        normal = steepest(grid, axpy(there * inverse, d, p))
+        x, y = axpy(first * inverse, d, p), axpy(last * inverse, d, p)
+        found = near_triangle(tree, x, y, limit, normal, room.waiting)
+        if found >= 0:
+            room.latest[0] = found
+            return True
+    # a segment that nothing touches is inside or outside as a whole
+    return not outside and is_inside_near(tables, p, room)
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS), fallback=False)
@@ -108,3 +184,177 @@ def bounds_of_distances(
     for i in range(len(points) // 3):
         least, most = distance_bounds(tables.grid, to_surface(placement, vec3_at(points, 3 * i)))
         lower[i], upper[i] = least * placement.factor, most * placement.factor
+
+
+WIDER = 1e-9
+"""Distance, [unit] and part, by which meshes are looked for farther: rounding leaves none out."""
+
+
+_IDS, _NUMBERS, _POSE = 8, 15, 13
+
+
+class SurfaceSet(NamedTuple):
+    """All surfaces of a scene and their poses, as flat arrays.
+
+    Attributes:
+        boxes, leaves, corners, slabs: of the trees, see ``TriangleTree``.
+        centres, radii, normals, areas: of their far fields, see ``Dipoles``.
+        values: of the grids, see ``DistanceGrid``.
+        begins: (s ``_IDS``,) of each surface where its nodes, leaves, triangles and values begin;
+            the counts of its grid, and whether it is closed. One row more ends the last surface.
+        numbers: (s ``_NUMBERS``,) the other fields of its tables, one after the other.
+        whose: (m,) surface of each mesh.
+        poses: (m ``_POSE``,) origin, axes and factor of its placement.
+        bounds: (m ``WIDTH``,) the meshes' bounding boxes as rows of a tree, see
+            ``primitive_tree_kernels``.
+    """
+
+    boxes: FloatArray
+    leaves: IntArray
+    corners: FloatArray
+    slabs: FloatArray
+    centres: FloatArray
+    radii: FloatArray
+    normals: FloatArray
+    areas: FloatArray
+    values: FloatArray
+    begins: IntArray
+    numbers: FloatArray
+    whose: IntArray
+    poses: FloatArray
+    bounds: FloatArray
+
+
+NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
+"""The empty set: for scenes without meshes, and as an example to compile with."""
+
+
+@jitable
+def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
+    """One mesh of the set, and its pose."""
+    boxes, leaves, corners, slabs, centres, radii, normals, areas, values = surfaces[:9]
+    begins, numbers, poses = surfaces.begins, surfaces.numbers, surfaces.poses
+    k = _IDS * surfaces.whose[mesh]
+    a, b, c, d = begins[k], begins[k + 1], begins[k + 2], begins[k + 3]
+    e, f = begins[k + _IDS], begins[k + _IDS + 1]
+    g, h = begins[k + _IDS + 2], begins[k + _IDS + 3]
+    n = _NUMBERS * surfaces.whose[mesh]
+    tree = TriangleTree(
+        *(boxes[6 * a : 6 * e], leaves[b:f], corners[9 * c : 9 * g], slabs[5 * a : 5 * e]),
+        numbers[n],
+    )
+    far_field = Dipoles(centres[3 * a : 3 * e], radii[a:e], normals[3 * a : 3 * e], areas[a:e])
+    counts = (begins[k + 4] + 0, begins[k + 5] + 0, begins[k + 6] + 0)
+    box = (vec3_at(numbers, n + 5), vec3_at(numbers, n + 8))
+    grid = DistanceGrid(
+        values[d:h], counts, vec3_at(numbers, n + 1), numbers[n + 4], box, numbers[n + 11]
+    )
+    error = (numbers[n + 13], numbers[n + 14])
+    closed = begins[k + 7] == 1
+    tables = SurfaceTables(tree, far_field, grid, closed, numbers[n + 12], error)
+    p = _POSE * mesh
+    axes = (vec3_at(poses, p + 3), vec3_at(poses, p + 6), vec3_at(poses, p + 9))
+    return tables, Placement(vec3_at(poses, p), axes, poses[p + 12])
+
+
+@jitable
+def widened(limit: float) -> float:
+    """Distance to a mesh's bounding box up to which the mesh may be nearer than a limit, [unit]."""
+    return limit + WIDER * (1.0 + abs(limit))
+
+
+@jitable
+def nearest_mesh(
+    surfaces: SurfaceSet, enough: float, sought: float, x: Vec3, room: DescentWorkspace
+) -> tuple[float, int, int, float]:
+    """Least signed distance of a point, whose it is, the triangle, and a lower bound of it.
+
+    Args:
+        surfaces: the meshes.
+        enough: where it is not below, [unit], it may be left out: then it is inf and the others -1.
+        sought: the bound need not be above this, [unit].
+        x: a point, [unit], world.
+        room: for descents.
+    """
+    bounds = surfaces.bounds
+    best, whose, triangle, least = math.inf, -1, -1, sought
+    s = next_near(bounds, -1, widened(least), x, x)
+    while s >= 0:
+        tables, placement = surface_at(surfaces, s)
+        p = to_surface(placement, x)
+        lower = distance_bounds(tables.grid, p)[0] * placement.factor
+        if lower < min(enough, least):
+            away, number = signed_distance_at(tables, p, room)
+            lower = away * placement.factor
+            if lower < best:
+                best, whose, triangle = lower, s, number
+        least = min(least, lower)
+        s = next_near(bounds, s, widened(least), x, x)
+    return best, whose, triangle, least
+
+
+@jitable
+def most_to_mesh(surfaces: SurfaceSet, most: float, x: Vec3) -> float:
+    """Upper bound of a point's signed distance to the nearest mesh; ``most`` if that is less."""
+    bounds = surfaces.bounds
+    s = next_near(bounds, -1, most, x, x)
+    while s >= 0:
+        tables, placement = surface_at(surfaces, s)
+        upper = distance_bounds(tables.grid, to_surface(placement, x))[1]
+        most = min(most, upper * placement.factor)
+        s = next_near(bounds, s, most, x, x)
+    return most
+
+
+@jitable
+def nearest_mesh_to_segment(
+    surfaces: SurfaceSet, enough: float, a: Vec3, b: Vec3, room: DescentWorkspace
+) -> tuple[float, int]:
+    """Least signed distance of a segment and whose it is; ``enough`` and -1 if it is not below.
+
+    Args:
+        surfaces: the meshes.
+        enough: [unit].
+        a: one end, [unit], world; it may be the other one, too.
+        b: the other end.
+        room: for descents.
+    """
+    bounds = surfaces.bounds
+    best, whose = enough, -1
+    half = distance(a, b) / 2
+    # how deep a segment is inside is a bound from below: each that may be inside counts
+    wide = widened(max(best, 0.0))
+    s = next_near_segment(bounds, -1, wide, a, b)
+    while s >= 0:
+        tables, placement = surface_at(surfaces, s)
+        p, q = to_surface(placement, a), to_surface(placement, b)
+        lower = distance_bounds(tables.grid, axpy(0.5, sub(q, p), p))[0]
+        if lower * placement.factor - half < wide:
+            # in the surface's lengths: back in the world's, rounding would make it nearer
+            limit = best / placement.factor
+            away = least_distance(tables, p, q, limit, room)
+            if away < limit:
+                best, whose = away * placement.factor, s
+                wide = widened(max(best, 0.0))
+        s = next_near_segment(bounds, s, wide, a, b)
+    return best, whose
+
+
+@jitable
+def meshes_met(
+    surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, most: int, room: DescentWorkspace
+) -> tuple[int, int]:
+    """Number of meshes that the segment a..b, world, meets, up to ``most``; the last one, or -1.
+
+    It meets those that it comes nearer to than ``margin``, and those that it touches.
+    """
+    bounds, met, whose = surfaces.bounds, 0, -1
+    wide = widened(max(margin, 0.0))
+    s = next_near_segment(bounds, -1, wide, a, b)
+    while s >= 0 and met < most:
+        tables, placement = surface_at(surfaces, s)
+        p, q = to_surface(placement, a), to_surface(placement, b)
+        if is_blocked(tables, p, q, margin / placement.factor, room):
+            met, whose = met + 1, s
+        s = next_near_segment(bounds, s, wide, a, b)
+    return met, whose

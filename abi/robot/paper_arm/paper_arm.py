@@ -25,8 +25,7 @@ from abi.robot.bodies.urdf_writer import joint, write
 from abi.robot.kinematics.chain import Chain
 from abi.robot.paper_arm import arm_links
 from abi.robot.paper_arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
-from abi.robot.paper_arm.place_capsules_kernels import place_capsules
-from abi.robot.paper_arm.pose_kernels import ArmNumbers, ArmTable
+from abi.robot.paper_arm.pose_kernels import ArmNumbers, ArmTable, place_capsules
 from abi.robot.urdf.robot_files import packed, robot_from_archive
 from abi.robot.urdf.usual_tip import usual_tip
 

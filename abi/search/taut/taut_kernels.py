@@ -1,18 +1,227 @@
-"""Taut paths between convex solids, from given paths and from short ones along solids' edges."""
+"""Taut paths between convex solids, from given paths and from short ones along solids' edges.
+
+The short ones are found in a visibility graph. Plain Python that numba compiles with its caller;
+uncompiled it runs on lists. Waypoints are in [unit], world.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, compiled
-from abi.obstacles.vector_kernels import Vec3, vec3_at
-from abi.search.taut.free_space_kernels import SPACE, FreeSpace
-from abi.search.taut.tighten_kernels import length_of, tighten
-from abi.search.taut.visibility_graph_kernels import PathSearchEffort, edge_waypoints, short_paths
+from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_tree_kernels import any_within, blocker
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
+from abi.search.taut.tighten_kernels import (
+    SPACE,
+    FreeSpace,
+    in_bounds,
+    is_clear,
+    kind_of,
+    length_of,
+    tighten,
+)
+
+_SUPPORT = 0.02  # the part of a squared length that counts as none: edges are round, in fact
+
+
+class PathSearchEffort(NamedTuple):
+    """Limits of the search for short paths.
+
+    Attributes:
+        samples: waypoints evenly apart on each edge.
+        slack: ratio to the shortest length so far up to which a path by waypoints is tightened.
+        paths: number of paths by waypoints.
+        least_gain: part of the length that a cut corner must gain.
+        weight: of the distance to go in the search for such paths; they may be longer by that.
+        sights: lines of sight that this search may test; what was found until then counts.
+    """
+
+    samples: int
+    slack: float
+    paths: int
+    least_gain: float
+    weight: float
+    sights: int
+
+
+@jitable
+def _best_share(p: Vec3, edge: Vec3, a: Vec3, b: Vec3) -> float:
+    """Part of an edge from p at which the path from a by the edge to b is shortest."""
+    squared_length = dot(edge, edge)
+    if squared_length == 0:
+        return 0.0
+    # the path by a line is shortest where the mirror image of one end about it is in line
+    foot_a, foot_b = dot(sub(a, p), edge) / squared_length, dot(sub(b, p), edge) / squared_length
+    off_a, off_b = distance(a, axpy(foot_a, edge, p)), distance(b, axpy(foot_b, edge, p))
+    if off_a + off_b == 0:
+        return 0.0
+    return min(max((foot_a * off_b + foot_b * off_a) / (off_a + off_b), 0.0), 1.0)
+
+
+@jitable
+def edge_waypoints(
+    edges: FloatArray, start: Vec3, goal: Vec3, samples: int, most: float, space: FreeSpace
+) -> tuple[list[Vec3], list[int]]:
+    """Start, goal, and points on edges by which a path between them may be short.
+
+    On each edge: ``samples`` points evenly apart, and the one by which the path between the ends is
+    shortest; those that keep the general margin, lie in the box and are not too far off.
+
+    Args:
+        edges: (12 e,) both ends of each and the normals of its faces, [unit], world.
+        start: start.
+        goal: goal.
+        samples: number on each edge.
+        most: length that a path from start to goal by a waypoint must be below, [unit].
+        space: free space.
+
+    Returns:
+        The waypoints (n,), and numbers of their edges (n,).
+    """
+    margin = 0.0
+    for s in range(len(space.margins) // 4):
+        margin = max(margin, space.margins[s])
+    waypoints, labels = [start, goal], [-1, -1]
+    for e in range(len(edges) // 12):
+        p = vec3_at(edges, 12 * e)
+        edge = sub(vec3_at(edges, 12 * e + 3), p)
+        best = _best_share(p, edge, start, goal)
+        q = axpy(best, edge, p)
+        if distance(q, start) + distance(q, goal) >= most:
+            continue
+        for k in range(samples + 1 if dot(edge, edge) > 0 else 1):
+            q = axpy(best if k == 0 else k / (samples + 1), edge, p)
+            if (
+                in_bounds(space, q)
+                and distance(q, start) + distance(q, goal) < most
+                and not any_within(space.solids, margin, q)
+            ):
+                waypoints.append(q)
+                labels.append(e)
+    return waypoints, labels
+
+
+@jitable
+def _same_labels(parent: list[int], labels: list[int], node: int, other: int) -> bool:
+    """Check whether the paths to two waypoints go by the same labels, repeats counted once."""
+    while True:
+        if labels[node] != labels[other]:
+            return False
+        label = labels[node]
+        while node != 0 and labels[node] == label:
+            node = parent[node]
+        while other != 0 and labels[other] == label:
+            other = parent[other]
+        if node == 0 or other == 0:
+            return node == other
+
+
+@jitable
+def _reconstruct_paths(parent: list[int], lasts: list[int]) -> list[int]:
+    """The paths from 0 to 1 whose last waypoints are ``lasts``, one after the other."""
+    nodes = [0] * 0
+    for last in lasts:
+        path = [1, last]
+        while path[-1] != 0:
+            path.append(parent[path[-1]])
+        nodes.extend(path[::-1])
+    return nodes
+
+
+@jitable
+def _supports(edges: FloatArray, label: int, d: Vec3) -> bool:
+    """Check whether a line in direction d can touch an edge without entering its solid.
+
+    A shortest path enters and leaves an edge only along such lines.
+    """
+    if label < 0:
+        return True
+    n, m = vec3_at(edges, 12 * label + 6), vec3_at(edges, 12 * label + 9)
+    result: bool = dot(n, d) * dot(m, d) <= _SUPPORT * dot(d, d)
+    return result
+
+
+@jitable
+def short_paths(
+    waypoints: list[Vec3],
+    labels: list[int],
+    edges: FloatArray,
+    space: FreeSpace,
+    most: float,
+    effort: PathSearchEffort,
+) -> list[int]:
+    """Short paths from the first waypoint to the second by waypoints that see each other.
+
+    A* on the visibility graph: of the shortest paths to each waypoint that sees the second, the
+    first in order of length that go by other labels than those before. The first of all is the
+    shortest path there is, up to the weight. Whether two waypoints see each other is tested only
+    where it matters, and not where the line between them would enter the solid of an edge.
+
+    Args:
+        waypoints: n >= 2.
+        labels: (n,) edges of the waypoints, from the third on; negative ones are of none.
+        edges: (12 e,) both ends of each and the normals of its faces, [unit], world.
+        space: free space.
+        most: length that the paths must be below, [unit].
+        effort: how much is tried.
+
+    Returns:
+        Indices of the paths, one after the other, each from 0 to 1 (m,); empty when there is none.
+    """
+    solids, margins = space.solids, space.margins
+    weight = effort.weight
+    cost = [math.inf] * len(waypoints)
+    parent = [0] * len(waypoints)
+    to_go = [distance(waypoint, waypoints[1]) for waypoint in waypoints]
+    unexpanded = list(range(2, len(waypoints)))
+    lasts = [0] * 0
+    guess = -1
+    sights = 0
+    node, cost[0] = 0 if to_go[0] < most else -1, 0.0
+    while node >= 0 and len(lasts) < effort.paths and sights < effort.sights:
+        here, so_far = waypoints[node], cost[node]
+        if _supports(edges, labels[node], sub(waypoints[1], here)) and is_clear(
+            space, kind_of(node, 1, 1), here, waypoints[1]
+        ):
+            new = True
+            for other in lasts:
+                if _same_labels(parent, labels, node, other):
+                    new = False
+            if new:
+                lasts.append(node)
+        first = kind_of(node, 0, 1) * (len(solids) // WIDTH)
+        last, node, at, least = node, -1, 0, math.inf
+        for k in range(len(unexpanded)):
+            i = unexpanded[k]
+            through = so_far + distance(here, waypoints[i])
+            d = sub(waypoints[i], here)
+            if (
+                through < cost[i]
+                and through + to_go[i] < most
+                and _supports(edges, labels[last], d)
+                and _supports(edges, labels[i], d)
+            ):
+                sights += 1
+                # a solid that blocked one line is likely to block the next one too
+                blocking = blocker(solids, margins, first, guess, here, waypoints[i])
+                if blocking >= 0:
+                    guess = blocking
+                else:
+                    cost[i] = through
+                    parent[i] = last
+            if cost[i] + weight * to_go[i] < least:
+                node, at, least = i, k, cost[i] + weight * to_go[i]
+        if node >= 0:
+            unexpanded[at] = unexpanded[len(unexpanded) - 1]
+            unexpanded.pop()
+    return _reconstruct_paths(parent, lasts)
+
 
 _SAME = 1e-6  # part of the length: two paths that differ by less are the same one,
 _CLOSE = 2e-4  # by less than this, either may be the shorter once its corners are cut

@@ -14,17 +14,16 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.polyline_kernels import near_polyline
+from abi.obstacles.obstacle_set_kernels import near_polyline
 from abi.obstacles.primitives import Primitive
 from abi.search.build_graph import REACH
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
-from abi.search.taut.free_space_kernels import FreeSpace
 from abi.search.taut.obstacle_edges import obstacle_edges
-from abi.search.taut.taut_kernels import taut_paths
+from abi.search.taut.taut_kernels import PathSearchEffort, taut_paths
 from abi.search.taut.theta_star_kernels import any_angle
+from abi.search.taut.tighten_kernels import FreeSpace
 from abi.search.taut.tighten_near_meshes import tighten_near_meshes
-from abi.search.taut.visibility_graph_kernels import PathSearchEffort
 
 _ROUNDING = 1e-9
 """Segments from start and goal may have less room: their own distance less this, [unit]."""
@@ -185,7 +184,7 @@ def _any_angle_path(
         graph: the graph.
         path: a path of it.
         packed: the convex obstacles.
-        margins: (4k,) see :class:`abi.search.taut.free_space_kernels.FreeSpace`.
+        margins: (4k,) see :class:`abi.search.taut.tighten_kernels.FreeSpace`.
     """
     mesh = graph.mesh
     nodes = len(mesh.points)

@@ -18,17 +18,21 @@ from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_to_segment
 from abi.obstacles.primitive_kernels import WIDTH, in_world
 from abi.obstacles.primitive_tree_kernels import blocked
-from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
-from abi.obstacles.surface_set_kernels import meshes_met, nearest_mesh
-from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_of
+from abi.obstacles.triangle_mesh.surface_distance_kernels import gradient_of
+from abi.obstacles.triangle_mesh.surface_kernels import (
+    NO_SURFACES,
+    SurfaceSet,
+    meshes_met,
+    nearest_mesh,
+    surface_at,
+)
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     DescentWorkspace,
     new_room,
     to_surface,
 )
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
-from abi.search.taut.free_space_kernels import kind_of
-from abi.search.taut.tighten_kernels import length_of
+from abi.search.taut.tighten_kernels import kind_of, length_of
 
 _LOOK_BACK = 32  # points to which one may be joined
 _CUTS = 6

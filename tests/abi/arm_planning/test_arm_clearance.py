@@ -13,8 +13,10 @@ from hypothesis import strategies as st
 from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion, follow
 from abi.arm_planning.world.collision_world import paper_arm_world
-from abi.arm_planning.world.paper_arm_distance_kernels import capsule_clearances
-from abi.arm_planning.world.paper_arm_mesh_distance_kernels import capsules_near_meshes
+from abi.arm_planning.world.paper_arm_distance_kernels import (
+    capsule_clearances,
+    capsules_near_meshes,
+)
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from abi.arm_planning.branch.chain_branch import ChainBranch
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
-from abi.arm_planning.exclusion.configuration_tree_kernels import (
+from abi.arm_planning.exclusion.node_configuration_kernels import (
     bound_configurations,
     configurations_touching,
+    touching_configurations,
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
 from abi.arm_planning.world.collision_world import chain_world

@@ -21,7 +21,7 @@ from abi.obstacles.pose import METRES
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.surface_segment_kernels import bounds_along
+from abi.obstacles.triangle_mesh.surface_distance_kernels import bounds_along
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room, to_surface
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude

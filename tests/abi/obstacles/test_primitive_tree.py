@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, flat
-from abi.obstacles import polyline_kernels, primitive_tree_kernels
+from abi.obstacles import obstacle_set_kernels, primitive_tree_kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, Obstacles, ObstacleSet
 from abi.obstacles.primitive_kernels import WIDTH
@@ -83,7 +83,7 @@ def test_queries_find_what_the_primitives_say_one_by_one(seed: int, margin: floa
     sure = np.abs(along.min(axis=1) - margin) > 1e-9
     blocked = obstacles.blocked(starts, ends, margin)
     assert np.array_equal(blocked[sure], along.min(axis=1)[sure] < margin)
-    near = polyline_kernels.near_polyline(
+    near = obstacle_set_kernels.near_polyline(
         flat(np.concatenate([starts[:1], ends[:1]])), obstacles.packed, margin
     )
     close = along[0] < margin

@@ -13,12 +13,12 @@ import pytest
 
 from abi import compiling
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
-from abi.arm_planning.exclusion.configuration_tree_kernels import (
+from abi.arm_planning.exclusion.node_configuration_kernels import (
     bound_configurations,
     configurations_touching,
+    spread,
+    touching_configurations,
 )
-from abi.arm_planning.exclusion.spread_configurations_kernels import spread
 from abi.arm_planning.joint_rates import joint_rates
 from abi.arrays import FloatArray
 from abi.errors import ArmNotClear, ExportError, SceneError

@@ -17,13 +17,12 @@ from abi.obstacles.obstacle_set import NO_OBSTACLES
 from abi.obstacles.primitives import Box
 from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import Algorithm, MeshSettings, Workspace
-from abi.search import bellman_ford_kernels, best_first_kernels, heuristic
+from abi.search import best_first_kernels, heuristic, label_kernels
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
-from abi.search.heuristic_kernels import INSIDE, NO_METRIC, ON_A_FACE, Metric, to_go
 from abi.search.search import SEARCHES, search
-from abi.search.search_kernels import Ends, Problem
+from abi.search.search_kernels import INSIDE, NO_METRIC, ON_A_FACE, Ends, Metric, Problem, to_go
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, MeshSizes, OpenEdges, cell, node_at
 from abi.tet_mesh.exclusion import exclude
@@ -332,7 +331,7 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
     )
     problem = Problem(table, opened, links, Ends(0, 1, 0), 1.0, NO_METRIC)
     with kernels_as(compiled=not plain):
-        cost, parent, order, relaxed = bellman_ford_kernels.bellman_ford(problem)
+        cost, parent, order, relaxed = label_kernels.bellman_ford(problem)
     assert np.allclose(cost, scipy_dijkstra(rows, indices=0), rtol=1e-12)
     assert len(order) > 4 * n
     assert relaxed == np.diff(indptr)[order].sum()

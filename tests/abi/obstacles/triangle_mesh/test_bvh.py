@@ -10,7 +10,7 @@ from abi.obstacles.triangle_mesh.bvh import (
     highest_in_slab,
     moved,
 )
-from abi.obstacles.triangle_mesh.leaf_order_kernels import BINS, MOST
+from abi.obstacles.triangle_mesh.bvh_kernels import BINS, MOST
 from tests.abi import meshes
 
 

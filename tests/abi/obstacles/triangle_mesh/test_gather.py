@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.obstacles.triangle_mesh.bvh import build_tree
-from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.triangle_mesh.gather_kernels import comes_near_gathered, gather, no_triangles
-from abi.obstacles.triangle_mesh.triangle_kernels import segment_to_triangle, triangle_at
+from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH, segment_to_triangle
+from abi.obstacles.vector_kernels import triangle_at
 from tests.abi import meshes
 
 REACH = 0.4

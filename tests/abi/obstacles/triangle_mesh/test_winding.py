@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.compilation.dispatcher import declare_helpers
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.triangle_mesh import winding_kernels
+from abi.obstacles.triangle_mesh import triangle_kernels
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build_tree, dipoles
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import mesh_oracles, meshes
@@ -43,8 +43,8 @@ OPEN = {
 # numba compiles what it calls once in each process: so one has all of them
 pytestmark = pytest.mark.xdist_group("winding numbers")
 declare_helpers()
-_number: Any = numba.njit(winding_kernels.winding_number)
-_is_inside: Any = numba.njit(winding_kernels.is_inside)
+_number: Any = numba.njit(triangle_kernels.winding_number)
+_is_inside: Any = numba.njit(triangle_kernels.is_inside)
 names = st.sampled_from(sorted({**CLOSED, **OPEN}))
 
 
@@ -99,7 +99,7 @@ def test_the_numbers_are_the_sums_of_all_solid_angles(name: str, seed: int) -> N
     expected = mesh_oracles.winding_numbers(corners(mesh), points)
     # the oracle takes roots of what rounds to 0 where a triangle is seen as a line
     np.testing.assert_allclose(numbers(mesh, points, np.inf), expected, atol=1e-5)
-    np.testing.assert_allclose(numbers(mesh, points, winding_kernels.OPENING), expected, atol=0.06)
+    np.testing.assert_allclose(numbers(mesh, points, triangle_kernels.OPENING), expected, atol=0.06)
     finer = np.abs(numbers(mesh, points, 40.0) - expected).max()
     assert finer < 1e-3
 
@@ -199,7 +199,7 @@ def test_where_dipoles_are_too_coarse_triangles_decide(count: int) -> None:
     points = rng.normal(size=(100, 3))
     points /= np.linalg.norm(points, axis=1, keepdims=True) / rng.uniform(0.97, 1.1, (100, 1))
     exact = numbers(mesh, points, np.inf)
-    coarse = numbers(mesh, points, winding_kernels.OPENING)
+    coarse = numbers(mesh, points, triangle_kernels.OPENING)
     assert ((np.abs(coarse) > 0.5) != (np.abs(exact) > 0.5)).any()
     np.testing.assert_array_equal(inside(mesh, points), np.abs(exact) > 0.5)
 

@@ -18,12 +18,11 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.scene.settings import Workspace
-from abi.search.taut.free_space_kernels import FreeSpace
 from abi.search.taut.geodesic_kernels import around_ball, solid_bounds
 from abi.search.taut.lower_bound import Bound, lower_bound
 from abi.search.taut.obstacle_edges import obstacle_edges
-from abi.search.taut.taut_kernels import taut_paths
-from abi.search.taut.visibility_graph_kernels import PathSearchEffort
+from abi.search.taut.taut_kernels import PathSearchEffort, taut_paths
+from abi.search.taut.tighten_kernels import FreeSpace
 from tests.abi import meshes
 from tests.abi.bezier import polyline
 from tests.abi.scene.test_scene import obstacles, points

@@ -15,8 +15,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitives import Primitive
 from abi.scene.scene import Scene
-from abi.search.taut import visibility_graph_kernels as visibility
-from abi.search.taut.free_space_kernels import FreeSpace
+from abi.search.taut import taut_kernels as visibility
+from abi.search.taut.tighten_kernels import FreeSpace
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
 

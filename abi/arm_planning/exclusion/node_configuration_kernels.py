@@ -1,0 +1,331 @@
+"""Configurations of a URDF arm at the nodes of a mesh, and which of them touch something.
+
+They are spread from node to node. For its capsules see
+``abi.arm_planning.certificates.separate_chain_kernels``. Against an obstacle of many parts they are
+asked many at once: around each capsule, at all configurations of a branch of a tree, is a box, and
+what is clear of the boxes is clear of the arm at each of the configurations.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.certificates.separate_chain_kernels import place_bodies
+from abi.arm_planning.exclusion.paper_arm_mask_kernels import touched_row
+from abi.arm_planning.world.chain_distance_kernels import hull_and_row
+from abi.arm_planning.world.collision_world_kernels import (
+    NO_OBSTACLES,
+    Obstacles,
+    asked_rows,
+    box_gap,
+)
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.clearance.separation_kernels import CERTIFIED
+from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
+from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
+from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH, between_segments
+from abi.obstacles.vector_kernels import dot, sub, vec3_at
+from abi.robot.bodies.capsule_table import BODIES, Bodies
+from abi.robot.bodies.hull_kernels import APART, between_hulls
+from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable
+from abi.robot.kinematics.follow_path_kernels import NO_DRIFT, Drift, reach_point, room_of
+
+_MOST_ITERATIONS = 15
+_TRIES = 3
+"""Neighbours from which a node is tried."""
+
+
+class Nodes(NamedTuple):
+    """Nodes of a mesh and their neighbours, as compressed rows.
+
+    Attributes:
+        points: the nodes, flat (3 n,), [m], world.
+        indptr: where each node's neighbours begin, (n + 1,).
+        indices: the neighbours.
+    """
+
+    points: FloatArray
+    indptr: IntArray
+    indices: IntArray
+
+
+class SpreadLimits(NamedTuple):
+    """Conditions on a configuration.
+
+    Attributes:
+        error: what a configuration may lack, over the reach or in [rad].
+        step: the largest of a coordinate between neighbours, [rad] or [m].
+    """
+
+    error: float
+    step: float
+
+
+_NODES, _LIMITS = Nodes(FLOATS, IDS, IDS), SpreadLimits(0.0, 1.0)
+
+
+@compiled(example=(TABLE, _NODES, 0, NO_DRIFT, _LIMITS, NEW_FLOATS, NEW_FLAGS))
+def spread(
+    chain: ChainTable,
+    nodes: Nodes,
+    first: int,
+    drift: Drift,
+    limits: SpreadLimits,
+    configurations: FloatArray,
+    reached: BoolArray,
+) -> None:
+    """Spread inverse kinematics over a mesh, breadth first, each node from a neighbour.
+
+    A node whose configuration is far from its neighbour's belongs to another sheet and is not
+    reached from there: no motion runs between them.
+
+    Args:
+        chain: the chain and its task.
+        nodes: of the mesh.
+        first: node to begin with.
+        drift: of joints to spare.
+        limits: what counts as reached.
+        configurations: coordinates at each node reached, flat (n m,); written. Those of the first
+            node are what it is reached from.
+        reached: (n,), False at first; written.
+    """
+    points, indptr, indices = nodes
+    allowed, longest = limits
+    count, total = len(drift.home), len(reached)
+    room = room_of(chain, count)
+    q = configurations[first * count : (first + 1) * count].copy()
+    queue, tries = np.empty(total, np.int32), np.zeros(total, np.int32)
+    still = Drift(drift.home, -1.0)
+    if reach_point(chain, q, still, points, first, 4 * _MOST_ITERATIONS, room) > allowed:
+        return
+    for j in range(count):
+        configurations[first * count + j] = q[j]
+    queue[0], reached[first] = first, True
+    done, found = 0, 1
+    while done < found:
+        node = queue[done]
+        done += 1
+        for place in range(indptr[node], indptr[node + 1]):
+            to = indices[place]
+            if reached[to] or tries[to] >= _TRIES:
+                continue
+            tries[to] += 1
+            for j in range(count):
+                q[j] = configurations[node * count + j]
+            if reach_point(chain, q, drift, points, to, _MOST_ITERATIONS, room) > allowed:
+                continue
+            jump = 0.0
+            for j in range(count):
+                jump = max(jump, abs(q[j] - configurations[node * count + j]))
+            if jump > longest:
+                continue
+            for j in range(count):
+                configurations[to * count + j] = q[j]
+            queue[found], reached[to] = to, True
+            found += 1
+
+
+@jitable
+def _touches_itself(bodies: Bodies, ends: FloatArray, poses: FloatArray, slack: float) -> bool:
+    """Check whether two bodies that are to keep apart are nearer than ``slack``."""
+    for pair in range(len(bodies.pairs) // 2):
+        i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
+        p, q = vec3_at(ends, 6 * i), vec3_at(ends, 6 * j)
+        way = between_segments(
+            p, sub(vec3_at(ends, 6 * i + 3), p), q, sub(vec3_at(ends, 6 * j + 3), q)
+        )
+        if math.sqrt(dot(way, way)) > bodies.radii[i] + bodies.radii[j] + slack:
+            continue
+        need = bodies.roundings[i] + bodies.roundings[j] + slack
+        if between_hulls(bodies, poses, pair, (0.0, 0.0, 1.0), need, need)[0] != APART:
+            return True
+    return False
+
+
+@jitable
+def touches_row(
+    bodies: Bodies,
+    ends: FloatArray,
+    poses: FloatArray,
+    around: Obstacles,
+    s: int,
+    waiting: IntArray,
+) -> bool:
+    """Check whether a body is too near to row s, or the floor, if it is to keep clear of it.
+
+    Of a triangle mesh it is asked of the capsule.
+    """
+    count = len(around.margins)
+    for c in range(len(bodies.frames)):
+        if not around.asked[c * count + s]:
+            continue
+        a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
+        need = bodies.radii[c] + around.margins[s]
+        if s == count - 1:
+            if min(a[2], b[2]) - around.floor >= need:
+                continue
+        elif touched_row(around, s, a, b, need, -1, waiting) < 0:
+            continue
+        elif around.meshes[s] >= 0:
+            return True
+        need = bodies.roundings[c] + around.margins[s]
+        if hull_and_row(bodies, poses, c, around, s, need, need)[0] != CERTIFIED:
+            return True
+    return False
+
+
+@compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 0.0, FLAGS, NEW_FLAGS))
+def touching_configurations(
+    chain: ChainTable,
+    bodies: Bodies,
+    configurations: FloatArray,
+    around: Obstacles,
+    slack: float,
+    reached: BoolArray,
+    touching: BoolArray,
+) -> None:
+    """Mark the nodes at whose configuration a capsule is too near to something, or to another.
+
+    Args:
+        chain: the chain.
+        bodies: its capsules.
+        configurations: coordinates at the nodes, flat (k n,).
+        around: what to keep clear of.
+        slack: distance that capsules keep from each other, [unit]; below 0 they are not looked at.
+        reached: nodes to look at, (k,).
+        touching: (k,); written.
+    """
+    count, poses = len(chain.limits) // 2, np.empty(POSE * (len(chain.source) + 1))
+    own = poses, np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
+    poses, ends, waiting = borrowed(own)
+    rows = asked_rows(around, len(bodies.frames))
+    for node in range(len(reached)):
+        if not reached[node]:
+            continue
+        place_bodies(chain, bodies, configurations, node * count, poses, ends)
+        touching[node] = slack >= 0 and _touches_itself(bodies, ends, poses, slack)
+        for s in rows:
+            if touching[node]:
+                break
+            touching[node] = touches_row(bodies, ends, poses, around, s, waiting)
+    held(own)
+
+
+_BOX = 6
+"""Numbers of a box: its low and its high corner."""
+
+
+class ConfigurationTree(NamedTuple):
+    """Configurations of a chain with n coordinates, in a tree over their places.
+
+    Attributes:
+        configurations: coordinates at the k places, flat (k n,).
+        order: places in the tree's order (k,).
+        leaves: first place of each leaf in that order, as in :class:`abi.tet_mesh.node_tree`.
+        boxes: around the segment of each of c capsules at the configurations of each of m branches,
+            low corners above high ones where there is none, flat (6 c m,), [unit], world.
+    """
+
+    configurations: FloatArray
+    order: IntArray
+    leaves: IntArray
+    boxes: FloatArray
+
+
+NO_CONFIGURATIONS = ConfigurationTree(FLOATS, IDS, IDS, FLOATS)
+"""Example for the compiler."""
+
+
+@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, FLAGS, NEW_FLOATS))
+def bound_configurations(
+    chain: ChainTable,
+    bodies: Bodies,
+    tree: ConfigurationTree,
+    reached: BoolArray,
+    boxes: FloatArray,
+) -> None:
+    """Write the boxes of a tree.
+
+    Args:
+        chain: the chain.
+        bodies: its capsules.
+        tree: the configurations, without boxes.
+        reached: places that count, (k,).
+        boxes: those around nothing at first; written.
+    """
+    count, size = len(chain.limits) // 2, _BOX * len(bodies.frames)
+    own = np.empty(POSE * (len(chain.source) + 1)), np.empty(size)
+    poses, ends = borrowed(own)
+    inner = len(tree.leaves) - 2
+    for leaf in range(len(tree.leaves) - 1):
+        for i in range(tree.leaves[leaf], tree.leaves[leaf + 1]):
+            node, at = tree.order[i], size * (inner + leaf)
+            if not reached[node]:
+                continue
+            place_bodies(chain, bodies, tree.configurations, node * count, poses, ends)
+            for k in range(size):
+                low = at + k - (3 if k % _BOX >= 3 else 0)
+                boxes[low] = min(boxes[low], ends[k])
+                boxes[low + 3] = max(boxes[low + 3], ends[k])
+    for branch in range(inner - 1, -1, -1):
+        for k in range(size):
+            a, b = boxes[size * (2 * branch + 1) + k], boxes[size * (2 * branch + 2) + k]
+            boxes[size * branch + k] = min(a, b) if k % _BOX < 3 else max(a, b)
+    held(own)
+
+
+@jitable
+def _comes_near(bodies: Bodies, boxes: FloatArray, at: int, around: Obstacles, s: int) -> bool:
+    """Check if the capsule of some box, of those from ``at`` on, may be too near to row s."""
+    for c in range(len(bodies.frames)):
+        low, high = vec3_at(boxes, at + _BOX * c), vec3_at(boxes, at + _BOX * c + 3)
+        need = bodies.radii[c] + around.margins[s]
+        if low[0] <= high[0] and box_gap(around.primitives, s, low, high) < need:
+            return True
+    return False
+
+
+@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, (NO_OBSTACLES, 0), FLAGS, NEW_FLAGS))
+def configurations_touching(
+    chain: ChainTable,
+    bodies: Bodies,
+    tree: ConfigurationTree,
+    obstacle: tuple[Obstacles, int],
+    asked: BoolArray,
+    touching: BoolArray,
+) -> None:
+    """Mark the places at whose configuration a capsule is too near to an obstacle.
+
+    Args:
+        chain: the chain.
+        bodies: its capsules.
+        tree: the configurations.
+        obstacle: what to keep clear of, and the row with all of it.
+        asked: places to look at, of those that count in the tree, (k,).
+        touching: (k,), False at first; written.
+    """
+    around, root = obstacle
+    count, size = len(chain.limits) // 2, _BOX * len(bodies.frames)
+    poses = np.empty(POSE * (len(chain.source) + 1))
+    own = poses, np.empty(size), np.empty(DEPTH, np.int32)
+    poses, ends, waiting = borrowed(own)
+    inner, work = len(tree.leaves) - 2, [0]
+    while len(work) > 0:
+        branch = work.pop()
+        if not _comes_near(bodies, tree.boxes, size * branch, around, root):
+            continue
+        if branch < inner:
+            work.append(2 * branch + 1)
+            work.append(2 * branch + 2)
+            continue
+        for i in range(tree.leaves[branch - inner], tree.leaves[branch - inner + 1]):
+            node = tree.order[i]
+            if not asked[node]:
+                continue
+            place_bodies(chain, bodies, tree.configurations, node * count, poses, ends)
+            touching[node] = touches_row(bodies, ends, poses, around, root, waiting)
+    held(own)
