@@ -11,11 +11,11 @@ from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
 from abi.arm_planning.world.solid_rows import RowTable
+from abi.arm_planning.wrist_drives import wrist_positions
 from abi.curves import speed_profile
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
 

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.paper import printed
 from abi.paper.comparison import PaperComparison
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
-from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.scene import Scene
 
 _POSES = 10_000

@@ -11,12 +11,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
 
-from abi.arrays import FloatArray
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.certificate import ARM
@@ -217,14 +216,14 @@ def _check_overlap(
     low, high = _usual_range(chain)
     for row in np.random.default_rng(0).uniform(low, high, (_POSES, len(low))):
         frames = chain.place([Fraction(number) for number in row.tolist()])
-        placed: dict[str, list[_RoundHull]] = {}
+        placed: dict[str, list[LinkPiece]] = {}
         for link in set(itertools.chain(*pairs)):
             turn, origin = np.eye(3), np.zeros(3)
             if chain.frames[link] >= 0:
                 frame = frames[chain.frames[link]]
                 turn, origin = (part.astype(float) / 2.0**200 for part in frame[:2])
             placed[link] = [
-                _RoundHull(body.points @ turn.T + origin, body.rounding) for body in bodies[link]
+                body._replace(points=body.points @ turn.T + origin) for body in bodies[link]
             ]
         for pair in pairs:
             both = itertools.product(placed[pair[0]], placed[pair[1]])
@@ -242,14 +241,7 @@ def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
     return np.maximum(low, -turn).tolist(), np.minimum(high, turn).tolist()
 
 
-class _RoundHull(NamedTuple):
-    """A hull of points (k, 3) in the world, and the distance from it that belongs to it, [unit]."""
-
-    points: FloatArray
-    rounding: float
-
-
-def _overlap(first: _RoundHull, second: _RoundHull) -> bool:
+def _overlap(first: LinkPiece, second: LinkPiece) -> bool:
     """Check whether two bodies overlap: their hulls are no farther apart than they are round."""
     a, b = first.points, second.points
     size = max(float(np.ptp(np.concatenate([a, b]), axis=0).max()), _NEAR)

@@ -13,13 +13,13 @@ from abi.arm_planning.motion import trajectory
 from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINT_SPEED, MOVED, PaperArm
-from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.settings import ArmSettings
 
 _POSES_TO_REFUTE, _TRIES_TO_REFUTE = 49, 5_000

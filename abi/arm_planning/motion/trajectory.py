@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from abi import arguments
 from abi.arm_planning.certificates.arm_certificate import slide_bounds
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
+from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
@@ -24,7 +25,6 @@ from abi.errors import NotFollowed, OutOfReach
 from abi.obstacles.pose import Vec3
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, SLIDES, PaperArm, forward
-from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.scene.settings import ArmSettings
 
 Quantity = Literal["position", "speed", "acceleration", "torque"]

@@ -24,7 +24,13 @@ from abi.certification.verdict_words import limit_sentences
 from abi.errors import AbiError, MotionError, SeveralTrajectoriesError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob, shown_name
+from app.panels.files.file_uploads import (
+    FileKind,
+    FileUploads,
+    SeveralChoices,
+    UploadJob,
+    shown_name,
+)
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.reading.reader import READER
 from app.reading.stored_upload import ROOM, StoredUpload
@@ -37,15 +43,7 @@ _NONE = "choose one…"
 _SIGNS = {"clear": "✓", "touches": "✗", "undecided": "?"}
 
 
-@dataclass(frozen=True, eq=False)
-class _SeveralTrajectories:
-    """A bag that has several trajectories: its content, and their names."""
-
-    file: StoredUpload
-    choices: tuple[str, ...]
-
-
-_Read = Motion | MotionError | _SeveralTrajectories
+_Read = Motion | MotionError | SeveralChoices
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +81,7 @@ class CheckMotionPanel:
             visible=False,
         )
         self.trajectory.on_update(wake)
-        self._several: _SeveralTrajectories | None = None
+        self._several: SeveralChoices | None = None
         self._bag, self._chosen = "", _NONE
         self.save = gui.add_button(
             "Save the verdict",
@@ -122,7 +120,7 @@ class CheckMotionPanel:
         self._scene = scene
         before = self._motion
         for one in self.uploads.news():
-            if isinstance(one.result, _SeveralTrajectories):
+            if isinstance(one.result, SeveralChoices):
                 self._offer(one.name, one.result)
                 continue
             if one.name != self._bag:
@@ -209,7 +207,7 @@ class CheckMotionPanel:
     def _refuse(self, name: str, error: AbiError) -> None:
         notices.notify_refused_file(self._client, f"{name} is not checked", _sentence(error))
 
-    def _offer(self, name: str, several: _SeveralTrajectories | None) -> None:
+    def _offer(self, name: str, several: SeveralChoices | None) -> None:
         """Offer the trajectories of a bag; None for no such file."""
         self._bag, self._several, self._chosen = name, several, _NONE
         self.trajectory.visible = several is not None
@@ -233,7 +231,7 @@ class CheckMotionPanel:
         except SeveralTrajectoriesError as error:
             file = StoredUpload(ROOM)
             file[0] = content
-            return _SeveralTrajectories(file, error.choices)
+            return SeveralChoices(file, error.choices)
         except MotionError as error:
             return error
 

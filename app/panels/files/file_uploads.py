@@ -80,6 +80,14 @@ class UploadJob(Generic[_T]):
         self._tell(UploadEvent(self.name, result, done=False))
 
 
+@dataclass(frozen=True, eq=False)
+class SeveralChoices:
+    """A file with several of what one is read of: its content, and their names."""
+
+    file: StoredUpload
+    choices: tuple[str, ...]
+
+
 Deal = Callable[[bytes, UploadJob[_T]], _T]
 """What comes of the content of a file; may raise SceneError and StoppedError."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import PurePosixPath
 from typing import Any
@@ -19,7 +18,13 @@ from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.held_axis import HeldAxis, plain_axis
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
-from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob, shown_name
+from app.panels.files.file_uploads import (
+    FileKind,
+    FileUploads,
+    SeveralChoices,
+    UploadJob,
+    shown_name,
+)
 from app.panels.stages.gripper import GripperPanel
 from app.panels.widgets import Wake
 from app.reading.reader import READER, SeveralRobotsError
@@ -53,15 +58,7 @@ _OF_ONE_ARM: Mapping[str, Any] = {"srdf": None, "allowed": ()}
 _NONE = "choose one…"
 
 
-@dataclass(frozen=True)
-class SeveralRobots:
-    """A file that has several robots: the paths of their URDF files, and its content."""
-
-    choices: tuple[str, ...]
-    file: StoredUpload
-
-
-_Read = Robot | SeveralRobots
+_Read = Robot | SeveralChoices
 
 
 class ArmModelPanel:
@@ -86,7 +83,7 @@ class ArmModelPanel:
             "robot in the file", (_NONE,), hint="The URDF file to take.", visible=False
         )
         self.robot.on_update(wake)
-        self._several: SeveralRobots | None = None
+        self._several: SeveralChoices | None = None
         self._chosen = _NONE
         self.tip = gui.add_dropdown(
             "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
@@ -135,7 +132,7 @@ class ArmModelPanel:
         if self.model.value != self._model_shown:
             self.uploads.drop()
         for one in self.uploads.news():
-            if isinstance(one.result, SeveralRobots):
+            if isinstance(one.result, SeveralChoices):
                 self._offer(one.result)
             elif isinstance(one.result, Robot):
                 if one.name != _zip_of(self._chosen):
@@ -214,7 +211,7 @@ class ArmModelPanel:
         # a page may send anything: only listed arms are taken
         return chosen if chosen in SHIPPED or chosen in self.files else None
 
-    def _offer(self, several: SeveralRobots | None) -> None:
+    def _offer(self, several: SeveralChoices | None) -> None:
         """Offer the robots of a file that has several; None for no such file."""
         self._several, self._chosen = several, _NONE
         self.robot.visible = several is not None
@@ -306,7 +303,7 @@ def _read(content: bytes, dealing: UploadJob[_Read]) -> _Read:
     except SeveralRobotsError as error:
         file = StoredUpload(ROOM)
         file[0] = content
-        return SeveralRobots(error.choices, file)
+        return SeveralChoices(file, error.choices)
 
 
 def _read_one(robot: str, content: bytes, dealing: UploadJob[_Read]) -> _Read:

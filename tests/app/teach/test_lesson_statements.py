@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 import scipy.spatial
 
+from abi.arm_planning.wrist_drives import wrist_positions
 from abi.curves.bspline import clamped
 from abi.paper import printed
 from abi.planner.planner import Planner
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
-from abi.robot.paper_arm.wrist_drives import wrist_positions
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import load_scene
 from abi.tet_mesh.lattice import REGULAR

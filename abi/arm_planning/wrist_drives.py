@@ -2,41 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal, Protocol
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arrays import FloatArray
-from abi.obstacles.pose import Vec3
+from abi.scene.settings import ArmSettings
 
 
-class WristDrives(Protocol):
-    """Drives of q4, q5 and q6, as a scene's settings say them."""
-
-    @property
-    def forces(self) -> Vec3:
-        """The paper's Q4, Q5 and Q6, [kg·unit²/s²], Q5 [kg·unit/s²]."""
-
-    @property
-    def masses(self) -> Vec3:
-        """The paper's m4, m5 and m6, [kg]."""
-
-    @property
-    def radii(self) -> Vec3:
-        """Radii of inertia i4, i5 and i6, [unit]."""
-
-    @property
-    def dynamics(self) -> Literal["corrected", "as_printed"]:
-        """Which functions of time: Lagrange's, or those that the paper prints."""
-
-    @property
-    def q5(self) -> float:
-        """Initial extension, [unit]."""
-
-
-def wrist_positions(drives: WristDrives, time: ArrayLike) -> FloatArray:
+def wrist_positions(drives: ArmSettings, time: ArrayLike) -> FloatArray:
     """Positions of q4, q5 and q6 under constant generalised forces from rest.
 
     The paper (end of stage 6) prints q = t²·Q / I with I4 = i4²m4 + i5²m5 + i6²m6,
@@ -45,7 +19,7 @@ def wrist_positions(drives: WristDrives, time: ArrayLike) -> FloatArray:
     q5 starts at ``drives.q5``, as if its force pushed from there.
 
     Args:
-        drives: forces, masses > 0, radii > 0, ``dynamics`` and ``q5``.
+        drives: the scene's settings of the arm: forces, masses, radii, ``dynamics`` and ``q5``.
         time: [s], shape (n,).
 
     Returns:
