@@ -130,4 +130,4 @@ lock: $(DEV)
 
 clean:
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage dist docs/_build docs/gallery docs/api/*.rst docs/data/*.svg
-	find abi app tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	find abi abi_sweep app tests -name __pycache__ -type d -prune -exec rm -rf {} +

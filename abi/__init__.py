@@ -12,7 +12,7 @@
 They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.clearance` (clearance of curves
 and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.explain` says why there is no
 plan and what would help, :mod:`abi.verify` checks certificates in exact arithmetic,
-:mod:`abi.export` writes plans for other programs, :mod:`abi.sweep` makes tables of many plans,
+:mod:`abi.export` writes plans for other programs, :mod:`abi_sweep` makes tables of many plans,
 :mod:`abi.paper` compares our results with those printed in the paper, :mod:`abi.teach` checks what
 students have written, and :mod:`abi.certification` proves motions that were planned elsewhere.
 """

@@ -38,8 +38,8 @@ from abi.scene.scene import Scene
 from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
 from abi.search.taut.taut_path import taut
-from abi.sweep.random_boxes import CLEARANCE
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
+from abi_sweep.random_boxes import CLEARANCE
 from benchmarks.best_known import best_known
 from tests.random_scenes import box_scene
 

@@ -1,4 +1,4 @@
-"""Pages of the API reference, one per package, made from the folders of ``abi/``."""
+"""Pages of the API reference: one per package of ``abi/``, and one of ``abi_sweep/``."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ _MARKUP = re.compile(r"(?<![`*:])(?<=\w)\*(?!\*)|(?<!`)\|(?!`)")
 """Characters that reST would take for markup: the star of A*, the bars of an absolute value."""
 
 
-def write(package: Path, folder: Path) -> None:
-    """Write ``folder/<name>.rst`` for each package, and ``modules.rst`` for single modules.
+def write(root: Path, folder: Path) -> None:
+    """Write ``folder/<name>.rst`` for each package of ``abi``, for ``abi_sweep``, and for modules.
 
     Kernels are left out: they are called by the module beside them.
     """
     folder.mkdir(exist_ok=True)
+    package, studies = root / "abi", root / "abi_sweep"
+    _keep(folder / "abi_sweep.rst", "abi_sweep", _modules(studies), _summary(studies))
     _keep(folder / "modules.rst", "Modules beside the packages", _modules(package))
     for inner in sorted(package.iterdir()):
         if (inner / "__init__.py").exists():
@@ -37,7 +39,8 @@ def escape(
 
 
 def _modules(folder: Path) -> list[str]:
-    root = next(parent for parent in (folder, *folder.parents) if parent.name == "abi")
+    roots = ("abi", "abi_sweep")
+    root = next(parent for parent in (folder, *folder.parents) if parent.name in roots)
     return [
         ".".join(file.relative_to(root.parent).with_suffix("").parts)
         for file in sorted(folder.glob("*.py"))

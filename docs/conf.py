@@ -74,5 +74,5 @@ def setup(app: Any) -> None:
     app.connect("autodoc-process-docstring", api_pages.escape)
 
 
-api_pages.write(ROOT / "abi", HERE / "api")
+api_pages.write(ROOT, HERE / "api")
 plot_benchmarks.plot(HERE / "data" / "bench.json", HERE / "data")

@@ -7,9 +7,9 @@ Plan random scenes under several settings at once and look at what they have in 
 
 from __future__ import annotations
 
-from abi.sweep.study import Study
-from abi.sweep.sweep import sweep
-from abi.sweep.table import summary
+from abi_sweep.study import Study
+from abi_sweep.sweep import sweep
+from abi_sweep.table import summary
 
 study = Study.from_dict(
     {

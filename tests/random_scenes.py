@@ -13,7 +13,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
-from abi.sweep.random_boxes import random_boxes
+from abi_sweep.random_boxes import random_boxes
 
 SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
 

@@ -26,6 +26,7 @@ ENDINGS = ("conf", "md", "npz", "py", "toml", "txt", "yaml")
 PLACES = [
     ROOT,
     ROOT / "abi",
+    ROOT / "abi_sweep",
     ROOT / "app",
     *sorted(path for path in (ROOT / "app").iterdir() if path.is_dir()),
 ]
@@ -54,7 +55,11 @@ def test_every_relative_link_leads_somewhere(page: Path) -> None:
 def test_every_file_that_the_contributors_page_names_is_there() -> None:
     names = re.findall(r"`([\w./-]*/[\w./-]*\.\w+|\w+\.(?:py|md|yaml))`", _text("CONTRIBUTING.md"))
     assert len(names) > 50
-    known = {path.name for folder in ("abi", "app") for path in (ROOT / folder).rglob("*.py")}
+    known = {
+        path.name
+        for folder in ("abi", "abi_sweep", "app")
+        for path in (ROOT / folder).rglob("*.py")
+    }
     for name in names:
         if name.startswith(".venv/"):
             continue

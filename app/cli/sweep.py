@@ -13,7 +13,7 @@ import click
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-    from abi.sweep.row import Row
+    from abi_sweep.row import Row
 
 _ROUNDING = 1e-9
 """Numbers up to this in the printed table differ from 0 by rounding alone."""
@@ -46,9 +46,9 @@ def sweep(
 
     Exit code 0: all is planned, whether or not each scene has a plan; 2: bad input.
     """
-    from abi.sweep import plots, table
-    from abi.sweep.study import load_study
-    from abi.sweep.sweep import sweep as plan_study
+    from abi_sweep import plots, table
+    from abi_sweep.study import load_study
+    from abi_sweep.sweep import sweep as plan_study
 
     if workers is not None and scheduler is not None:
         raise click.UsageError("--workers and --scheduler exclude each other.")

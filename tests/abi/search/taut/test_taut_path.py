@@ -26,10 +26,10 @@ from abi.search.taut.geodesic_kernels import around_ball
 from abi.search.taut.lower_bound import lower_bound
 from abi.search.taut.taut_path import TautPath, taut
 from abi.search.taut.theta_star_kernels import any_angle
-from abi.sweep.random_boxes import CLEARANCE
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.lattice import REGULAR
+from abi_sweep.random_boxes import CLEARANCE
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
 from tests.kernel_forms import kernels_as

@@ -13,8 +13,8 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene, load_scene
-from abi.sweep.row import Row, plan_row, versions
-from abi.sweep.study import Study, plan_key, varied
+from abi_sweep.row import Row, plan_row, versions
+from abi_sweep.study import Study, plan_key, varied
 
 PLANS = 20
 """Largest number of plans of a task, which take some tenths of a second."""

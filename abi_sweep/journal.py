@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from abi.errors import AbiError
-from abi.sweep.result_file import unwritable
-from abi.sweep.row import Row, versions
+from abi_sweep.result_file import unwritable
+from abi_sweep.row import Row, versions
 
 
 class Journal:

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from abi.sweep.result_file import write_result
-from abi.sweep.row import Row
-from abi.sweep.table import grouped, quantile, share
+from abi_sweep.result_file import write_result
+from abi_sweep.row import Row
+from abi_sweep.table import grouped, quantile, share
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

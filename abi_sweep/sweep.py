@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from abi.sweep.journal import Journal
-from abi.sweep.row import Row
-from abi.sweep.study import Study
-from abi.sweep.task import tasks
-from abi.sweep.workers import rows_of
+from abi_sweep.journal import Journal
+from abi_sweep.row import Row
+from abi_sweep.study import Study
+from abi_sweep.task import tasks
+from abi_sweep.workers import rows_of
 
 JOURNAL = "rows.jsonl"
 """Name of the journal in a study's folder."""

@@ -17,7 +17,7 @@ from typing import Any
 from abi.errors import AbiError, SceneError
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import parse
-from abi.sweep.random_boxes import random_boxes
+from abi_sweep.random_boxes import random_boxes
 
 MOST_PLANS = 200_000
 """Largest number of plans of a study."""

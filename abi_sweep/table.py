@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from abi.errors import AbiError
-from abi.sweep.result_file import write_result
-from abi.sweep.row import Row
+from abi_sweep.result_file import write_result
+from abi_sweep.row import Row
 
 FORMATS = ("csv", "parquet")
 

@@ -14,12 +14,12 @@ import pytest
 
 from abi.errors import AbiError
 from abi.planner.planner import plan
-from abi.sweep import plots, workers
-from abi.sweep.journal import Journal
-from abi.sweep.row import Row
-from abi.sweep.study import Study, varied
-from abi.sweep.sweep import JOURNAL, sweep
-from abi.sweep.table import summary, write
+from abi_sweep import plots, workers
+from abi_sweep.journal import Journal
+from abi_sweep.row import Row
+from abi_sweep.study import Study, varied
+from abi_sweep.sweep import JOURNAL, sweep
+from abi_sweep.table import summary, write
 
 STUDY = Study.from_dict(
     {

@@ -15,8 +15,8 @@ from typing import Any
 
 from abi import compiling
 from abi.errors import AbiError
-from abi.sweep.row import Row
-from abi.sweep.task import SweepTask, run
+from abi_sweep.row import Row
+from abi_sweep.task import SweepTask, run
 
 _AHEAD = 4
 """Tasks that wait for each worker's thread."""

@@ -7,9 +7,9 @@ import pytest
 
 from abi.errors import AbiError, SceneError
 from abi.scene.scene import load_scene
-from abi.sweep.random_boxes import random_boxes
-from abi.sweep.study import Study, load_study, plan_key, varied
-from abi.sweep.task import tasks
+from abi_sweep.random_boxes import random_boxes
+from abi_sweep.study import Study, load_study, plan_key, varied
+from abi_sweep.task import tasks
 
 SHIPPED = Path(__file__).parents[3] / "examples" / "studies" / "lattices.yaml"
 
