@@ -9,12 +9,12 @@
 5. :mod:`abi.curves`: quadratic with exact ends, and a motion in three phases
 6. :mod:`abi.arm_planning`: inverse kinematics of the arm, and its motion
 
-They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.clearance` (clearance of curves
-and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.explain` says why there is no
-plan and what would help, :mod:`abi.verify` checks certificates in exact arithmetic,
-:mod:`abi.export` writes plans for other programs, :mod:`abi_sweep` makes tables of many plans,
-:mod:`abi.paper` compares our results with those printed in the paper, :mod:`abi.teach` checks what
-students have written, and :mod:`abi.certification` proves motions that were planned elsewhere.
+They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.curves.clearance` (clearance of
+curves and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.explain` says why there is
+no plan and what would help, and compares our results with those printed in the paper,
+:mod:`abi.verify` checks certificates in exact arithmetic, :mod:`abi.export` writes plans for other
+programs, :mod:`abi.teach` checks what students have written, and :mod:`abi.certification` proves
+motions that were planned elsewhere. :mod:`abi_sweep`, beside it, makes tables of many plans.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 import abi
-from abi.clearance.certificate import Certificate, Refutation, certify
 from abi.curves.bspline import BSpline
+from abi.curves.clearance.certificate import Certificate, Refutation, certify
 from abi.curves.quadratic import Quadratic
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.verify.verify import Verdict, verify

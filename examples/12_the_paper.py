@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 
 import abi
-from abi.paper.reproduction import compare
+from abi.explain.paper.reproduction import compare
 
 found = compare()
 for verdict, count in Counter(one.verdict for one in found).items():

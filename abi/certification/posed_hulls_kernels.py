@@ -18,13 +18,13 @@ from abi.arm_planning.world.collision_world_kernels import (
     open_box,
 )
 from abi.arrays import FloatArray, IntArray
-from abi.clearance.separation_kernels import (
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, IDS, compiled
+from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     REFUTED,
     UNDECIDED,
 )
-from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.primitive_kernels import BOUNDS, axes_of, centre_of, core_of, in_body, in_world
 from abi.obstacles.primitive_kernels import WIDTH as ROW
 from abi.obstacles.vector_kernels import Vec3, axpy, sub, vec3_at

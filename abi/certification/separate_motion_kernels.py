@@ -32,7 +32,9 @@ from abi.certification.posed_hulls_kernels import (
     place_hulls,
     radius_of,
 )
-from abi.clearance.separation_kernels import (
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, compiled
+from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     MOST_HALVINGS,
     NO_PLANE,
@@ -41,8 +43,6 @@ from abi.clearance.separation_kernels import (
     SeparatingPlane,
     table_of,
 )
-from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, compiled
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.robot.bodies.hull_kernels import separation
 from abi.robot.kinematics.chain_kernels import TABLE, ChainTable

@@ -17,7 +17,7 @@ from numpy.polynomial import legendre
 
 from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.clearance.curve_clearance import ROUNDING, curve_clearance
+from abi.curves.clearance.curve_clearance import ROUNDING, curve_clearance
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
 from abi.obstacles.obstacle_set import ObstacleSet

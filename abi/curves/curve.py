@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
-from abi.clearance.bezier import PolynomialCurve
 from abi.curves import curve_kernels as kernels
+from abi.curves.clearance.bezier import PolynomialCurve
 
 _GAUSS = 16
 _NODES, _WEIGHTS = legendre.leggauss(_GAUSS)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from abi.arrays import ShortRepr
-from abi.clearance.bezier import PolynomialCurve
-from abi.clearance.curve_clearance import ROUNDING, Clearance, proven_clearance
+from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.clearance.curve_clearance import ROUNDING, Clearance, proven_clearance
 from abi.obstacles.obstacle_set import ObstacleSet
 
 CurveT = TypeVar("CurveT", bound=PolynomialCurve)

@@ -8,8 +8,8 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray
-from abi.clearance.curve_clearance import ROUNDING, Clearance, curve_clearance
 from abi.curves.bspline import BSpline, clamped
+from abi.curves.clearance.curve_clearance import ROUNDING, Clearance, curve_clearance
 from abi.curves.control_points import place_control_points
 from abi.curves.curve import arc_length
 from abi.curves.fit import Fit, clearance_tolerance, proven_fit

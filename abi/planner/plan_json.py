@@ -19,8 +19,8 @@ from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.links_clearance import links_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion, Violation
 from abi.arrays import FloatArray
-from abi.clearance.certificate import Certificate
 from abi.curves.bspline import BSpline
+from abi.curves.clearance.certificate import Certificate
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import SpeedProfile

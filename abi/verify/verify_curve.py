@@ -1,7 +1,7 @@
 """Check of the certificate of a curve in exact rational numbers.
 
-The proof is that of :mod:`abi.clearance.certificate`; here every inequality is decided exactly, and
-the pieces must cover the whole curve for every obstacle.
+The proof is that of :mod:`abi.curves.clearance.certificate`; here every inequality is decided
+exactly, and the pieces must cover the whole curve for every obstacle.
 """
 
 from __future__ import annotations

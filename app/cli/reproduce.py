@@ -15,7 +15,7 @@ import click
 from app.cli.output import print_text
 
 if TYPE_CHECKING:
-    from abi.paper.comparison import PaperComparison
+    from abi.explain.paper.comparison import PaperComparison
 
 _FILE_WIDTH = 80  # characters of a table that is written to a file
 _SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
@@ -73,7 +73,7 @@ FORMATS: Mapping[str, Callable[[Sequence[PaperComparison]], str]] = MappingProxy
 )
 def reproduce(format_name: str) -> None:
     """Set the paper's figures and Table I beside ours, computed anew, as a table."""
-    from abi.paper.reproduction import compare
+    from abi.explain.paper.reproduction import compare
 
     print_text(FORMATS[format_name](compare()))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from abi.clearance.curve_clearance import Clearance
+from abi.curves.clearance.curve_clearance import Clearance
 from abi.length_text import format_length as format_length
 from abi.length_text import format_lower_bound as format_lower_bound
 from abi.length_text import format_setting as format_setting

@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 import abi
 from abi import arguments
 from abi.arm_planning.motion.liquid import tilts
-from abi.clearance.bezier import Bezier
-from abi.clearance.certificate import certify
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.clear_quadratic import Target
+from abi.curves.clearance.bezier import Bezier
+from abi.curves.clearance.certificate import certify
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import three_phase

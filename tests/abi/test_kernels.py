@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from scipy import interpolate
 
 from abi.arrays import FloatArray
-from abi.clearance.curve_clearance import Clearance, curve_clearance
 from abi.curves import curve
 from abi.curves.bspline import BSpline, clamped
+from abi.curves.clearance.curve_clearance import Clearance, curve_clearance
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.robot.paper_arm import inverse_kinematics as ik
 from abi.robot.paper_arm.paper_arm import PaperArm

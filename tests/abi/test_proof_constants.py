@@ -26,9 +26,9 @@ from hypothesis import strategies as st
 from abi.arm_planning.certificates import arm_certificate
 from abi.arm_planning.certificates.separate_paper_arm_kernels import allowance_of
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES
-from abi.clearance import certificate, separation_kernels
-from abi.clearance.certificate import Certificate, certify
 from abi.curves.bspline import clamped
+from abi.curves.clearance import certificate, separation_kernels
+from abi.curves.clearance.certificate import Certificate, certify
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box
@@ -223,7 +223,7 @@ class Constant:
     beyond: int = 0
 
 
-SEPARATION = "abi.clearance.separation_kernels"
+SEPARATION = "abi.curves.clearance.separation_kernels"
 CONSTANTS = [
     Constant(SEPARATION, "PER_SIZE", per_size),
     Constant(SEPARATION, "PER_DEGREE", per_degree),

@@ -11,7 +11,7 @@ from abi_sweep.random_boxes import random_boxes
 from abi_sweep.study import Study, load_study, plan_key, varied
 from abi_sweep.task import tasks
 
-SHIPPED = Path(__file__).parents[3] / "examples" / "studies" / "lattices.yaml"
+SHIPPED = Path(__file__).parents[2] / "examples" / "studies" / "lattices.yaml"
 
 
 @pytest.mark.parametrize(

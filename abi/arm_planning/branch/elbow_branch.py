@@ -22,8 +22,8 @@ from abi.arm_planning.exclusion import (
 from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES, ArmSegments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
-from abi.clearance.bezier import PolynomialCurve
-from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
+from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength, Curve
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm

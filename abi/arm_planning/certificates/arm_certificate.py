@@ -31,8 +31,8 @@ from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, 
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
-from abi.clearance.bezier import PolynomialCurve
-from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
+from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength
 from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.robot.paper_arm.paper_arm import PaperArm

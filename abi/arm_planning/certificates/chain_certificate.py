@@ -35,7 +35,7 @@ from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.arm_planning.world.collision_world import OWN, CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arrays import FloatArray, IntArray, flat, read_only
-from abi.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
+from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
 from abi.errors import ArgumentError
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.kinematics.chain_kernels import ChainTable

@@ -25,7 +25,9 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
 from abi.arm_planning.world.chain_distance_kernels import hull_and_row
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
-from abi.clearance.separation_kernels import (
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, compiled
+from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     MOST_HALVINGS,
     NO_PLANE,
@@ -35,8 +37,6 @@ from abi.clearance.separation_kernels import (
     SeparatingPlane,
     table_of,
 )
-from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at
 from abi.robot.bodies.capsule_table import BODIES, Bodies

@@ -2,8 +2,8 @@
 
 See ``abi.arm_planning.certificates.arm_certificate`` for what a direction proves,
 ``abi.arm_planning.world.collision_world_kernels`` for the surroundings,
-``abi.clearance.separation_kernels`` for planes. A direction from one part of a mesh is tried for
-the parts next to it. What decides most pairs is always inlined, because passing arrays costs
+``abi.curves.clearance.separation_kernels`` for planes. A direction from one part of a mesh is tried
+for the parts next to it. What decides most pairs is always inlined, because passing arrays costs
 reference counting.
 """
 
@@ -19,8 +19,8 @@ from abi.arm_planning.world.collision_world_kernels import (
     judged,
     open_box,
 )
-from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, SeparatingPlane
 from abi.compilation.jitable import jitable
+from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, SeparatingPlane
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
 from abi.obstacles.vector_kernels import Vec3, dot, sub
 

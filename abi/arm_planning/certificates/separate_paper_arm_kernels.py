@@ -2,7 +2,7 @@
 
 See ``abi.arm_planning.certificates.arm_certificate`` for what a direction proves,
 ``abi.robot.paper_arm.pose_kernels`` for the numbers of an arm and its capsules,
-``abi.clearance.separation_kernels`` for pieces and planes.
+``abi.curves.clearance.separation_kernels`` for pieces and planes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
 )
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
-from abi.clearance.separation_kernels import (
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     MOST_HALVINGS,
     NO_PLANE,
@@ -36,8 +38,6 @@ from abi.clearance.separation_kernels import (
     halves_of,
     table_of,
 )
-from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.vector_kernels import Vec3, distance, dot, vec3_at
 from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,

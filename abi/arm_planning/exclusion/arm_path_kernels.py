@@ -42,10 +42,10 @@ from abi.arm_planning.certificates.separate_paper_arm_kernels import (
 from abi.arm_planning.exclusion.paper_arm_mask_kernels import touched_row
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.clearance.separation_kernels import NO_PLANE, REFUTED
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLAGS, compiled
+from abi.curves.clearance.separation_kernels import NO_PLANE, REFUTED
 from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace, new_room
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at

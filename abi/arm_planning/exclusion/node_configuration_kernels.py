@@ -23,10 +23,10 @@ from abi.arm_planning.world.collision_world_kernels import (
     box_gap,
 )
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.clearance.separation_kernels import CERTIFIED
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
+from abi.curves.clearance.separation_kernels import CERTIFIED
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH, between_segments
 from abi.obstacles.vector_kernels import dot, sub, vec3_at
 from abi.robot.bodies.capsule_table import BODIES, Bodies

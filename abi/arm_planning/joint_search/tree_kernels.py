@@ -15,9 +15,9 @@ import numpy as np
 from abi.arm_planning.certificates.separate_chain_kernels import separate_knots
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import FloatArray, IntArray
-from abi.clearance.separation_kernels import CERTIFIED
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
+from abi.curves.clearance.separation_kernels import CERTIFIED
 from abi.robot.bodies.capsule_table import BODIES, Bodies
 from abi.robot.kinematics.chain_kernels import TABLE, ChainTable
 

@@ -9,10 +9,10 @@ import numpy as np
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arm_planning.world.paper_arm_distance_kernels import way
 from abi.arrays import FloatArray, IntArray
-from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, NEW_IDS, compiled
+from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.obstacles.obstacle_set_kernels import distance_to_segment, nearest_to_segment
 from abi.obstacles.primitive_kernels import (
     WIDTH,

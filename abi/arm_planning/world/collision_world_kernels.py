@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
+from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.obstacles.primitive_kernels import (
     BOUNDS,
     WIDTH,

@@ -9,7 +9,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray
-from abi.clearance.curve_clearance import ROUNDING
+from abi.curves.clearance.curve_clearance import ROUNDING
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3

@@ -103,7 +103,7 @@ class FiguresPanel:
 @functools.cache
 def _table() -> str:
     """The paper's statements beside what we find, as HTML."""
-    from abi.paper.reproduction import compare
+    from abi.explain.paper.reproduction import compare
 
     rows = [
         (*map(_wrapped, (row.subject, row.printed, row.ours)), _SIGNS[row.verdict])

@@ -14,11 +14,11 @@ from scipy.integrate import solve_ivp
 from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, follow
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
-from abi.clearance.bezier import Bezier
+from abi.curves.clearance.bezier import Bezier
 from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
 from abi.errors import ArgumentError, OutOfReach
-from abi.paper import printed
+from abi.explain.paper import printed
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
 from abi.scene.settings import ArmSettings
 from tests.abi.bezier import interpolated

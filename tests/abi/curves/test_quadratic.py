@@ -10,9 +10,9 @@ from abi.curves import curve as curves
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.fit import proven_fit
 from abi.curves.quadratic import Quadratic, least_squares
+from abi.explain.paper import printed
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
-from abi.paper import printed
 
 
 @st.composite

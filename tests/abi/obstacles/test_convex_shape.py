@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from abi.arrays import FloatArray, IntArray
-from abi.clearance.certificate import Certificate, certify
+from abi.curves.clearance.certificate import Certificate, certify
 from abi.export.solids import solids
 from abi.obstacles.convex_shape import ConvexShape
 from abi.obstacles.obstacle_set import ObstacleSet

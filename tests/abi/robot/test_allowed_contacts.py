@@ -249,11 +249,10 @@ def test_the_verifier_counts_what_is_round_about_a_hull(
 ) -> None:
     assume(abs(away - one - other) > 1e-3)
     way = np.random.default_rng(seed).normal(size=3)
-    ball = allowed_contacts._RoundHull(np.zeros((1, 3)), one)
+    ball = LinkPiece(np.zeros((2, 3)), one, np.zeros((1, 3)), one)
     middle = away * way / np.linalg.norm(way)
-    second = allowed_contacts._RoundHull(
-        middle + np.outer([-1.0, 1.0], np.cross(way, [1, 0, 0])), other
-    )
+    ends = middle + np.outer([-1.0, 1.0], np.cross(way, [1, 0, 0]))
+    second = LinkPiece(ends, other, ends, other)
     assert allowed_contacts._overlap(ball, second) == (away < one + other)
 
 

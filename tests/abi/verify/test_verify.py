@@ -15,8 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from abi.clearance.certificate import Certificate, certify
 from abi.curves.bspline import BSpline, clamped
+from abi.curves.clearance.certificate import Certificate, certify
 from abi.curves.quadratic import Quadratic
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape

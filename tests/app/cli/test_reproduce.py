@@ -9,8 +9,8 @@ import re
 import pytest
 
 from abi import assets
-from abi.paper.comparison import PaperComparison
-from abi.paper.reproduction import compare
+from abi.explain.paper.comparison import PaperComparison
+from abi.explain.paper.reproduction import compare
 from app.cli.reproduce import as_csv, as_markdown, as_table
 
 Rows = list[list[str]]

@@ -14,7 +14,7 @@ import scipy.spatial
 
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.curves.bspline import clamped
-from abi.paper import printed
+from abi.explain.paper import printed
 from abi.planner.planner import Planner
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from abi import assets, load_scene, plan
-from abi.paper.curve_figures import of_splines
+from abi.explain.paper.curve_figures import of_splines
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.teach import exercises, notebook

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, flat, read_only
-from abi.clearance.certificate import Certificate, certify
+from abi.curves.clearance.certificate import Certificate, certify
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.packing import pack

@@ -1,9 +1,9 @@
 """Certificates of a curve's clearance from convex primitives and from surfaces of triangles.
 
-Geometry is in the body frame of one primitive, or in the surface's own coordinates; for pieces and
-planes see ``abi.clearance.separation_kernels``, for the rows of numbers that describe primitives
-``abi.obstacles.primitive_kernels``. Nodes of a surface are numbered as the tree's boxes are, and
-the triangles after them.
+Geometry is in the body frame of one primitive, or in the surface's own coordinates. For pieces and
+planes see ``abi.curves.clearance.separation_kernels``, for the rows of numbers that describe
+primitives ``abi.obstacles.primitive_kernels``. Nodes of a surface are numbered as the tree's boxes
+are, and the triangles after them.
 """
 
 from __future__ import annotations
@@ -11,7 +11,9 @@ from __future__ import annotations
 import math
 
 from abi.arrays import FloatArray
-from abi.clearance.separation_kernels import (
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     FINEST,
     MOST_HALVINGS,
@@ -29,8 +31,6 @@ from abi.clearance.separation_kernels import (
     least_product,
     table_of,
 )
-from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     axes_of,
@@ -221,7 +221,7 @@ def separate_from_mesh(
 
     Args:
         points: Bézier points of the s polynomials, and room for the halves, body frame, flat as in
-            ``abi.clearance.certify_curve_kernels``.
+            ``abi.curves.clearance.certify_curve_kernels``.
         breaks: parameters between them (s + 1,).
         degree: of each polynomial.
         tree: over the triangles.

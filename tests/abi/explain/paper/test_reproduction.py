@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from abi import assets
 from abi.curves.curve import arc_length
-from abi.paper import printed
-from abi.paper.comparison import PaperComparison
-from abi.paper.reproduction import compare
+from abi.explain.paper import printed
+from abi.explain.paper.comparison import PaperComparison
+from abi.explain.paper.reproduction import compare
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.scene.scene import Scene
 

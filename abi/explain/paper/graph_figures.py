@@ -8,9 +8,9 @@ import numpy as np
 import scipy
 
 from abi.errors import StageError
+from abi.explain.paper import printed
+from abi.explain.paper.comparison import PaperComparison
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.paper import printed
-from abi.paper.comparison import PaperComparison
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene

@@ -9,7 +9,10 @@ from __future__ import annotations
 import math
 
 from abi.arrays import FloatArray
-from abi.clearance.mesh_clearance_kernels import (
+from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
+from abi.compiled import FLOATS, compiled
+from abi.curves.clearance.mesh_clearance_kernels import (
     Nearest,
     Pieces,
     Sample,
@@ -17,10 +20,7 @@ from abi.clearance.mesh_clearance_kernels import (
     joints_near_meshes,
     middles_near_meshes,
 )
-from abi.clearance.separation_kernels import divide, extent_of
-from abi.compilation.borrowed import borrowed, held
-from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, compiled
+from abi.curves.clearance.separation_kernels import divide, extent_of
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import next_near

@@ -1,6 +1,6 @@
 """The paper's numbers and formulas as printed, misprints included.
 
-No plan depends on them; :mod:`abi.paper.reproduction` compares them with the method's.
+No plan depends on them; :mod:`abi.explain.paper.reproduction` compares them with the method's.
 """
 
 from __future__ import annotations

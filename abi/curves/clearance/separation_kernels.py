@@ -135,7 +135,7 @@ def table_of(planes: list[SeparatingPlane]) -> FloatArray:
 
 @jitable
 def allowance_of(scale: float, degree: int, halvings: int, margin: float) -> float:
-    """Rounding error of a separation, [unit]: see ``abi.clearance.certificate``."""
+    """Rounding error of a separation, [unit]: see ``abi.curves.clearance.certificate``."""
     per_scale = PER_SIZE + (PER_DEGREE + PER_HALVING * halvings) * degree
     return UNIT * (per_scale * scale + PER_MARGIN * abs(margin))
 

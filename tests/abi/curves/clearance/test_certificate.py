@@ -9,9 +9,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.clearance.certificate import Certificate, Refutation, certify
-from abi.clearance.curve_clearance import ROUNDING, curve_clearance, proven_clearance
 from abi.curves.bspline import BSpline, clamped
+from abi.curves.clearance.certificate import Certificate, Refutation, certify
+from abi.curves.clearance.curve_clearance import ROUNDING, curve_clearance, proven_clearance
 from abi.curves.quadratic import Quadratic
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet

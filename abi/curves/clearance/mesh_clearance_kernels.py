@@ -25,8 +25,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from abi.clearance.separation_kernels import divide
 from abi.compilation.jitable import jitable
+from abi.curves.clearance.separation_kernels import divide
 from abi.obstacles.triangle_mesh.surface_kernels import (
     SurfaceSet,
     most_to_mesh,

@@ -9,9 +9,9 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import ShortRepr, flat
-from abi.clearance.bezier import PolynomialCurve
-from abi.clearance.certificate import Certificate, certify
-from abi.clearance.curve_clearance_kernels import measure_curve, measure_curve_near_meshes
+from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.clearance.certificate import Certificate, certify
+from abi.curves.clearance.curve_clearance_kernels import measure_curve, measure_curve_near_meshes
 from abi.obstacles.obstacle_set import ObstacleSet
 
 # Distances that differ by less are the same, [unit]: rounding, not a violation.
@@ -69,7 +69,7 @@ def curve_clearance(
     That is never below the bound from d being 1-Lipschitz, d(m) - max_i |P_i - m|, and its error
     falls with the square of the piece's length instead of with the length. For a mesh, which need
     not be convex, the balls of free space around the piece's ends and middle bound it, with an
-    error that falls as fast (:mod:`abi.clearance.mesh_clearance_kernels`).
+    error that falls as fast (:mod:`abi.curves.clearance.mesh_clearance_kernels`).
 
     Args:
         curve: continuous, a polynomial between its breaks.

@@ -10,10 +10,10 @@ from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import least_squares
 from abi.curves.speed_profile import three_phase
+from abi.explain.paper import printed
+from abi.explain.paper.comparison import PaperComparison
 from abi.length_text import format_lower_bound
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.paper import printed
-from abi.paper.comparison import PaperComparison
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene

@@ -5,8 +5,8 @@ Everything is computed anew from the shipped scene ``paper`` and from seeded ran
 
 from __future__ import annotations
 
-from abi.paper import arm_figures, curve_figures, graph_figures
-from abi.paper.comparison import PaperComparison
+from abi.explain.paper import arm_figures, curve_figures, graph_figures
+from abi.explain.paper.comparison import PaperComparison
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
-from abi.paper import printed
-from abi.paper.comparison import PaperComparison
+from abi.explain.paper import printed
+from abi.explain.paper.comparison import PaperComparison
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.scene.scene import Scene
