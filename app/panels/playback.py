@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import viser
 
+from abi.arm_planning.joint_search.held_part import HeldSpan
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.certification.verdict import TimeStretch
 from app.panels.widgets import Wake, hidden_button
@@ -120,11 +121,13 @@ class PlaybackPanel:
         duration: float,
         seen: bool = True,
         checked: Sequence[TimeStretch] = (),
+        held: Sequence[HeldSpan] = (),
     ) -> None:
         """Colour the times at which the arm touches something; no player without a motion.
 
         Nor is there one, nor a speed to choose, while the arm is not to be ``seen``. Of a motion
-        that was ``checked`` each stretch has a colour.
+        that was ``checked`` each stretch has a colour. A line says where the tool's direction is
+        ``held``.
         """
         moves = duration > 0 and seen
         self.speed.visible = seen
@@ -133,7 +136,7 @@ class PlaybackPanel:
         self._marked, self._moves = clearance, moves
         contacts = () if clearance is None else clearance.contacts
         stretches = checked or [TimeStretch(one.first, one.last, "touches") for one in contacts]
-        self._overlay.show("marks", bar_style(stretches, duration if moves else 0.0))
+        self._overlay.show("marks", bar_style(stretches, duration if moves else 0.0, held))
 
     def _toggle(self, event: object) -> None:
         self._presses += 1

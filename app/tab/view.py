@@ -174,7 +174,10 @@ class TabView:
         told = frame.lecture or frame.lesson  # what is shown is chosen for the student
         hidden = theatre is not None or (told and "arm" not in frame.shown)
         stretches = () if frame.checked is None else frame.checked.stretches
-        self.playback.mark(frame.plan.arm_clearance, frame.duration, not hidden, stretches)
+        plan = frame.plan
+        self.playback.mark(
+            plan.arm_clearance, frame.duration, not hidden, stretches, plan.held_spans
+        )
         bases = self.panels.stages.bases.found(frame.plan.scene)
         return replace(frame, theatre=theatre, bases=bases)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import math
 
+from abi.arm_planning.joint_search.held_part import HeldSpan
 from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion_law import LAWS
 from abi.curves.timed_profile import TimedProfile
@@ -138,6 +139,16 @@ def _of_joints(search: JointSearch, time: float) -> str:
     )
 
 
+def _of_direction(span: HeldSpan) -> str:
+    """Sentence on how well the tool keeps a direction."""
+    measured, bound, allowed = map(math.degrees, (span.angle, span.bound, span.tolerance))
+    return (
+        f"From {span.first:.2f} s to {span.last:.2f} s, where the time bar has a line, the gripper "
+        f"keeps its direction: it is at most {measured:.2g}° off at samples, and proven to be at "
+        f"most {bound:.2g}° off between them, of {allowed:.2g}° allowed."
+    )
+
+
 def _arm(plan: Plan) -> str:
     if plan.motion is None:
         return ""
@@ -145,6 +156,7 @@ def _arm(plan: Plan) -> str:
     lines = []
     if plan.joint_search is not None:
         lines.append(_of_joints(plan.joint_search, plan.ms["joint_search"]))
+    lines += [_of_direction(span) for span in plan.held_spans]
     if curve is not None and not curve.holds and plan.followed is not None:
         label = style.CURVES[plan.followed][0]
         lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from abi.arm_planning.joint_search.held_part import HeldSpan
 from abi.certification.verdict import State, TimeStretch
 from app.ui import style
 
@@ -41,18 +42,26 @@ _LOOKS: dict[State, _BarLook] = {
     "touches": _BarLook("touching", _plain(style.VIOLATION), 6),
 }
 
+_HELD = _BarLook("direction of the tool kept", _plain(style.TAUT), 2)
 
-def bar_style(stretches: Sequence[TimeStretch], end: float) -> str:
+
+def bar_style(stretches: Sequence[TimeStretch], end: float, held: Sequence[HeldSpan] = ()) -> str:
     """Style sheet that draws stretches on the player's slider, which runs from 0 to ``end``, [s].
 
-    A short one is made as wide as can be seen. The player of no motion is hidden.
+    A short one is made as wide as can be seen. Below them is a line where a direction of the tool
+    is ``held``. The player of no motion is hidden.
     """
     if end == 0:
         return "<style>#abi-overlay .abi-player{visibility:hidden}</style>"
     # what touches lies above what is undecided, and that above what is proven
     order = ("touches", "undecided", "clear")
     shown = sorted(stretches[:_MOST], key=lambda one: order.index(one.state))
-    layers = [_layer(one, end) for one in shown if one.last >= one.first]
+    layers = [
+        _layer((one.first, one.last), end, _LOOKS[one.state])
+        for one in shown
+        if one.last >= one.first
+    ]
+    layers += [_layer((one.first, one.last), end, _HELD, "100%") for one in held]
     if not layers:
         return ""
     return f"<style>#abi-overlay .abi-track{{background:{','.join(layers)}}}</style>"
@@ -73,12 +82,11 @@ def legend(stretches: Sequence[TimeStretch]) -> str:
     return f'<div style="display:flex;flex-wrap:wrap;gap:2px 14px">{"".join(parts)}</div>'
 
 
-def _layer(one: TimeStretch, end: float) -> str:
-    """Background of a stretch in CSS."""
-    low, high = 100 * one.first / end, 100 * one.last / end
+def _layer(span: tuple[float, float], end: float, look: _BarLook, height: str = "50%") -> str:
+    """Background of a span of time in CSS, at a height of the bar."""
+    low, high = (100 * moment / end for moment in span)
     width = min(max(high - low, _LEAST), 100.0)
     low = min(max((low + high - width) / 2, 0.0), 100 - width)
     # a percentage places as much of the image as of the bar
     place = 100 * low / (100 - width) if width < 100 else 0.0
-    _, image, height = _LOOKS[one.state]
-    return f"{image} {place:.2f}% 100%/{width:.2f}% {height}px no-repeat"
+    return f"{look.image} {place:.2f}% {height}/{width:.2f}% {look.height}px no-repeat"

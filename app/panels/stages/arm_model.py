@@ -15,7 +15,6 @@ from abi.robot.urdf.held_joints import NOT_HELD, planned_sentence
 from abi.robot.urdf.robot import Robot, bases_to, part_from
 from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
-from abi.scene.held_axis import HeldAxis, plain_axis
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
 from app.panels.files.file_uploads import (
@@ -26,6 +25,7 @@ from app.panels.files.file_uploads import (
     shown_name,
 )
 from app.panels.stages.gripper import GripperPanel
+from app.panels.stages.tool_direction import ToolDirectionPanel
 from app.panels.widgets import Wake
 from app.reading.reader import READER, SeveralRobotsError
 from app.reading.stored_upload import ROOM, StoredUpload
@@ -34,15 +34,6 @@ from app.ui.arm_size import size_note
 
 _PAPER = "the paper's arm"
 _SHIPPED = {"ur5e": "UR5e", "panda": "Franka Panda", "xarm7": "xArm7"}
-_AXES: dict[str, tuple[float, float, float] | None] = {
-    "any": None,
-    "down": (0.0, 0.0, -1.0),
-    "up": (0.0, 0.0, 1.0),
-    "along x": (1.0, 0.0, 0.0),
-    "along −x": (-1.0, 0.0, 0.0),
-    "along y": (0.0, 1.0, 0.0),
-    "along −y": (0.0, -1.0, 0.0),
-}
 _HALF = 0.5**0.5
 _MOUNTS: dict[str, Quaternion] = {
     "on the floor": UNTURNED,
@@ -94,12 +85,7 @@ class ArmModelPanel:
             hint="The link that stands at the base; what does not hang from it is left out.",
             visible=False,
         )
-        self.axis = gui.add_dropdown(
-            "gripper points",
-            tuple(_AXES),
-            hint="Direction in which the tip's z axis is held.",
-            visible=False,
-        )
+        self.axis = ToolDirectionPanel(gui, wake)
         self.mount = gui.add_dropdown(
             "stands",
             tuple(_MOUNTS),
@@ -110,7 +96,6 @@ class ArmModelPanel:
         self._model_shown = self.model.value
         self._kept = _OF_ONE_ARM
         self._kept_of: tuple[str, str, str] | None = None
-        self._scene_axis: tuple[float, float, float] | HeldAxis | None = None
         self._scene_mount: Quaternion = UNTURNED
         self._tips_of: str | None = None
         self._unnamed_tip: tuple[str, str] | None = None
@@ -118,7 +103,7 @@ class ArmModelPanel:
         self._bases_of: tuple[str, str] | None = None
         self._workspace, self._unit = 1.0, "m"
         self._size_notice: viser.NotificationHandle | None = None
-        self._of_urdf = self.tip, self.base_link, self.axis, self.mount
+        self._of_urdf = self.tip, self.base_link, self.mount
         for handle in (self.model, *self._of_urdf):
             handle.on_update(wake)
 
@@ -154,7 +139,6 @@ class ArmModelPanel:
         if (name, self.tip.value) != self._bases_of:
             self._list_bases(name, None)
         self._show(True)
-        axis = _AXES.get(self.axis.value, plain_axis(self._scene_axis))
         mount = _MOUNTS.get(self.mount.value, self._scene_mount)
         # what a scene leaves to be found stays so, or it would be another scene
         tip, base = self.tip.value, self.base_link.value
@@ -167,7 +151,7 @@ class ArmModelPanel:
             "urdf": name,
             "tip": None if (tip, base) == self._unnamed_tip else tip,
             "base_link": None if base == self._unnamed_base else base,
-            "axis": axis,
+            "axis": self.axis.read(),
             "base_wxyz": mount,
             **self._kept,
             "gripper": self.gripper.read(),
@@ -198,10 +182,10 @@ class ArmModelPanel:
         self.model.value = self._model_shown = _SHIPPED.get(arm.urdf, arm.urdf)
         self._list_tips(arm.urdf, arm.tip, arm.base_link)
         self._list_bases(arm.urdf, arm.base_link)
-        self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz
+        self._scene_mount = arm.base_wxyz
         self._show_gripper(arm.urdf, arm.gripper)
         self._kept = {name: getattr(arm, name) for name in _OF_ONE_ARM}
-        _choose(self.axis, _AXES, arm.axis)
+        self.axis.write(arm.axis)
         _choose(self.mount, _MOUNTS, arm.base_wxyz)
 
     def _name(self) -> str | None:
@@ -248,6 +232,7 @@ class ArmModelPanel:
         """Show or hide what only a URDF has."""
         for handle in self._of_urdf:
             handle.visible = shown
+        self.axis.show(shown)
         self.gripper.show(shown)
 
     def _list_tips(self, name: str, tip: str | None, base: str | None = None) -> None:
