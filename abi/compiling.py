@@ -214,8 +214,11 @@ class _Compilation:
         with self._lock:
             if self._ending or not self._waiting:
                 return None
+            # neighbours share helpers, which each process compiles: they begin at both ends
+            is_second = child in self._children[1::2]
+            waiting = self._waiting[::-1] if is_second else self._waiting
             # the one that has run longest as Python for its size
-            kernel = max(self._waiting, key=_urgency)
+            kernel = max(waiting, key=_urgency)
             self._waiting.remove(kernel)
             try:
                 print(kernel.name, file=child.stdin, flush=True)
@@ -350,12 +353,21 @@ def _give_way() -> None:
 
 def compile_each(kernels: Iterable[Kernel[..., Any]]) -> Iterator[Kernel[..., Any]]:
     """Compile kernels in a process that does nothing else, and yield each once it is cached."""
+    _take_shortcuts()
     gc.disable()  # it would look through all that was compiled, again and again
     for kernel in kernels:
         kernel.compile()
         yield kernel
         gc.collect()
         gc.freeze()
+
+
+def _take_shortcuts() -> None:
+    """Import numba, and have it compile with less work."""
+    with LOADING:
+        from abi.compilation import shortcuts
+
+        shortcuts.take()
 
 
 def _after_fork() -> None:

@@ -19,7 +19,7 @@ import numpy as np
 from ompl import base, geometric, util
 
 from abi.arrays import FloatArray
-from abi.compilation.dispatcher import declare_helpers
+from abi.compilation.helpers import declare_helpers
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.compilation.dispatcher import declare_helpers
+from abi.compilation.helpers import declare_helpers
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked

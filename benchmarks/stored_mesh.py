@@ -15,7 +15,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, ByteArray, FloatArray, IntArray
-from abi.compilation.dispatcher import declare_helpers
+from abi.compilation.helpers import declare_helpers
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, Obstacles
 from abi.obstacles.packing import pack

@@ -11,6 +11,7 @@ from numba.core.untyped_passes import IRProcessing
 from numba.extending import lower_builtin, type_callable
 
 from abi.compilation.borrowed import borrowed
+from abi.compilation.helpers import declare_helpers
 
 
 @type_callable(borrowed)
@@ -67,7 +68,11 @@ def _borrow(argument: Any, scope: Any, where: Any) -> list[Any]:
 
 
 class Borrowing(CompilerBase):
-    """Numba's compiler of a kernel, which borrows its arguments."""
+    """Numba's compiler of a kernel, which borrows its arguments and knows the helpers."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        declare_helpers()  # numba then looks for what is new
+        super().__init__(*arguments, **options)  # type: ignore[no-untyped-call]
 
     def define_pipelines(self) -> list[Any]:
         """Numba's own passes and that one."""

@@ -11,9 +11,7 @@ from typing import Any
 
 import numba
 
-from abi.compilation import helpers
 from abi.compilation.borrowing import Borrowing
-from abi.compilation.jitable import UNDECLARED, options_of
 from abi.compilation.kernel_cache import KernelCache, ReadyKernels, kernel_folder
 from abi.compilation.kernel_stamp import fields_of, stamp
 
@@ -41,7 +39,6 @@ class Dispatcher:
     def __init__(
         self, function: Callable[..., Any], example: tuple[Any, ...], options: dict[str, Any]
     ) -> None:
-        declare_helpers()
         options = _OPTIONS | options
         self._signature = tuple(map(numba.typeof, example))
         self.of_numba: Any = numba.njit(**options)(function)
@@ -81,10 +78,3 @@ class Dispatcher:
 
     def _has(self, cache: KernelCache) -> bool:
         return cache.has(self._signature, self.of_numba.targetctx.codegen())
-
-
-def declare_helpers() -> None:
-    """Tell numba of the functions that kernels call; for who compiles one without a kernel, too."""
-    while UNDECLARED:
-        function = UNDECLARED.popleft()
-        helpers.declare(function, options_of(function))

@@ -22,8 +22,17 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import register_jitable
 
+from abi.compilation.jitable import UNDECLARED, options_of
+
 VERSIONS = ("0.68",)
 """Versions of numba with which the tests have seen that it works."""
+
+
+def declare_helpers() -> None:
+    """Tell numba of the functions that kernels call, before it compiles anything that calls one."""
+    while UNDECLARED:
+        function = UNDECLARED.popleft()
+        declare(function, options_of(function))
 
 
 def declare(function: Callable[..., Any], options: dict[str, Any]) -> None:
@@ -34,7 +43,7 @@ def declare(function: Callable[..., Any], options: dict[str, Any]) -> None:
         options: those of :func:`numba.extending.register_jitable`.
     """
     if is_known() and "inline" not in options:  # that is done before anything is compiled
-        jit = numba.njit(pipeline_class=_HelperCompiler, **(_OPTIONS | options))
+        jit = numba.njit(**(PIPELINE | _OPTIONS | options))
         _JITTED[function] = jit(function)
         template = type(function.__name__, (_Calls,), {"key": function, "known": {}})
         infer_global(function, types.Function(template))  # type: ignore[no-untyped-call]
@@ -49,7 +58,6 @@ def is_known(version: str = numba.__version__) -> bool:
 
 _OPTIONS: dict[str, Any] = {
     "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
     "error_model": "numpy",
     "forceinline": False,  # a helper would inherit it from its caller
 }
@@ -101,3 +109,7 @@ def _without_code(library: _HelperLibrary, description: Any, environment: Any) -
     name, nowhere = description.qualname, 0
     module = description.lookup_module()
     return _dynfunc.make_function(module, name, "", nowhere, environment, (library,))
+
+
+PIPELINE: dict[str, Any] = {"pipeline_class": _HelperCompiler, "no_cfunc_wrapper": True}
+"""Options with which numba compiles a function as a helper."""

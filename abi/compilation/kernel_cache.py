@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from llvmlite.binding import parse_assembly  # type: ignore[import-untyped]
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.runtime.nrt import rtsys
 
 from abi.user_cache import temporary_cache, user_cache
 
@@ -83,9 +85,14 @@ class KernelCache(FunctionCache):
         return name is not None and (self._folder / name).exists()
 
     def load_overload(self, signature: Any, context: Any) -> Any:
-        """Load a compiled form; None if it is not kept, or its file is damaged."""
+        """Load a compiled form; None if it is not kept, or its file is damaged.
+
+        Numba would import all that it can compile first, which takes longer than the loading.
+        """
+        rtsys.initialize(context)
         try:
-            return super().load_overload(signature, context)  # type: ignore[no-untyped-call]
+            with self._guard_against_spurious_io_errors():
+                return self._load_overload(signature, context)  # type: ignore[no-untyped-call]
         except _BROKEN:
             self._remove()
             return None
@@ -152,6 +159,19 @@ class _Implementation(CompileResultCacheImpl):
     def __init__(self, folder: Path, stamp: str, function: Callable[..., Any]) -> None:
         self._locator_classes: list[Any] = [_Locator(folder, stamp)]
         super().__init__(function)  # type: ignore[no-untyped-call]
+
+    def reduce(self, compiled: Any) -> Any:
+        """What is kept: machine code, and what else it needs.
+
+        Not LLVM's code, from which numba would compile what calls a kernel, which nothing does; nor
+        the environments of helpers that hold no constants: the modules of all would be imported.
+        """
+        kept = super().reduce(compiled)  # type: ignore[no-untyped-call]
+        (name, kind, (machine_code, _)), *rest, environments = kept
+        entry = compiled.fndesc.llvm_cpython_wrapper_name
+        named = parse_assembly(f'define void @"{entry}"() {{ unreachable }}').as_bitcode()
+        needed = tuple(one for one in environments if one.consts)
+        return (name, kind, (machine_code, named)), *rest, needed
 
 
 class _Locator:

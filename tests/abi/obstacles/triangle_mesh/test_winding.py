@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.compilation.dispatcher import declare_helpers
+from abi.compilation.helpers import declare_helpers
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh import triangle_kernels
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build_tree, dipoles

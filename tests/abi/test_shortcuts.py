@@ -1,0 +1,76 @@
+"""Shortcuts through numba's compiler: the same machine code, in less time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from abi.arrays import FloatArray
+from abi.compilation import shortcuts
+from abi.compilation.helpers import is_known
+
+
+def make_kernel() -> Callable[[FloatArray, int], float]:
+    """A new function each time, since numba remembers what it has compiled."""
+
+    def kernel(numbers: FloatArray, count: int) -> float:
+        found = [(0, 0.0)]
+        squares = np.empty((count, 2))
+        for i in range(count):
+            pair = abs(numbers[i]) ** 0.5, max(numbers[i], 1.0) // 3.0
+            squares[i, 0], squares[i, 1] = pair
+            if pair[0] > 2.0 and not pair[1] < 1.0:
+                found.append((i, -pair[0]))
+        best = found.pop()
+        while len(found) > 1:
+            other = found.pop()
+            best = other if other[1] < best[1] else best
+        return best[1] * best[0] + float(squares[:count].sum())
+
+    return kernel
+
+
+def machine_code() -> list[str]:
+    """Instructions of the kernel, without the names, which numba numbers."""
+    njit: Any = numba.njit
+    compiled = njit(error_model="numpy", no_cfunc_wrapper=True)(make_kernel())
+    compiled.compile((numba.float64[::1], numba.int64))
+    [code] = compiled.inspect_asm().values()
+    names = re.compile(r"[.\w]*(_ZN|_ZZ|numba|\.const)[$.@\w]*|\.L\w+|#.*")
+    lines = (names.sub("NAME", line).split() for line in code.splitlines() if line[:1] == "\t")
+    return [" ".join(line) for line in lines if not line[0].startswith(".")]
+
+
+def use(monkeypatch: pytest.MonkeyPatch, kinds: dict[tuple[type, str], Any]) -> None:
+    for (owner, name), shortcut in kinds.items():
+        monkeypatch.setattr(owner, name, shortcut)
+
+
+@pytest.mark.slow
+def test_machine_code_is_the_same_with_shortcuts(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert is_known()
+    usual = machine_code()
+    assert len(usual) > 100
+    use(monkeypatch, shortcuts.SHORTCUTS)
+    assert machine_code() == usual
+    assert machine_code() == usual  # with what it knows by now
+
+
+def test_kernels_compute_the_same_where_numbas_functions_are_helpers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    numbers = np.random.default_rng(0).uniform(-90, 90, 50)
+    usual: Any = numba.njit(make_kernel())
+    expected = usual(numbers, 50)
+    use(monkeypatch, shortcuts.SHORTCUTS | shortcuts.OVERLOADS)
+    # other types of numbers, so that numba has none of its functions for them yet
+    compiled: Any = numba.njit(make_kernel())
+    assert compiled(numbers.astype(np.float32).astype(float)[::1], 50) == pytest.approx(expected)
+    assert compiled(numbers, 50) == expected
+    with pytest.raises(ValueError, match="negative dimensions"):
+        compiled(numbers, -1)
