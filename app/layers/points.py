@@ -32,11 +32,14 @@ class Points:
             size: of a disc.
             visible: whether they are seen; None for as before, at first for seen.
         """
+        colours = np.array(colour, np.uint8)
+        if colours.size == 0:
+            colours = np.zeros(3, np.uint8)  # without points, too, the page asks for a colour
         if self._cloud is None:
             self._cloud = self._scene.add_point_cloud(
                 self._name,
                 points.astype(np.float32),
-                np.array(colour, np.uint8),
+                colours,
                 point_size=size,
                 point_shape="circle",
                 precision="float32",
@@ -44,7 +47,7 @@ class Points:
             )
             return
         self._cloud.points = points.astype(np.float32)
-        self._cloud.colors = np.array(colour, np.uint8)
+        self._cloud.colors = colours
         self._cloud.point_size = size
         if visible is not None:
             self._cloud.visible = visible

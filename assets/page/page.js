@@ -584,11 +584,11 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay.abi-lecture { font-size: clamp(16px, min(2.8vh, 3vw), 26px); }
 body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, min(2.8vh, 3vw), 26px); }
 #abi-overlay.abi-lecture .abi-numbers { column-gap: 1.1em; }
-#abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(22px, min(5.2vh, 5cqw), 60px); }
+#abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(22px, min(5vh, 5cqw), 60px); }
 #abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(14px, min(2.6vh, 3cqw), 26px); }
 #abi-overlay.abi-lecture .abi-bottom { flex-flow: row wrap; align-items: end; padding-block: 0 6px; }
 #abi-overlay.abi-lecture [data-part=lecture] { flex: 1 0 100%; display: flex; flex-wrap: wrap; gap: 6px; }
-#abi-overlay.abi-lecture [data-part=player] { flex: 1 1 18em; }
+#abi-overlay.abi-lecture [data-part=player] { flex: 1 1 16em; }
 #abi-overlay.abi-lecture .abi-card { padding-block: 3px; }
 #abi-overlay.abi-lecture .abi-bottom button { padding-block: 2px; }
 #abi-overlay [data-part=lecture] .abi-buttons { display: inline-flex; align-items: center; }

@@ -21,6 +21,8 @@ from abi.teach.student_process import Limits, run
 
 pytestmark = pytest.mark.slow
 _SHORT = Limits(seconds=4.0)
+_LONG = Limits(seconds=60.0)
+"""For what ends by itself, however busy the machine is."""
 
 
 def _loop(x: float) -> float:
@@ -96,11 +98,12 @@ def _prints(x: float) -> float:
 )
 def test_it_is_told_what_happened(function: Callable[..., Any], told: str) -> None:
     begin = time.monotonic()
-    answers = run(function, "f", "alone", [[[1.0]], [[2.0]]], _SHORT)
+    limits = _SHORT if told == "took more than" else _LONG
+    answers = run(function, "f", "alone", [[[1.0]], [[2.0]]], limits)
     assert told in answers.failure
-    assert answers.began
+    assert answers.began or limits is _SHORT  # a busy machine may take all of that for the start
     assert answers.values == ()
-    assert time.monotonic() - begin < _SHORT.seconds + 20
+    assert time.monotonic() - begin < limits.seconds + 20
 
 
 def test_it_reaches_no_server_of_this_machine() -> None:
@@ -111,7 +114,7 @@ def test_it_reaches_no_server_of_this_machine() -> None:
             socket.create_connection(("127.0.0.1", port), timeout=2).close()
             return x
 
-        answers = run(connect, "f", "alone", [[[1.0]]], _SHORT)
+        answers = run(connect, "f", "alone", [[[1.0]]], _LONG)
         server.setblocking(False)
         with pytest.raises(BlockingIOError):
             server.accept()
@@ -125,16 +128,16 @@ def test_it_writes_no_file(tmp_path: Path) -> None:
         file.write_text("there")
         return x
 
-    assert "may not use files" in run(write, "f", "alone", [[[1.0]]], _SHORT).failure
+    assert "may not use files" in run(write, "f", "alone", [[[1.0]]], _LONG).failure
     assert not file.exists()
 
 
 def test_what_it_prints_is_no_answer() -> None:
-    assert run(_prints, "f", "alone", [[[1.0]], [[2.0]]], _SHORT).values == ([1.0], [2.0])
+    assert run(_prints, "f", "alone", [[[1.0]], [[2.0]]], _LONG).values == ([1.0], [2.0])
 
 
 def test_what_was_answered_before_it_failed_counts() -> None:
-    answers = run(lambda x: 1 / (2 - x), "f", "alone", [[[1.0]], [[3.0], [2.0]]], _SHORT)
+    answers = run(lambda x: 1 / (2 - x), "f", "alone", [[[1.0]], [[3.0], [2.0]]], _LONG)
     assert answers.values == ([1.0],)
     assert answers.call == 1
     assert "ZeroDivisionError" in answers.failure

@@ -77,13 +77,13 @@ def test_in_a_lecture_all_is_seen_from_the_same_side(tab: tuple[FakeTab, Session
     until(lambda: not lecture.on and np.allclose(camera.position, before))
 
 
-@pytest.mark.parametrize("above", [0.06, 0.14])
+@pytest.mark.parametrize("above", [0.06, 0.08])
 @pytest.mark.parametrize("size", [(6, 6, 6), (15, 6, 6), (1.6, 1.6, 1), (3, 8, 4)])
 def test_a_workspace_alone_fills_a_lecture_hall_s_screen(
     size: tuple[float, float, float], above: float
 ) -> None:
     corners = box_corners((0, 0, 0), size)
-    window = Window(math.radians(75), 1920 / 1080, above, 0.09)
+    window = Window(math.radians(75), 1920 / 1080, above, 0.18)
     for angle in np.linspace(0, 2 * np.pi, 13):
         usual = np.array([np.cos(angle), np.sin(angle), 0.38])
         place = stand(corners, widest(corners, usual, window), window)

@@ -22,6 +22,7 @@ from app.layers.axes import AxesLayer
 from app.layers.markers import _are_reached
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
+from app.layers.points import Points
 from app.layers.result.headline import HeadlineLayer, headline, stage_headline
 from app.layers.result.plots import PlotsLayer, _joints_title
 from app.layers.result.stage_notes import StageNotesLayer
@@ -54,6 +55,16 @@ def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) 
 
     nodes = drawn_points(layer(session, MeshLayer)._clouds["nodes"])
     assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
+
+
+def test_a_cloud_without_points_has_a_colour_which_the_page_asks_for(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    cloud = Points(tab[1].client.scene, "/cloud")
+    for count in (0, 1, 3, 0):
+        cloud.draw(np.zeros((count, 3)), np.full((count, 3), 9, np.uint8), 0.1)
+        assert cloud._cloud is not None
+        assert cloud._cloud.colors.size == 3 * max(count, 1)
 
 
 def test_a_lesson_has_notes_on_what_it_shows_alone(tab: tuple[FakeTab, Session]) -> None:
