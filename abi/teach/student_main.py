@@ -139,7 +139,8 @@ def _leave_the_network(ctypes: Any) -> None:
 def _restrict(memory: int, answer: int, seconds: int) -> None:
     """Give up all but ``memory`` more bytes, ``answer`` bytes of answers, ``seconds`` of time.
 
-    Where the system has no such limits, as Windows, whoever waits still limits the time.
+    Whoever ignores the signal at the end of the time is ended a second later. Where the system has
+    no such limits, as Windows, whoever waits still limits the time.
     """
     with contextlib.suppress(ImportError):
         import resource
@@ -148,7 +149,7 @@ def _restrict(memory: int, answer: int, seconds: int) -> None:
             score.write("1000")
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         resource.setrlimit(resource.RLIMIT_FSIZE, (answer, answer))
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
         with contextlib.suppress(OSError), open("/proc/self/statm") as statm:
             most = memory + int(statm.read().split()[0]) * resource.getpagesize()
             resource.setrlimit(resource.RLIMIT_AS, (most, most))

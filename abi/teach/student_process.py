@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import json
+import math
 import os
 import signal
 import subprocess
@@ -25,7 +26,9 @@ _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _KEPT = ("HOME", "LANG", "LD_LIBRARY_PATH", "PATH", "SYSTEMROOT", "TEMP", "TMPDIR")
 _LARGEST_FILE = 1_000_000
 """Bytes of a student's file."""
-_ENDED = "it ended its process, or took too much memory"
+_OUT_OF_TIME = -signal.SIGXCPU if hasattr(signal, "SIGXCPU") else None
+"""Code of a process that the system ended for its processor time."""
+_ENDED = "it ended its process, or took too much time or memory"
 
 
 @dataclass(frozen=True)
@@ -33,12 +36,14 @@ class Limits:
     """What a student's function may take.
 
     Attributes:
-        seconds: for all trials together, its start included.
+        seconds: of processor time, for all trials together, its start included.
+        patience: [s] by the clock, which go by on a busy machine while it does little.
         memory: [bytes], beside what the process itself takes.
         answer: [bytes] of all that it returns, as text.
     """
 
     seconds: float = 8.0
+    patience: float = 30.0
     memory: int = 500_000_000
     answer: int = 8_000_000
 
@@ -81,7 +86,7 @@ def run(
     """
     limits = limits or Limits()
     job = json.dumps(job_of(student, name, caller, trials)).encode()
-    numbers = (limits.memory, limits.answer, int(limits.seconds) + 1)
+    numbers = (limits.memory, limits.answer, math.ceil(limits.seconds))
     failure = _ENDED
     with tempfile.TemporaryFile() as answers, tempfile.TemporaryDirectory() as folder:
         process = subprocess.Popen(
@@ -94,9 +99,11 @@ def run(
             start_new_session=True,
         )
         try:
-            process.communicate(job, timeout=limits.seconds)
+            process.communicate(job, timeout=limits.patience)
+            if process.returncode == _OUT_OF_TIME:
+                failure = f"it took more than {limits.seconds:g} s"
         except subprocess.TimeoutExpired:
-            failure = f"it took more than {limits.seconds:g} s"
+            failure = f"it took more than {limits.patience:g} s by the clock"
         except OSError:  # it ended before it had read its job
             pass
         finally:

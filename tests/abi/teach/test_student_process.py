@@ -20,9 +20,9 @@ from abi.errors import ArgumentError
 from abi.teach.student_process import Limits, run
 
 pytestmark = pytest.mark.slow
-_SHORT = Limits(seconds=4.0)
-_LONG = Limits(seconds=60.0)
-"""For what ends by itself, however busy the machine is."""
+_SHORT = Limits(seconds=2.0, patience=100.0)
+"""How long that takes by the clock depends on the machine."""
+_IMPATIENT = Limits(patience=4.0)
 
 
 def _loop(x: float) -> float:
@@ -85,8 +85,7 @@ def _prints(x: float) -> float:
     ("function", "told"),
     [
         (_loop, "took more than"),
-        (_sleep, "took more than"),
-        (_ignores, "took more than"),
+        (_ignores, "too much time"),
         (_much, "memory"),
         (_exit, "ended its process"),
         (_end, "ends the program"),
@@ -98,12 +97,15 @@ def _prints(x: float) -> float:
 )
 def test_it_is_told_what_happened(function: Callable[..., Any], told: str) -> None:
     begin = time.monotonic()
-    limits = _SHORT if told == "took more than" else _LONG
-    answers = run(function, "f", "alone", [[[1.0]], [[2.0]]], limits)
+    answers = run(function, "f", "alone", [[[1.0]], [[2.0]]], _SHORT)
     assert told in answers.failure
-    assert answers.began or limits is _SHORT  # a busy machine may take all of that for the start
+    assert answers.began
     assert answers.values == ()
-    assert time.monotonic() - begin < limits.seconds + 20
+    assert time.monotonic() - begin < _SHORT.patience
+
+
+def test_what_does_nothing_is_not_waited_for() -> None:
+    assert "by the clock" in run(_sleep, "f", "alone", [[[1.0]]], _IMPATIENT).failure
 
 
 def test_it_reaches_no_server_of_this_machine() -> None:
@@ -114,7 +116,7 @@ def test_it_reaches_no_server_of_this_machine() -> None:
             socket.create_connection(("127.0.0.1", port), timeout=2).close()
             return x
 
-        answers = run(connect, "f", "alone", [[[1.0]]], _LONG)
+        answers = run(connect, "f", "alone", [[[1.0]]], _SHORT)
         server.setblocking(False)
         with pytest.raises(BlockingIOError):
             server.accept()
@@ -128,16 +130,16 @@ def test_it_writes_no_file(tmp_path: Path) -> None:
         file.write_text("there")
         return x
 
-    assert "may not use files" in run(write, "f", "alone", [[[1.0]]], _LONG).failure
+    assert "may not use files" in run(write, "f", "alone", [[[1.0]]], _SHORT).failure
     assert not file.exists()
 
 
 def test_what_it_prints_is_no_answer() -> None:
-    assert run(_prints, "f", "alone", [[[1.0]], [[2.0]]], _LONG).values == ([1.0], [2.0])
+    assert run(_prints, "f", "alone", [[[1.0]], [[2.0]]], _SHORT).values == ([1.0], [2.0])
 
 
 def test_what_was_answered_before_it_failed_counts() -> None:
-    answers = run(lambda x: 1 / (2 - x), "f", "alone", [[[1.0]], [[3.0], [2.0]]], _LONG)
+    answers = run(lambda x: 1 / (2 - x), "f", "alone", [[[1.0]], [[3.0], [2.0]]], _SHORT)
     assert answers.values == ([1.0],)
     assert answers.call == 1
     assert "ZeroDivisionError" in answers.failure
@@ -148,7 +150,7 @@ def test_a_file_has_the_function(tmp_path: Path) -> None:
     file.write_text("import math\n\ndef heuristic(node, goal):\n    return math.dist(node, goal)\n")
     verdict = abi.teach.check("heuristic", file)
     assert verdict.passed
-    assert verdict.seconds < 10
+    assert verdict.seconds > 0
     file.write_text("def heuristic(node, goal):\n    return 1 / 0\n")
     assert (
         "ZeroDivisionError: division by zero (line 2)"
