@@ -1,4 +1,4 @@
-"""Collisions of an arm by the triangles of its collision shapes, with coal: an oracle of ours."""
+"""Collisions of an arm by its collision shapes as they are given, with coal: an oracle of ours."""
 
 from __future__ import annotations
 
@@ -6,53 +6,79 @@ import coal
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.bodies.link_bodies import triangles_of
+from abi.robot.urdf.robot import Link, LinkShape
 from abi.robot.urdf_arm import UrdfArm
+
+_Placed = list[tuple[object, coal.Transform3s]]
+"""Solids, each with its pose."""
 
 
 class ExactArm:
-    """Meshes of an arm's links, those that must keep apart, and a box that none may touch.
+    """Shapes of an arm's links, those that must keep apart, and a box that none may touch.
 
     Links that may touch each other by the arm's own rules are not compared.
     """
 
     def __init__(self, arm: UrdfArm, box: FloatArray | None = None) -> None:
-        """Meshes of ``arm``, which stands in metres, and a ``box``: centre and extents, (2, 3)."""
+        """Shapes of ``arm``, which stands in metres, and a ``box``: centre and extents, (2, 3)."""
         links = arm.chain.robot.links
         self._carried = {one.link: one for one in arm.chain.carried if any(links[one.link].shapes)}
         self._arm = arm
-        self._meshes = {name: _mesh(triangles_of(links[name])) for name in self._carried}
+        self._solids = {name: _solids_of(links[name]) for name in self._carried}
         names = [one.link for one in arm.capsules]
         self._pairs = sorted({(names[i], names[j]) for i, j in arm.pairs.tolist()})
-        self._box = None if box is None else coal.Box(*box[1].tolist())
-        self._at = coal.Transform3s(np.eye(3), np.zeros(3) if box is None else box[0])
+        self._box: _Placed = []
+        if box is not None:
+            at = coal.Transform3s(np.eye(3), box[0])
+            self._box.append((coal.Box(*box[1].tolist()), at))
 
     def hits_itself(self, pose: FloatArray) -> bool:
         """Check whether two links collide at joint positions (n,)."""
-        places = self._places(pose)
-        return any(
-            _collide(self._meshes[a], places[a], self._meshes[b], places[b]) for a, b in self._pairs
-        )
+        return self._hits_itself(self._placed(pose))
 
     def hits(self, pose: FloatArray) -> bool:
         """Check whether two links, or one that moves and the box, collide."""
-        places = self._places(pose)
-        on_box = self._box is not None and any(
-            _collide(self._meshes[name], places[name], self._box, self._at)
-            for name, one in self._carried.items()
-            if one.frame >= 0
-        )
-        return on_box or self.hits_itself(pose)
+        placed = self._placed(pose)
+        moving = (name for name, one in self._carried.items() if one.frame >= 0)
+        on_box = any(_collide(placed[name], self._box) for name in moving)
+        return on_box or self._hits_itself(placed)
 
-    def _places(self, pose: FloatArray) -> dict[str, coal.Transform3s]:
+    def _hits_itself(self, placed: dict[str, _Placed]) -> bool:
+        return any(_collide(placed[a], placed[b]) for a, b in self._pairs)
+
+    def _placed(self, pose: FloatArray) -> dict[str, _Placed]:
+        """Solids of each link, in the world."""
         frames = self._arm.chain.poses(pose[None])[0]
         found = {}
         for name, one in self._carried.items():
-            placed = one.pose
+            of_link = one.pose
             if one.frame >= 0:
-                placed = np.vstack([frames[one.frame], [0, 0, 0, 1]]) @ one.pose
-            found[name] = coal.Transform3s(placed[:3, :3], placed[:3, 3])
+                of_link = np.vstack([frames[one.frame], [0, 0, 0, 1]]) @ one.pose
+            world = _transform(of_link)
+            found[name] = [(solid, world * at) for solid, at in self._solids[name]]
         return found
+
+
+def _solids_of(link: Link) -> _Placed:
+    """Collision shapes of a link in its frame."""
+    return [(_solid(shape), _transform(shape.pose)) for shape in link.shapes]
+
+
+def _transform(pose: FloatArray) -> coal.Transform3s:
+    return coal.Transform3s(pose[:3, :3], pose[:3, 3])
+
+
+def _solid(shape: LinkShape) -> object:
+    """A shape as it is given: no triangles stand for what is round."""
+    first, second, third = shape.size
+    match shape.kind:
+        case "box":
+            return coal.Box(first, second, third)
+        case "sphere":
+            return coal.Sphere(first)
+        case "cylinder":
+            return coal.Cylinder(first, second)
+    return _mesh(shape.vertices[shape.faces])
 
 
 def _mesh(triangles: FloatArray) -> coal.BVHModelOBBRSS:
@@ -68,6 +94,9 @@ def _mesh(triangles: FloatArray) -> coal.BVHModelOBBRSS:
     return mesh
 
 
-def _collide(first: object, at: object, second: object, other: object) -> bool:
+def _collide(first: _Placed, second: _Placed) -> bool:
+    """Check whether some solid of one collides with some solid of the other."""
     request, result = coal.CollisionRequest(), coal.CollisionResult()
-    return bool(coal.collide(first, at, second, other, request, result))
+    return any(
+        coal.collide(a, at, b, other, request, result) for a, at in first for b, other in second
+    )

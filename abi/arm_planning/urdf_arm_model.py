@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from abi.arm_planning.arm_model import BranchTask, OtherBranches
 from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
+from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
+from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
 from abi.arm_planning.motion.urdf_motion import ChainJointPath, chain_joint_path
@@ -37,6 +39,13 @@ _REMEMBERED = 16
 """Pairs, at most, whose configurations are kept."""
 
 
+class _Spread(NamedTuple):
+    """Configurations all over the mesh, and what is known of segments with them."""
+
+    configurations: NodeConfigurations
+    memory: SegmentMemory
+
+
 class UrdfArmModel:
     """An arm that a URDF describes.
 
@@ -49,8 +58,8 @@ class UrdfArmModel:
         touches = settings.gripper, settings.allowed, settings.grasping
         self.arm = urdf_arm(robot, settings.tool, *stands, *touches)
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
-        self._configurations: dict[PosePair, NodeConfigurations] = {}
-        self._rows = RowTable()
+        self._configurations: dict[PosePair, _Spread] = {}
+        self._rows, self._poses = RowTable(), SegmentMemory()
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
         """The arm's collision world: obstacles and floor."""
@@ -115,26 +124,33 @@ class UrdfArmModel:
 
     def _is_clear(self, task: BranchTask, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
-        still, margin = np.stack([pose, pose]), task.scene.arm.clearance + task.slack
-        if chain_refutation(self.arm, still, task.collision_world, margin) is not None:
+        margin = task.scene.arm.clearance + task.slack
+        self._poses.enter(task.obstacles.obstacles, task.collision_world)
+        _, fault = self._poses.examined(
+            (pose.tobytes(), margin), partial(_still, pose), partial(self._refutation, margin)
+        )
+        if fault is not None:
             return False
         return not inside_meshes(self.arm, task.obstacles, pose, task.collision_world.allowed)
+
+    def _refutation(
+        self, margin: float, followed: Followed, around: CollisionWorld, with_itself: bool
+    ) -> ArmRefutation | None:
+        """Why the arm, standing still, is not proven clear."""
+        joints = followed.joints
+        return chain_refutation(self.arm, joints, around, margin, with_itself=with_itself)
 
     def _branch(self, pair: PosePair, task: BranchTask) -> ChainBranch:
         branch = f"From pose {pair.first + 1} at the start"
         if pair.home is not None:
             branch += f" drawn to pose {pair.home + 1} at the goal"
+        configurations, memory = self._spread(pair, task)
+        memory.enter(task.obstacles.obstacles, task.collision_world)
         clearance = task.scene.arm.clearance
-        return ChainBranch(
-            self.arm,
-            branch,
-            task.collision_world,
-            self._node_configurations(pair, task),
-            clearance,
-            task.slack,
-        )
+        around = task.collision_world, configurations, clearance, task.slack
+        return ChainBranch(self.arm, branch, *around, memory=memory)
 
-    def _node_configurations(self, pair: PosePair, task: BranchTask) -> NodeConfigurations:
+    def _spread(self, pair: PosePair, task: BranchTask) -> _Spread:
         """Configurations on the mesh from a first pose, drawn to a home."""
         if pair not in self._configurations:
             start, goal = task.scene.start, task.scene.goal
@@ -143,10 +159,16 @@ class UrdfArmModel:
             found = spread_over(self.arm, task.mesh, np.array(start, dtype=float), first, home)
             if len(self._configurations) >= _REMEMBERED:
                 self._configurations.pop(next(iter(self._configurations)))
-            self._configurations[pair] = found
+            self._configurations[pair] = _Spread(found, SegmentMemory())
         return self._configurations[pair]
 
 
 def _first_ones(clear: Mapping[int, FloatArray]) -> list[int]:
     """Numbers of the first poses that are tried alone; the first of all where none is clear."""
     return [number for number in clear if number < TRIED][:_BRANCHES] or [0]
+
+
+def _still(pose: FloatArray) -> Followed:
+    """Joints of an arm that stands still."""
+    nothing = np.zeros(2)
+    return Followed(nothing, np.stack([pose, pose]), nothing)

@@ -25,7 +25,7 @@ from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_files import description_of, files_of
 
-_STARTS = 48
+_STARTS, _HELD_STARTS = 48, 16
 """Random poses from which the first pose of a motion is sought."""
 TRIED = 8
 """Largest number of start poses whose motions are compared."""
@@ -193,6 +193,16 @@ class UrdfArm(ShortRepr):
             scale=1 / self.metres,
         )
 
+    @cached_property
+    def unpaired_bodies(self) -> Bodies:
+        """The bodies without pairs that must keep apart."""
+        nothing = read_only(np.zeros(0))
+        return self.bodies._replace(
+            pairs=read_only(np.zeros(0, dtype=np.int32)),
+            pair_levers=nothing,
+            point_pair_levers=nothing,
+        )
+
     def place(self, positions: FloatArray) -> FloatArray:
         """Ends of the capsules' segments at joint positions (k, n), shape (k, c, 2, 3), [unit]."""
         positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
@@ -298,10 +308,14 @@ class UrdfArm(ShortRepr):
         """At most ``most`` different joint positions (n,) with the tip at ``point`` (3,).
 
         Poses in the middle of the joints' limits come first. If none reaches the point, the result
-        is one that comes near it. Equal calls give equal poses, and the latest are remembered.
+        is one that comes near it. Of a redundant arm further poses follow if so many are asked for.
+        Equal calls give equal poses, and the latest are remembered.
         """
-        point = arguments.numbers("point", point, (3,))
-        return _first_poses(self, tuple(point.tolist()))[:most]
+        x, y, z = arguments.numbers("point", point, (3,)).tolist()
+        found = _first_poses(self, (x, y, z))
+        if len(found) < most and self.is_redundant:
+            found += _further_poses(self, (x, y, z))
+        return found[:most]
 
     def follow(
         self, start: FloatArray, points: FloatArray, home: FloatArray | None = None
@@ -343,11 +357,36 @@ def _first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
         return (read_only(min(found, key=itemgetter(1))[0] * arm.scales),)
     middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-9)
     reached.sort(key=lambda pose: float(np.abs((pose - middle) / half).max()))
+    return tuple(read_only(pose * arm.scales) for pose in _different(reached))
+
+
+@lru_cache(maxsize=16)
+def _further_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
+    """Poses in which a joint is where it was put at random.
+
+    A short slide otherwise ends at its limit nearly always. Where there are slides one of them is
+    held, otherwise any joint.
+    """
+    random = np.random.default_rng(1)
+    low, high = arm.chain.usual_range().T
+    target = np.array(point)[None] * arm.metres
+    slides = np.flatnonzero(arm.chain.slides)
+    ones = slides if len(slides) else np.arange(len(low))
+    reached = []
+    for number, start in enumerate(random.uniform(low, high, (_HELD_STARTS, len(low)))):
+        pose, error = arm.chain.follow(start, target, still=int(ones[number % len(ones)]))
+        if error[0] <= REACHED:
+            reached.append(pose[0])
+    return tuple(read_only(pose * arm.scales) for pose in _different(reached))
+
+
+def _different(poses: Sequence[FloatArray]) -> list[FloatArray]:
+    """Poses without those that are like one before."""
     kept: list[FloatArray] = []
-    for pose in reached:
+    for pose in poses:
         if all(np.abs(pose - other).max() > _ALIKE for other in kept):
             kept.append(pose)
-    return tuple(read_only(pose * arm.scales) for pose in kept)
+    return kept
 
 
 def urdf_arm(

@@ -102,7 +102,7 @@ def _corners(shape: LinkShape) -> FloatArray:
     """Points (n, 3) of a shape that are farthest out, in its link's frame, [m]."""
     a, b, c = shape.size
     if shape.kind == "mesh":
-        points = shape.vertices
+        points = shape.vertices[np.unique(shape.faces)]  # files have others that no face uses
     elif shape.kind == "box":
         points = np.array([*itertools.product((-a / 2, a / 2), (-b / 2, b / 2), (-c / 2, c / 2))])
     elif shape.kind == "sphere":

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
 
 from abi import arguments
 from abi.arm_planning.arm_model import Unreached
+from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
@@ -50,6 +51,7 @@ class ChainBranch:
         clearance: distance that its links keep from obstacles, [unit].
         slack: distance that segments and nodes keep beyond that, [unit].
         most_tries: pairs of a capsule and an obstacle to try, to prove a segment or a node clear.
+        memory: of segments that were asked about with these configurations before.
     """
 
     arm: UrdfArm
@@ -59,6 +61,7 @@ class ChainBranch:
     clearance: float
     slack: float
     most_tries: int = field(default=MOST_TRIES, kw_only=True)
+    memory: SegmentMemory = field(default_factory=SegmentMemory, kw_only=True)
 
     @property
     def segments(self) -> None:
@@ -79,7 +82,8 @@ class ChainBranch:
         joints, missed = self.arm.follow(
             self.configurations.first, curve(parameters), self.configurations.home
         )
-        return self._refutation(joints, missed, parameters, self.clearance, CURVE_TRIES)
+        followed = Followed(parameters, joints, missed)
+        return self._refutation(self.clearance, CURVE_TRIES, followed, self.collision_world)
 
     def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
@@ -87,8 +91,7 @@ class ChainBranch:
         begin = self.configurations.near(vertices[0])
         if begin is None:
             return ArmRefutation(0.0, -1, -1, True)
-        parameters, joints, missed = self._follow_polyline(vertices, begin)
-        return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
+        return self._examined(vertices, begin)[1]
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""
@@ -120,11 +123,9 @@ class ChainBranch:
             begin = pose or self.configurations.near(points[k])
             if begin is None:
                 return clear
-            _, joints, missed = self._follow_polyline(points[k : k + 2], begin)
-            clear[k] = (missed <= REACHED * self.arm.reach).all() and chain_refutation(
-                self.arm, joints, self.collision_world, self._beyond, self.most_tries
-            ) is None
-            pose = (points[k + 1], joints[-1]) if clear[k] else None
+            followed, fault = self._examined(points[k : k + 2], begin)
+            clear[k] = fault is None
+            pose = (points[k + 1], followed.joints[-1]) if clear[k] else None
         return clear
 
     def joint_path(self, curve: Curve, arc: ArcLength) -> ChainJointPath:
@@ -175,10 +176,21 @@ class ChainBranch:
     def _around(self) -> Obstacles:
         return self.collision_world.beyond(self._beyond)
 
+    def _examined(
+        self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
+    ) -> tuple[Followed, ArmRefutation | None]:
+        """Joints along a polyline, and where the arm is not clear; see :meth:`_follow_polyline`."""
+        arrays = vertices, *begin
+        key = (*(one.tobytes() for one in arrays), self._beyond, self.most_tries)
+        follow = partial(self._follow_polyline, vertices, begin)
+        return self.memory.examined(
+            key, follow, partial(self._refutation, self._beyond, self.most_tries)
+        )
+
     def _follow_polyline(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Parameters (m,), joints (m, n) and errors (m,) along a polyline (k, 3), k >= 2.
+    ) -> Followed:
+        """Joints along a polyline (k, 3), k >= 1.
 
         Args:
             vertices: of the polyline, [unit], world.
@@ -193,21 +205,22 @@ class ChainBranch:
         targets = np.stack([np.interp(parameters, rows, part) for part in vertices.T], axis=1)
         points = np.concatenate([[begin[0]], targets])
         joints, missed = self.arm.follow(begin[1], points, self.configurations.home)
-        return parameters, joints[1:], missed[1:]
+        return Followed(parameters, joints[1:], missed[1:])
 
     def _refutation(
         self,
-        joints: FloatArray,
-        missed: FloatArray,
-        parameters: FloatArray,
         margin: float,
         tries: int,
+        followed: Followed,
+        around: CollisionWorld,
+        with_itself: bool = True,
     ) -> ArmRefutation | None:
-        """Place at which joint positions (k, n) miss their points, or are not proven clear."""
+        """Place at which joint positions miss their points, or are not proven clear."""
+        parameters, joints, missed = followed
         beyond = np.flatnonzero(missed > REACHED * self.arm.reach)
         if len(beyond):
             return ArmRefutation(float(parameters[beyond[0]]), -1, -1, True)
-        found = chain_refutation(self.arm, joints, self.collision_world, margin, tries)
+        found = chain_refutation(self.arm, joints, around, margin, tries, with_itself)
         if found is None:
             return None
         at = float(np.interp(found.parameter, np.arange(len(parameters)), parameters))

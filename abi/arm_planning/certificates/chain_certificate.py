@@ -85,9 +85,15 @@ def chain_refutation(
     collision_world: CollisionWorld,
     margin: float,
     most_tries: int = MOST_TRIES,
+    with_itself: bool = True,
 ) -> ArmRefutation | None:
-    """Find where :func:`certify_chain` finds that an arm does not keep clear; None if it does."""
-    outcome = separate_chain(*_task(arm, positions, collision_world, margin), most_tries, False)
+    """Find where :func:`certify_chain` finds that an arm does not keep clear; None if it does.
+
+    Without ``with_itself`` it is not asked whether the arm keeps clear of itself.
+    """
+    table, bodies, knots, around = _task(arm, positions, collision_world, margin)
+    asked = bodies if with_itself else arm.unpaired_bodies
+    outcome = separate_chain(table, asked, knots, around, most_tries, False)
     return _refutation(arm, collision_world, outcome)
 
 

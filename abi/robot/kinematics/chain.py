@@ -249,7 +249,11 @@ class Chain(ShortRepr):
         return found
 
     def follow(
-        self, start: FloatArray, targets: FloatArray, home: FloatArray | None = None
+        self,
+        start: FloatArray,
+        targets: FloatArray,
+        home: FloatArray | None = None,
+        still: int | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Move the tip along points, solving for each from the one before.
 
@@ -257,6 +261,7 @@ class Chain(ShortRepr):
             start: coordinates to begin with, (n,), within the limits.
             home: coordinates that redundant joints drift to, (n,); ``start`` by default.
             targets: points in the order they are passed, shape (k, 3), [m], world.
+            still: number of a coordinate that stays where it is; None for none.
 
         Returns:
             Coordinates (k, n), within the limits, and the error at each point, (k,): its distance
@@ -268,8 +273,12 @@ class Chain(ShortRepr):
         targets = arguments.points("targets", targets)
         joints, errors = np.empty(len(targets) * count), np.empty(len(targets))
         drift = Drift(flat(home), PULL)
-        path = self.table, flat(start), drift, flat(targets), _MOST_ITERATIONS
-        follow_path(*path, joints, errors)
+        table = self.table
+        if still is not None:
+            limits = table.limits.reshape(-1, 2).copy()
+            limits[arguments.integer("still", still, 0, count - 1)] = start[still]
+            table = table._replace(limits=flat(limits))
+        follow_path(table, flat(start), drift, flat(targets), _MOST_ITERATIONS, joints, errors)
         return joints.reshape(-1, count), errors
 
 

@@ -31,7 +31,7 @@ from abi.robot.bodies.chain_capsules import segment_distances
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from tests.abi import meshes
-from tests.abi.robot.robots import OWN, arm, packed
+from tests.abi.robot.robots import OWN, arm, joint, link, packed, urdf
 from tests.random_geometry import random_obstacle
 
 seeds = st.integers(0, 2**31)
@@ -227,3 +227,25 @@ def test_first_poses_reach_the_point_in_different_ways(name: str) -> None:
     far = one.first_poses(one.base + 1000.0)
     assert len(far) == 1
     assert np.linalg.norm(one.tool(np.array(far))[0] - one.base) > 60  # stretched out towards it
+
+
+def test_further_poses_leave_a_short_slide_where_it_was_put() -> None:
+    """A torso that rises little: a step of inverse kinematics would take it to its limit."""
+    limits = '<limit lower="0" upper="0.2" velocity="1" effort="9"/>'
+    text = urdf(
+        *map(link, "abcdef"),
+        joint("torso", "a", "b", "prismatic", extra=limits),
+        joint("p", "b", "c"),
+        joint("q", "c", "d", axis="1 0 0"),
+        joint("r", "d", "e", axis="0 1 0"),
+        joint("s", "e", "f", axis="1 0 0"),
+    )
+    one = urdf_arm(robot_from_archive(packed({"a.urdf": text})), "f", (0, 0, 0))
+    point = one.tool(np.array([[0.1, 0.3, 0.4, 0.2, 0.3]]))[0]
+    first, every = one.first_poses(point), one.first_poses(point, 1000)
+    np.testing.assert_allclose(
+        one.tool(np.array(every)), np.tile(point, (len(every), 1)), atol=1e-5
+    )
+    np.testing.assert_array_equal(every[: len(first)], first)
+    slides = np.array(every)[:, 0]
+    assert np.count_nonzero((slides > 1e-3) & (slides < 0.199)) >= 5

@@ -24,6 +24,9 @@ SHAPES = {
     "cylinder": '<cylinder radius="0.1" length="0.3"/>',
     "mesh": '<mesh filename="a.stl" scale="0.1 0.2 0.3"/>',
 }
+OBJ = '<mesh filename="a.obj"/>'
+STRAY = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 5 5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+"""A tetrahedron, and a corner beside it."""
 
 
 def robot_of(name: str) -> Robot:
@@ -62,3 +65,9 @@ def test_a_shell_of_plates_around_a_box_leaves_its_inside_out() -> None:
     ]
     with pytest.raises(Fault, match="the capsules of a are not"):
         check(robot, [around(side, 1e-3) for side in sides])
+
+
+def test_corners_of_a_file_that_no_triangle_uses_are_no_part_of_a_link() -> None:
+    robot = robot_from_archive(packed({"r.urdf": arm((BOX, OBJ)), "a.obj": STRAY}))
+    bodies = link_bodies(robot.links["a"])
+    check(robot, [around(one.points, one.rounding) for one in bodies])

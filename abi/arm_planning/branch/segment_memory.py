@@ -1,0 +1,145 @@
+"""Memory of polylines along which an arm's tool was led, from one plan to the next.
+
+While an obstacle is dragged most polylines that are asked about are those of the last plan, and the
+other obstacles stand where they stood. So the joints along a polyline are kept, and where the arm
+was clear only what has changed around it is asked about.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm_planning.certificates.arm_certificate import ArmRefutation
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import Obstacle
+from abi.robot.bodies.allowed_contacts import AllowedContact
+
+_MOST = 4_000
+"""Polylines, at most, that are remembered."""
+_WORLDS = 16
+"""Latest surroundings of which it is known what was clear in them."""
+
+Key = tuple[object, ...]
+"""What an answer depends on beside the surroundings, such as bytes of a polyline."""
+
+
+class Followed(NamedTuple):
+    """Joints along a polyline.
+
+    Attributes:
+        parameters: of its places, vertex k being k, (m,).
+        joints: joint positions there, (m, n), [rad] or [unit].
+        missed: distance by which each place is missed, (m,), [unit].
+    """
+
+    parameters: FloatArray
+    joints: FloatArray
+    missed: FloatArray
+
+
+Refute = Callable[[Followed, CollisionWorld, bool], ArmRefutation | None]
+"""Finds where joints are not clear of surroundings and, if the flag says so, of the arm itself."""
+
+
+class _Change(NamedTuple):
+    """Difference between two surroundings.
+
+    Attributes:
+        stays: numbers of the obstacles that are where they were.
+        around: the surroundings with nothing but the others.
+        moved: whether there are others.
+    """
+
+    stays: frozenset[int]
+    around: CollisionWorld
+    moved: bool
+
+    def leaves(self, fault: ArmRefutation) -> bool:
+        """Check whether a fault is still there: one of the arm itself, or with what has stayed."""
+        return fault.obstacle < 0 or fault.obstacle in self.stays
+
+
+class _Known(NamedTuple):
+    """An answer, and the number of the surroundings that it told of."""
+
+    followed: Followed
+    fault: ArmRefutation | None
+    world: int
+
+
+class _World(NamedTuple):
+    """Surroundings that were asked about."""
+
+    obstacles: Sequence[Obstacle]
+    floor: float
+    allowed: tuple[AllowedContact, ...]
+
+
+class SegmentMemory:
+    """What is known of an arm that takes its configurations from one start pose."""
+
+    def __init__(self) -> None:
+        self._known: dict[Key, _Known] = {}
+        self._worlds: deque[_World] = deque(maxlen=_WORLDS)
+        self._latest = -1
+        self._around: CollisionWorld | None = None
+        self._changes: dict[int, _Change | None] = {}
+
+    def enter(self, obstacles: Sequence[Obstacle], around: CollisionWorld) -> None:
+        """Ask from now on about these obstacles, in the order of their numbers."""
+        if around is self._around:
+            return
+        self._worlds.append(_World(obstacles, around.floor, around.allowed))
+        self._latest, self._around, self._changes = self._latest + 1, around, {}
+
+    def examined(
+        self, key: Key, follow: Callable[[], Followed], refute: Refute
+    ) -> tuple[Followed, ArmRefutation | None]:
+        """Joints along a polyline, and where the arm is not clear on it.
+
+        Args:
+            key: the polyline and the joints to begin with, as bytes, and what else the answer
+                depends on beside the surroundings.
+            follow: finds the joints, if they are not known.
+            refute: finds where they are not clear of all or some surroundings, if need be.
+        """
+        known = self._known.pop(key, None)
+        assert self._around is not None
+        if known is None:
+            followed = follow()
+            fault = refute(followed, self._around, True)
+        else:
+            followed, change = known.followed, self._since(known.world)
+            fault = known.fault
+            if change is None or (fault is not None and not change.leaves(fault)):
+                fault = refute(followed, self._around, True)
+            elif fault is None and change.moved:
+                fault = refute(followed, change.around, False)
+        if len(self._known) >= _MOST:
+            del self._known[next(iter(self._known))]
+        self._known[key] = _Known(followed, fault, self._latest)
+        return followed, fault
+
+    def _since(self, world: int) -> _Change | None:
+        """What has changed since; None if that is not known, or more than obstacles has."""
+        if world not in self._changes:
+            self._changes[world] = self._change(world)
+        return self._changes[world]
+
+    def _change(self, world: int) -> _Change | None:
+        first = self._latest - len(self._worlds) + 1
+        if world < first or self._around is None:
+            return None
+        then, now = self._worlds[world - first], self._worlds[-1]
+        if (then.floor, then.allowed) != (now.floor, now.allowed):
+            return None
+        pairs = enumerate(zip(then.obstacles, now.obstacles, strict=False))
+        stays = frozenset(number for number, (a, b) in pairs if a is b or a == b)
+        numbers = self._around.numbers
+        moved = (numbers >= 0) & ~np.isin(numbers, [*stays])
+        return _Change(stays, self._around.only(moved), bool(moved.any()))
