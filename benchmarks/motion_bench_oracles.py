@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
@@ -15,6 +16,7 @@ from abi.robot.urdf_arm import UrdfArm
 
 _EVERY = 4
 _SECONDS = 5.0
+"""Processor time that OMPL may take: by the clock it would find less on a busy machine, [s]."""
 _RESOLUTION = 0.02
 """Way between two poses that OMPL tests on an edge, [rad]."""
 
@@ -61,7 +63,7 @@ def _transform(poses: FloatArray, frame: int, pose: FloatArray) -> Any:
 
 
 def ompl_length(space: JointSpace, start: FloatArray, goal: FloatArray) -> float:
-    """Length of OMPL's path with simplification, [rad]; inf if it finds none in five seconds."""
+    """Length of OMPL's path with simplification, [rad]; inf if it finds none in its time."""
     check = partial(_is_clear, space)
     path = ompl_path(check, space.arm.limits, start, goal, _RESOLUTION)
     if path is None:
@@ -111,11 +113,18 @@ def ompl_path(
         ends.append(state)
     setup.setStartAndGoalStates(*ends)
     setup.setPlanner(geometric.RRTConnect(setup.getSpaceInformation()))
-    if not setup.solve(_SECONDS) or not setup.haveExactSolutionPath():
+    end = time.thread_time() + _SECONDS
+    over = base.PlannerTerminationCondition(partial(_is_over, end))
+    if not setup.solve(over) or not setup.haveExactSolutionPath():
         return None
     setup.simplifySolution()
     states = setup.getSolutionPath().getStates()
     return np.array([[state[k] for k in range(count)] for state in states])
+
+
+def _is_over(end: float) -> bool:
+    """Whether this thread's processor time has come to an end, [s]."""
+    return time.thread_time() > end
 
 
 def _is_valid(is_clear: Callable[[FloatArray], bool], count: int, state: Any) -> bool:

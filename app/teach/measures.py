@@ -65,9 +65,13 @@ def _clearance(plan: Plan, name: str) -> float | None:
 
 
 def _is_complete(plan: Plan) -> bool:
-    """Check whether there is a plan along a curve that keeps the clearance, for the tool alone."""
+    """Check whether there is a plan, along a curve that keeps the clearance if it follows one.
+
+    A motion that was found in the space of the joints follows none.
+    """
     curve = plan.followed_curve
-    return plan.error is None and curve is not None and curve.holds
+    holds = plan.joint_search is not None or (curve is not None and curve.holds)
+    return plan.error is None and holds
 
 
 def _axis_speed(plan: Plan, place: float) -> float | None:

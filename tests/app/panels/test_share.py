@@ -115,6 +115,15 @@ def test_a_challenge_is_not_met_through_a_wall() -> None:
         assert not challenge.is_met(wall)
 
 
+@pytest.mark.slow
+def test_a_motion_found_in_the_space_of_the_joints_is_complete() -> None:
+    kitchen = load_scene("kitchen-ur5e").replace(arm={"axis": None, "search": "joints"})
+    found = frame_of(kitchen)
+    assert found.plan.joint_search is not None
+    assert MEASURES["plan.complete"](found) == 1
+    assert MEASURES["curve.length"](found) is None
+
+
 def test_a_challenge_through_a_wall_says_that_it_is_for_the_tool_alone() -> None:
     wall = frame_of(load_scene("wall-with-window"))
     challenge = challenge_of("find a plan", wall)
