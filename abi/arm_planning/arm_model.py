@@ -216,6 +216,24 @@ class ArmModel(Protocol):
     ) -> Sequence[JointPath]:
         """Joint positions along a curve on each branch that may be taken, the preferred first."""
 
+    def is_refuted(
+        self,
+        curve: Curve,
+        arc: ArcLength,
+        obstacles: ObstacleSet,
+        collision_world: CollisionWorld,
+        required: float,
+    ) -> bool:
+        """Check if a few poses show that the arm is not clear along a curve on any branch.
+
+        Args:
+            curve: path of the tool.
+            arc: its arc length.
+            obstacles: the solids.
+            collision_world: everything around the arm.
+            required: clearance that the links are to keep from obstacles, [unit].
+        """
+
     def branches(self, task: BranchTask) -> Sequence[ArmBranch]:
         """The branches that may be taken."""
 

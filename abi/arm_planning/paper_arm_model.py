@@ -48,6 +48,17 @@ class PaperArmModel:
             PaperArmJointPath(curve, arc, self.arm, settings.on(elbow)) for elbow in branches
         )
 
+    def is_refuted(
+        self,
+        curve: Curve,
+        arc: ArcLength,
+        obstacles: ObstacleSet,
+        collision_world: CollisionWorld,
+        required: float,
+    ) -> bool:
+        """False: its joints are found by formulas, and tested along the curve as quickly."""
+        return False
+
     def branches(self, task: BranchTask) -> tuple[ElbowBranch, ...]:
         """One branch for each elbow branch that may be taken."""
         settings, around = task.scene.arm, task.collision_world

@@ -19,7 +19,11 @@ from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
-from abi.arm_planning.motion.urdf_motion import ChainJointPath, chain_joint_path
+from abi.arm_planning.motion.urdf_motion import (
+    ChainJointPath,
+    chain_joint_path,
+    touches_from_all,
+)
 from abi.arm_planning.world.chain_distances import inside_meshes
 from abi.arm_planning.world.collision_world import CollisionWorld, chain_world
 from abi.arm_planning.world.solid_rows import RowTable
@@ -75,6 +79,19 @@ class UrdfArmModel:
     ) -> tuple[ChainJointPath, ...]:
         """The joint_path from the start pose that keeps the arm clearest."""
         return (chain_joint_path(curve, arc, self.arm, obstacles, collision_world),)
+
+    def is_refuted(
+        self,
+        curve: Curve,
+        arc: ArcLength,
+        obstacles: ObstacleSet,
+        collision_world: CollisionWorld,
+        required: float,
+    ) -> bool:
+        """Check whether it touches something at a few points, whatever start pose it has."""
+        if obstacles.meshes:  # the quick test is of capsules there, which are larger
+            return False
+        return touches_from_all(curve, arc, self.arm, collision_world, required)
 
     def branches(self, task: BranchTask) -> tuple[ChainBranch, ...]:
         """One branch for each of a few start poses, clear ones if there are any."""

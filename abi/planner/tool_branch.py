@@ -208,16 +208,25 @@ class ToolBranch:
 
         Only then need the motion along it not be sampled and measured, which takes longer.
         """
-        required, collision_world = self.task.scene.arm.clearance, self.collision_world
+        task, required, around = self.task, self.task.scene.arm.clearance, self.collision_world
+        asked = followed.fit.curve, followed.arc, task.obstacles, around, required
+        if task.model.is_refuted(*asked):
+            self._skip(self.stages.joint_paths, *self.stages.along_joint_paths)
+            return True
         joint_paths = self._joint_paths(followed)
         refuted = all(
-            joint_path.is_refuted(partial(self._profile, joint_paths, k), collision_world, required)
+            joint_path.is_refuted(partial(self._profile, joint_paths, k), around, required)
             for k, joint_path in enumerate(joint_paths)
         )
-        if refuted:  # stages that do not run take no time
-            for stage in self.stages.along_joint_paths:
-                stage.ms = 0.0
+        if refuted:
+            self._skip(*self.stages.along_joint_paths)
         return refuted
+
+    @staticmethod
+    def _skip(*stages: Stage[..., Any]) -> None:
+        """Let stages that do not run take no time."""
+        for stage in stages:
+            stage.ms = 0.0
 
     def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
         """Stage 6: the motion on the last joint_path that is clear, or else on the first."""

@@ -38,6 +38,10 @@ _SLACKS = (1.0, 4.0, 16.0)
 """Multiples of the slack with which a path is pulled taut, until there is a curve near it."""
 
 
+_profile = lru_cache(maxsize=4)(motion_law)
+"""While an obstacle is dragged that is not in the way the joints go along the same path."""
+
+
 @dataclass(frozen=True, eq=False)
 class WholeArmBranch:
     """An arm on one of its branches as a :class:`abi.planner.branch.Branch`.
@@ -165,7 +169,7 @@ class WholeArmBranch:
         """
         scene = self.task.scene
         joint_path = self.arm_branch.joint_path(followed.fit.curve, followed.arc)
-        profile = motion_law(joint_path, scene.motion)
+        profile = _profile(joint_path, scene.motion)
         motion = joint_path.motion(profile, sample_count(profile, scene.motion))
         clearance = joint_path.clearance(
             motion, self.task.obstacles, self.collision_world, scene.arm.clearance

@@ -79,11 +79,11 @@ class ChainBranch:
     def refutation(self, curve: Curve) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
-        joints, missed = self.arm.follow(
-            self.configurations.first, curve(parameters), self.configurations.home
-        )
-        followed = Followed(parameters, joints, missed)
-        return self._refutation(self.clearance, CURVE_TRIES, followed, self.collision_world)
+        points = curve(parameters)
+        key = points.tobytes(), parameters.tobytes(), self.clearance
+        follow = partial(self._follow_curve, parameters, points)
+        refute = partial(self._refutation, self.clearance, CURVE_TRIES)
+        return self.memory.examined(key, follow, refute)[1]
 
     def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
@@ -129,10 +129,12 @@ class ChainBranch:
         return clear
 
     def joint_path(self, curve: Curve, arc: ArcLength) -> ChainJointPath:
-        """The joints along a curve, from that pose."""
-        return joint_path_from(
-            self.configurations.first, curve, arc, self.arm, self.configurations.home
-        )
+        """The joints along a curve, from that pose; of the same curve they are the same object."""
+        places = curve(np.linspace(*curve.interval, _SAMPLES)).tobytes()
+        if self.memory.joint_path is None or self.memory.joint_path[0] != places:
+            first, home = self.configurations.first, self.configurations.home
+            self.memory.joint_path = places, joint_path_from(first, curve, arc, self.arm, home)
+        return self.memory.joint_path[1]
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Check whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
@@ -186,6 +188,11 @@ class ChainBranch:
         return self.memory.examined(
             key, follow, partial(self._refutation, self._beyond, self.most_tries)
         )
+
+    def _follow_curve(self, parameters: FloatArray, points: FloatArray) -> Followed:
+        """Joints at points (k, 3) of a curve, from the first pose."""
+        first, home = self.configurations.first, self.configurations.home
+        return Followed(parameters, *self.arm.follow(first, points, home))
 
     def _follow_polyline(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
+from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle
@@ -81,9 +82,15 @@ class _World(NamedTuple):
 
 
 class SegmentMemory:
-    """What is known of an arm that takes its configurations from one start pose."""
+    """What is known of an arm that takes its configurations from one start pose.
+
+    Attributes:
+        joint_path: the last curve that it was moved along, as bytes of its points, and the joints
+            along it; None if there was none.
+    """
 
     def __init__(self) -> None:
+        self.joint_path: tuple[bytes, ChainJointPath] | None = None
         self._known: dict[Key, _Known] = {}
         self._worlds: deque[_World] = deque(maxlen=_WORLDS)
         self._latest = -1

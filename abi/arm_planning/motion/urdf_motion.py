@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ import scipy
 
 from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
+from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
 from abi.arm_planning.motion.arm_clearance import (
     ArmClearance,
     Measured,
@@ -32,7 +33,7 @@ from abi.arm_planning.world.chain_distances import (
 )
 from abi.arm_planning.world.collision_world import OWN, CollisionWorld
 from abi.arm_planning.world.solid_rows import FLOOR
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -197,9 +198,7 @@ def chain_joint_path(
         obstacles: obstacles that the links must keep clear of.
         collision_world: the same, with the floor.
     """
-    few = curve(arc.parameter(np.linspace(0.0, arc.length, _FEW)))
-    firsts = arm.first_poses(few[0])
-    followed = [arm.follow(pose, few) for pose in firsts]
+    firsts, followed = _followed(arm, _few(curve, arc).tobytes())
     gaps = _gaps(arm, np.stack([joints for joints, _ in followed]), obstacles, collision_world)
     chosen, least = firsts[0], (np.inf, np.inf, np.inf)
     for pose, (positions, missed), gap in zip(firsts, followed, gaps.tolist(), strict=True):
@@ -209,6 +208,43 @@ def chain_joint_path(
         if rank < least:
             chosen, least = pose, rank
     return joint_path_from(chosen, curve, arc, arm)
+
+
+def touches_from_all(
+    curve: Curve, arc: ArcLength, arm: UrdfArm, collision_world: CollisionWorld, required: float
+) -> bool:
+    """Check whether an arm touches something at a few points of a curve from every start pose.
+
+    Args:
+        curve: path of the tool.
+        arc: its arc length, above 0.
+        arm: the arm.
+        collision_world: what it must keep clear of, without triangle meshes.
+        required: distance that it keeps from obstacles, [unit].
+    """
+    firsts, followed = _followed(arm, _few(curve, arc).tobytes())
+    coordinates = flat(np.concatenate([joints for joints, _ in followed]) / arm.scales)
+    touching = np.zeros(len(firsts) * _FEW, dtype=np.bool_)
+    touching_configurations(
+        *(arm.chain.table, arm.bodies, coordinates, collision_world.beyond(required)),
+        *(0.0, np.ones_like(touching), touching),
+    )
+    return bool(touching.reshape(-1, _FEW).any(axis=1).all())
+
+
+def _few(curve: Curve, arc: ArcLength) -> FloatArray:
+    """Points (k, 3) along a curve at which first poses are compared."""
+    return curve(arc.parameter(np.linspace(0.0, arc.length, _FEW)))
+
+
+@lru_cache(maxsize=4)
+def _followed(
+    arm: UrdfArm, points: bytes
+) -> tuple[tuple[FloatArray, ...], list[tuple[FloatArray, FloatArray]]]:
+    """First poses of an arm, and from each its joints along points and what it misses there."""
+    few = np.frombuffer(points).reshape(-1, 3)
+    firsts = arm.first_poses(few[0])
+    return firsts, [arm.follow(pose, few) for pose in firsts]
 
 
 def _gaps(

@@ -25,7 +25,7 @@ def test_what_a_few_poses_refute_is_never_proven_clear(name: str) -> None:
     scene = load_scene(name).replace(arm={"avoid": False})
     extent = np.array(scene.workspace.max) - scene.workspace.min
     planner = Planner()
-    seen = set()
+    seen, quick = set(), set()
     for trial in range(12):
         moves = (0.03, 0.6)[trial % 2] * extent
         places = [np.array(one.position) + random.normal(0, moves) for one in scene.obstacles]
@@ -43,6 +43,8 @@ def test_what_a_few_poses_refute_is_never_proven_clear(name: str) -> None:
         arc = made.bspline_arc if made.followed == "bspline" else made.quadratic_arc
         assert arc is not None
         required = moved.arm.clearance
+        along = made.motion.curve, arc, obstacles, collision_world, required
+        none, some = model.is_refuted(*along), False
         for joint_path in model.joint_paths(
             made.motion.curve, arc, moved.arm, obstacles, collision_world
         ):
@@ -54,5 +56,9 @@ def test_what_a_few_poses_refute_is_never_proven_clear(name: str) -> None:
             )
             refuted = joint_path.is_refuted(make_profile, collision_world, required)
             assert not (refuted and clear)
+            some |= clear
             seen.add((refuted, clear))
+        assert not (none and some)
+        quick.add(none)
     assert {(True, False), (False, True)} <= seen
+    assert quick == ({False, True} if scene.arm.model == "urdf" else {False})
