@@ -169,7 +169,7 @@ class WholeArmBranch:
         """
         scene = self.task.scene
         joint_path = self.arm_branch.joint_path(followed.fit.curve, followed.arc)
-        profile = _profile(joint_path, scene.motion)
+        profile = _profile(joint_path, scene.motion)  # type: ignore[arg-type]  # all have a hash
         motion = joint_path.motion(profile, sample_count(profile, scene.motion))
         clearance = joint_path.clearance(
             motion, self.task.obstacles, self.collision_world, scene.arm.clearance

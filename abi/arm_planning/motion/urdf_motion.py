@@ -16,7 +16,7 @@ import scipy
 
 from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
-from abi.arm_planning.exclusion.chain_mask_kernels import touching_configurations
+from abi.arm_planning.exclusion.node_configuration_kernels import touching_configurations
 from abi.arm_planning.motion.arm_clearance import (
     ArmClearance,
     Measured,
