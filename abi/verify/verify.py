@@ -120,7 +120,7 @@ def _arm_verdict(
         return Verdict("arm", False, "the plan has no motion")
     section, timing = mapping("arm", plan["arm"]), mapping("timing", plan.get("timing"))
     if scene.arm.model == "urdf":
-        return _checked("arm", section, partial(check_chain, section, scene, obstacles))
+        return _checked("arm", section, partial(check_chain, section, timing, scene, obstacles))
     name = timing.get("curve")
     if name not in CURVES:
         raise SceneError("timing.curve", name, f"one of {', '.join(CURVES)}")

@@ -39,6 +39,7 @@ from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held
 from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
+from abi.verify.samples import check_samples
 from abi.verify.sides import check_apart
 
 _REACHED = Fraction(1, 10**5)
@@ -123,7 +124,10 @@ class _JointMotion:
 
 
 def check_chain(
-    section: dict[str, Any], scene: Scene, obstacles: list[ExactSolid | ExactMesh]
+    section: dict[str, Any],
+    timing: dict[str, Any],
+    scene: Scene,
+    obstacles: list[ExactSolid | ExactMesh],
 ) -> str:
     """Check the certificate of a plan's arm, and return what it proves as the end of a sentence.
 
@@ -136,6 +140,7 @@ def check_chain(
     units = round(1 / METRES[scene.unit])
     stands = scene.arm.base, units, scene.arm.base_wxyz, scene.arm.gripper
     chain = exact_chain(scene.robot, scene.arm.tool, *stands)
+    check_samples(section, timing, chain.coordinates)
     motion = _JointMotion(chain, _rows(certificate, section, chain))
     _check_ends(motion, scene)
     capsules = _capsules(certificate, chain, scene)
@@ -144,6 +149,8 @@ def check_chain(
     check_corners(scene.robot, chain, bodies)
     allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies)
     _check_all_named(capsules, pairs, allowed)
+    if section.get("allowed") != certificate.get("allowed"):
+        raise Fault("the plan lists other contacts that are allowed")
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     span = Fraction(0), Fraction(len(motion.rows) - 1)
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
@@ -209,17 +216,15 @@ def _check_all_named(
 def _rows(
     certificate: dict[str, Any], section: dict[str, Any], chain: ExactChain
 ) -> list[list[Fraction]]:
-    """Joint positions between which the joints go straight; the plan's samples are among them."""
+    """Joint positions between which the joints go straight; the plan has every k-th of them."""
     label = f"{ARM}.positions"
     rows = [numbers_of(label, row) for row in list_of(label, certificate.get("positions"))]
     count = len(chain.coordinates)
     if len(rows) < 2 or any(len(row) != count for row in rows):
         raise Fault(f"its positions are not two or more of {count} joints")
     wanted = [numbers_of("arm.positions", row) for row in section.get("positions", [])]
-    passed = iter(rows)
-    if not wanted or wanted[0] != rows[0] or wanted[-1] != rows[-1]:
-        raise Fault("its positions are not those of the motion")
-    if not all(any(row == other for other in passed) for row in wanted):
+    step = (len(rows) - 1) // max(len(wanted) - 1, 1)
+    if step < 1 or rows[::step] != wanted:
         raise Fault("its positions are not those of the motion")
     exact = [[Fraction(number) for number in row] for row in rows]
     for name, column, (low, high) in zip(

@@ -101,7 +101,7 @@ def check_arm(
     )
     motion = _CurveMotion(arm, curve, _slide(scene, timing, curve))
     check_ends(curve, scene)
-    check_tool(section, timing.get("duration"), arm, curve, motion.slide)
+    check_tool(section, timing, arm, curve, motion.slide)
     capsules = capsules_of(certificate, arm)
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     floor = ExactFloor(min(arm.base[2], Fraction(scene.workspace.min[2])))

@@ -84,6 +84,12 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
             obstacles = [*obstacles[:place], _posed(tool, held), *obstacles[place:]]
             held, allowed = None, whole["arm"]["allowed"]
     trajectory = mapping("trajectory", plan.get("trajectory"))
+    names = [mapping("arm", leg.get("arm")).get("joints") for leg in legs]
+    if any(one != trajectory.get("joints") for one in names):
+        raise Fault("its trajectory names other joints than the legs")
+    times = numbers_of("trajectory.time", trajectory.get("time"))
+    if len(times) != len(rows) or times[0] != 0 or np.diff(times).min() < 0:
+        raise Fault("its trajectory's samples have not one time each, in order")
     if [numbers_of("trajectory", row) for row in trajectory.get("positions", [])] != rows:
         raise Fault("its trajectory is not that of the legs")
     moved = sum(task.attach is not None for task in scene.tasks)

@@ -214,11 +214,20 @@ def tell_another_motion(plan: dict[str, Any]) -> None:
     plan["trajectory"]["positions"][5][1] += 1e-6
 
 
+def name_other_joints(plan: dict[str, Any]) -> None:
+    plan["trajectory"]["joints"].reverse()
+
+
+def run_backwards(plan: dict[str, Any]) -> None:
+    plan["trajectory"]["time"].reverse()
+
+
 @pytest.mark.parametrize(
     "damage",
     [
         *(jump, move_what_is_left, hold_another, forget_it, leave_out_a_leg),
         *(keep_less, slacken, go_elsewhere, tell_another_motion),
+        *(name_other_joints, run_backwards),
     ],
 )
 def test_legs_that_do_not_join_are_found(

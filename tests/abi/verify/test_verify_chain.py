@@ -150,6 +150,10 @@ def test_damaged_directions_are_refused(honest: Data, damage: str) -> None:
         (("arm", "certificate", "positions", 200, 1), -6.0),
         (("arm", "certificate", "positions", 0), [0.0] * 6),
         (("arm", "positions", 0, 0), 0.0),
+        (("arm", "joints", 0), "elbow_joint"),
+        (("arm", "time", 1), 0.0),
+        (("arm", "allowed"), []),
+        (("timing", "duration"), 99.0),
     ],
 )
 def test_a_changed_number_is_refused(honest: Data, path: tuple[Any, ...], value: Any) -> None:

@@ -145,6 +145,7 @@ def test_damage_is_refused(honest: Data) -> None:
         (("timing", "curve"), "quadratic"),
         (("timing", "duration"), 99.0),
         (("arm", "time", -1), 99.0),
+        (("arm", "joints"), ["q1", "q3", "q2", "q4", "q5", "q6"]),
         (("arm", "positions"), [[0.0] * 6] * 101),
         (("arm", "positions", 7), [0.0] * 6),
         (("arm", "positions", 7), [0.0] * 5),
