@@ -194,7 +194,7 @@ class Walker:
             self._send({**buttons, "redo": panels.history.redo}[value], True)
         else:
             return
-        self.page.until(lambda: self.session.plans > woken, f"{kind} {value} to be heard")
+        self.page.until(lambda: self.session.plans > woken, f"{kind} {value} to be heard", 600.0)
 
     def _send(self, widget: object, value: object) -> None:
         uuid = functions.uuid(widget)  # type: ignore[arg-type]

@@ -679,6 +679,9 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
   max-height: max(100px, 100vh - var(--abi-above, 92px) - var(--abi-below, 60px));
   max-width: calc(var(--abi-width, 100vw) - 20px);
 }
+/* a hint that has been read lies over what changes while one types or drags */
+body:has(:is(:active, .mantine-NumberInput-input:focus:hover)) .mantine-Tooltip-tooltip { display: none !important; }
+.mantine-Notification-root { max-height: none !important; }  /* it would cut what is longer; they scroll as one */
 /* a search that is stepped through: its legend, rings around nodes, and the node that is pointed at */
 #abi-overlay .abi-legend { display: flex; flex-wrap: wrap; gap: 2px 14px; align-self: flex-start; font-size: 13px; }
 #abi-overlay [data-part=lecture] .abi-legend span { width: auto; }

@@ -197,6 +197,12 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     page.until(lambda: session.plan.scene.obstacles[0].unit == "mm", "the unit")  # type: ignore[union-attr]
 
 
+_LENGTHENED = """notice => {
+  notice.querySelector(".mantine-Notification-description").textContent += " word".repeat(500);
+  return notice.scrollHeight <= notice.clientHeight;
+}"""
+
+
 def test_notices_of_many_refused_files_stay_in_the_window(page: Page) -> None:
     page.click("Scene")
     titles = page.tab.locator(".mantine-Notification-title", has_text="is not added")
@@ -210,6 +216,8 @@ def test_notices_of_many_refused_files_stay_in_the_window(page: Page) -> None:
     box = root.bounding_box()
     assert box is not None
     assert box["y"] + box["height"] <= size["height"]
+    told = root.locator(".mantine-Notification-root").last
+    assert told.evaluate(_LENGTHENED), "a long notice is cut"
     # each of them is reached and closed there, and the page stays where it is
     closes = root.locator(".mantine-Notification-root", has_text="is not added").get_by_role(
         "button"
