@@ -7,11 +7,12 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, read_only
 from abi.curves import curve as curves
+from abi.curves import fit_quadratic
 from abi.curves.bspline import BSpline
 from abi.curves.clear_quadratic import ByArcLength, Target, least_squares_target, nearest_clear
 from abi.curves.fit import Fit
 from abi.curves.fit_bspline import fit as fit_spline
-from abi.curves.fit_quadratic import MOST_PIECES, Demand, Mode, fewest_pieces, fit
+from abi.curves.fit_quadratic import Demand, Mode, fewest_pieces, fit
 from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacle, ObstacleSet
@@ -167,13 +168,18 @@ def test_pieces_hold_where_the_spline_holds(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_past_the_most_pieces_the_control_polygon_decides() -> None:
+def test_past_the_most_pieces_the_control_polygon_decides(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    most = 6
+    monkeypatch.setattr(fit_quadratic, "_COUNTS", (2, 4, most))
+    monkeypatch.setattr(fit_quadratic, "MOST_PIECES", most)
     # teeth of a comb from below and above, too many for few pieces
     teeth: tuple[Obstacle, ...] = tuple(
         Box(size=(0.1, 40.0, 40.0), position=(0.5 + 0.5 * k, 22.2 if k % 2 else -17.2, 0.0))
-        for k in range(2 * MOST_PIECES)
+        for k in range(2 * most)
     )
-    xs = 0.5 + 0.5 * np.arange(2 * MOST_PIECES)
+    xs = 0.5 + 0.5 * np.arange(2 * most)
     turns = [[x, 1.8 if k % 2 else 3.2, 0.0] for k, x in enumerate(xs)]
     corners = [[x + dx, y, 0.0] for x, y, _ in turns for dx in (-0.2, 0.0, 0.2)]
     path = np.array([[0.0, 2.5, 0.0], *corners, [xs[-1] + 1, 2.5, 0.0]])
@@ -184,7 +190,7 @@ def test_past_the_most_pieces_the_control_polygon_decides() -> None:
 
     assert made is not None
     assert made.holds
-    assert len(made.curve.pieces) > MOST_PIECES
+    assert len(made.curve.pieces) > most
     assert dense(ObstacleSet(teeth), made.curve) >= CLEARANCE - 1e-9
 
 

@@ -466,6 +466,10 @@ def test_a_file_is_replaced_whole_or_not_at_all(planned: Plan, tmp_path: Path) -
     assert [file.name for file in tmp_path.iterdir()] == ["motion.csv"]
 
 
+TEXTS = "csv", "json", "ros", "ros-json", "html"
+"""Formats of motions that are text."""
+
+
 def test_every_file_of_a_motion_tells_what_its_arm_touches(planned: Plan) -> None:
     wall = plan(load_scene("wall-with-window"))
     assert wall.arm_clearance is not None
@@ -475,19 +479,20 @@ def test_every_file_of_a_motion_tells_what_its_arm_touches(planned: Plan) -> Non
     assert "spline" not in warnings
     assert not any(row.warning(planned) for row in FORMATS.values())
 
-    comment, *_ = content(wall, "ros").decode().splitlines()
+    written = {name: content(wall, name).decode() for name in TEXTS}
+    comment, *_ = written["ros"].splitlines()
     assert comment.startswith("# ")
     assert worst in comment
-    assert len(YAML(typ="safe", pure=True).load(content(wall, "ros"))["points"]) > 100
+    assert len(YAML(typ="safe", pure=True).load(written["ros"])["points"]) > 100
     for result, words in ((wall, worst), (planned, "whole motion is proven clear")):
         (record,) = make_reader(io.BytesIO(content(result, "mcap"))).iter_metadata()
         assert words in record.metadata["state"]
-    assert worst in content(wall, "html").decode()
-    for name in ("csv", "json", "ros", "ros-json", "html"):
-        assert "NOT proven clear" in content(wall, name).decode()
+    assert worst in written["html"]
+    for name in TEXTS:
+        assert "NOT proven clear" in written[name]
         assert "NOT proven clear" not in content(planned, name).decode()
-    assert json.loads(content(wall, "json"))["arm"]["contacts"]
-    header, *rows = csv.reader(io.StringIO(content(wall, "csv").decode(), newline=""))
+    assert json.loads(written["json"])["arm"]["contacts"]
+    header, *rows = csv.reader(io.StringIO(written["csv"], newline=""))
     assert header[-1] == "state"
     assert all(worst in row[-1] for row in rows)
 

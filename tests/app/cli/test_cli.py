@@ -118,28 +118,50 @@ def test_an_interrupt_ends_the_command_wherever_it_comes(
         signal.signal(signal.SIGINT, before)
 
 
+FULL = "abi: The output cannot be printed (no space left on device).\n"
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
-@pytest.mark.parametrize("args", ["--help", "plan --list", "plan", "verify", "export"])
-def test_output_that_cannot_be_written_is_told_in_a_sentence(args: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("args", "must_print"), [("--help", False), ("plan --list", True)])
+def test_output_that_cannot_be_written_is_told_in_a_sentence(args: str, must_print: bool) -> None:
     command = f"{sys.executable} -m app {args}"
-    if args == "verify":
-        (tmp_path / "p.json").write_text(json.dumps(plan(load_scene("paper")).to_dict()))
-        command += f" {tmp_path / 'p.json'}"
-    if args == "export":
-        command += f" paper --to {tmp_path / 'a.csv'}"
     full = subprocess.run(
         ["bash", "-c", f"{command} > /dev/full"], stderr=subprocess.PIPE, text=True, check=False
     )
-    assert full.returncode == 2
-    assert full.stderr == "abi: The output cannot be printed (no space left on device).\n"
+    assert (full.returncode, full.stderr) == (2, FULL)
 
     closed = subprocess.run(
         ["bash", "-c", f"{command} >&-"], stderr=subprocess.PIPE, text=True, check=False
     )
-    must_print = args in ("plan --list", "plan", "verify")
     assert closed.returncode == (2 if must_print else 0)
     assert closed.stderr.count("\n") == must_print
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+@pytest.mark.parametrize(("command", "must_print"), [("plan", 1), ("verify", 1), ("export", 0)])
+def test_every_command_tells_that_its_output_cannot_be_written(
+    command: str,
+    must_print: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    args = [command]
+    if command == "verify":
+        args.append(str(tmp_path / "p.json"))
+        Path(args[1]).write_text(json.dumps(plan(load_scene("paper")).to_dict()))
+    if command == "export":
+        args += ["paper", "--to", str(tmp_path / "a.csv")]
+    with monkeypatch.context() as there:
+        full = open("/dev/full", "w", encoding="utf-8")  # noqa: SIM115
+        there.setattr(sys, "stdout", full)
+        assert run(there, capsys, *args) == (2, "", FULL)
+        full.close()  # what was not written is gone
+    with monkeypatch.context() as there:
+        there.setattr(sys, "__stdout__", None)
+        code, _, err = run(there, capsys, *args)
+    assert (code, err.count("\n")) == (2 * must_print, must_print)
 
 
 @pytest.mark.parametrize(("scene", "code"), [("paper", 0), ("no-way", INCOMPLETE)])
