@@ -119,14 +119,10 @@ class Drawable(Protocol):
         """Show ``frame``; return at once where the parts of it that count have not changed."""
 
 
-class Switchable(Protocol):
-    """Something with entries in the legend, or none."""
+class Layer(Drawable, Protocol):
+    """Part of the picture, in the scene or in a panel, with entries in the legend, or none."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
-
-
-class Layer(Drawable, Switchable, Protocol):
-    """Part of the picture, in the scene or in a panel."""
 
     def __init__(self, layout: Layout) -> None:
         """Add what is drawn to the containers of a tab."""

@@ -23,7 +23,7 @@ from app.panels.teach.classroom import ClassroomPanel
 from app.panels.teach.exercise import ExercisePanel
 from app.panels.widgets import Wake
 from app.process.turns import TURNS
-from app.state.frame import Drawable, Frame, Switchable
+from app.state.frame import Drawable, Frame, Layer
 from app.state.tab_state import TabState
 from app.tab.memory import Report
 from app.teach.classroom import Classroom
@@ -34,7 +34,7 @@ from app.ui import notices
 from app.ui.page_area import PageWatch, label_scale
 from app.ui.panel_folding import PanelFolding
 
-_SWITCHABLE: tuple[type[Switchable], ...]
+_SWITCHABLE: tuple[type[Layer | ControlHandles | ObstacleGizmos], ...]
 _SWITCHABLE = (*LAYERS, ControlHandles, ObstacleGizmos, *SLOW_LAYERS)
 SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
 """Entries of the legend."""
