@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, TypeVar
 
 from abi.verify.exact import ExactSolid, Vec3
 from abi.verify.exact_mesh import ExactMesh
-from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
 
 ARM = "arm.certificate"
@@ -21,6 +20,10 @@ CapsuleKey = tuple[int, int | str]
 
 _Key = TypeVar("_Key")
 _NONE = Fraction(0)
+
+
+class Fault(Exception):
+    """Fault of a certificate that leaves its claim unproven."""
 
 
 class CertifiedPlane(NamedTuple):

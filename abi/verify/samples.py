@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.verify.fault import Fault
+from abi.verify.certificate import Fault
 from abi.verify.plan_fields import finite, list_of, numbers_of
 
 _SAME = 1e-9

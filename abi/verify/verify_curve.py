@@ -12,10 +12,9 @@ from typing import Any
 
 from abi.errors import SceneError
 from abi.scene.scene import Scene
-from abi.verify.certificate import CertifiedPlane, claimed_margin, planes_of
+from abi.verify.certificate import CertifiedPlane, Fault, claimed_margin, planes_of
 from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull
 from abi.verify.exact_mesh import ExactMesh
-from abi.verify.fault import Fault
 from abi.verify.plan_fields import mapping
 from abi.verify.sides import check_apart
 from abi.verify.tool_path import check_ends

@@ -16,6 +16,7 @@ from abi.verify.certificate import (
     ARM,
     CapsuleKey,
     CertifiedPlane,
+    Fault,
     capsule_of,
     claimed_margin,
     planes_of,
@@ -34,7 +35,6 @@ from abi.verify.exact import (
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_paper_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
-from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
 from abi.verify.plan_fields import finite, mapping
 from abi.verify.sides import check_apart

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from abi.verify.fault import Fault
+from abi.verify.certificate import Fault
 from abi.verify.samples import check_samples
 
 JOINTS = ("shoulder", "elbow")
