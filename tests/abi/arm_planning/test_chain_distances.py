@@ -49,7 +49,7 @@ def around(one: UrdfArm, random: np.random.Generator) -> ObstacleSet:
 
 
 @pytest.mark.slow
-@settings(max_examples=24, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.sampled_from(list(SHIPPED)), seeds)
 def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
     name: str, seed: int

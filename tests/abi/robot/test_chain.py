@@ -85,7 +85,7 @@ def test_every_link_is_where_yourdfpy_has_it(name: str) -> None:
             np.testing.assert_allclose(frame[:3], expected, atol=1e-12)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(st.integers(0, 2**31))
 def test_every_link_of_a_random_robot_is_where_its_file_says(seed: int) -> None:
     random = np.random.default_rng(seed)

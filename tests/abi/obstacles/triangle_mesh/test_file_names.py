@@ -7,7 +7,7 @@ import unicodedata
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.errors import SceneError
@@ -63,6 +63,7 @@ def test_a_name_that_only_looks_alike_is_not_taken(tmp_path: Path) -> None:
         MeshSource(folder=tmp_path).content("link.stl")
 
 
+@settings(max_examples=40)
 @given(st.lists(st.text(max_size=8), max_size=6), st.text(max_size=8))
 def test_the_name_itself_goes_first_and_several_that_read_the_same_are_none(
     names: list[str], name: str
