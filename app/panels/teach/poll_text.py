@@ -18,13 +18,14 @@ def question_text(asked: Asked, students: int, answered: bool) -> str:
         answered: whether to say how many have answered while the answers are hidden.
     """
     poll = asked.poll
-    again = " <i>Second round: talk with your neighbour, then answer again.</i>"
-    text = f"<b>{html.escape(poll.text)}</b>{again if len(asked.rounds) > 1 else ''}"
-    if poll.asks_place and not asked.revealed:
+    text = f"<b>{html.escape(poll.text)}</b>"
+    if asked.revealed:
+        return style.paragraph(text) + _revealed(asked, students)
+    if len(asked.rounds) > 1:
+        text += " <i>Second round: talk with your neighbour, then answer again.</i>"
+    if poll.asks_place:
         text += " Click or tap a node in the scene."
     text = style.paragraph(text)
-    if asked.revealed:
-        return text + _revealed(asked, students)
     if answered:
         text += style.paragraph(f"{len(asked.answers)} of {students} have answered.")
     return text

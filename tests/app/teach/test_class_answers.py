@@ -114,6 +114,9 @@ def test_nothing_is_told_before_it_is_revealed() -> None:
     shown = question_text(Asked(_POLL, hidden.rounds, revealed=True), 2, answered=True)
     assert "✓ two: <b>1</b>" in shown
     assert "Because." in shown
+    for revealed in (False, True):
+        second = Asked(_POLL, (*hidden.rounds, {}), revealed=revealed)
+        assert ("answer again" in question_text(second, 2, answered=True)) is not revealed
 
 
 def test_what_is_no_answer_is_not_counted() -> None:
