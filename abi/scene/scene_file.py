@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ruamel.yaml import YAML
+from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent, CollectionStartEvent, ScalarEvent
 
@@ -73,6 +74,10 @@ def parse_bytes(content: bytes, name: str) -> object:
         raise SceneError("scene", name, error.expected) from None
     except UnicodeDecodeError:
         raise SceneError("scene", name, "text in UTF-8") from None
+    except DuplicateKeyError as error:
+        repeated = str(error.problem).split('"')[1]
+        expected = f"each field once, {repeated} stands there twice"
+        raise SceneError("scene", name, expected) from None
     except YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f" (line {mark.line + 1})" if mark is not None else ""

@@ -293,6 +293,16 @@ def test_what_would_work_is_said_in_plain_words(change: dict[object, object], wo
     assert caught.value.message.endswith(words)
 
 
+@pytest.mark.parametrize("ending", ["yaml", "json"])
+@pytest.mark.parametrize("level", ["", '{"start": {"joints": ', "[[", '{"goal": [{"a": '])
+def test_a_field_that_stands_there_twice_is_named(ending: str, level: str) -> None:
+    closing = {"{": "}", "[": "]"}
+    ends = "".join(closing[sign] for sign in reversed(level) if sign in closing)
+    text = f'{level}{{"x": 1, "unit": "m", "unit": "cm"}}{ends}'
+    with pytest.raises(SceneError, match="each field once, unit stands there twice"):
+        parse_bytes(text.encode(), f"a.{ending}")
+
+
 def test_the_shipped_scenes_are_there() -> None:
     assert scene_names()[0] == "paper"
     assert {"two-boxes", "wall-with-window", "thin-plate", "no-way"} <= set(scene_names())
