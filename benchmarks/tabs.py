@@ -2,10 +2,12 @@
 
 python -m benchmarks.tabs --tabs 1 5 15 30 --seconds 10
 python -m benchmarks.tabs --tabs 1 --play --scene kitchen-ur5e
+python -m benchmarks.tabs --tabs 30 --at-once
 
 Every tab plays the motion, drags an obstacle of its own around a circle, 20 messages a second as
 viser's page sends them, and counts the curves that come back. The server is a process of its own;
 the tabs share another, on the same machine, so that they take some of its time.
+With ``--at-once`` the server has only just begun, and each tab drags as soon as it has its picture.
 """
 
 from __future__ import annotations
@@ -160,6 +162,45 @@ async def drag(
     }
 
 
+async def drag_at_once(server: ServerProcess, tabs: int, seconds: float) -> dict[str, Any]:
+    """Open all tabs at a server that has just begun; each drags as soon as it has its picture.
+
+    Returns:
+        ``tabs``; of the tabs' pictures the last at ``drawn_s`` after all were opened; of the first
+        update after a tab's first move ``answered_ms``, how long the median tab and
+        ``worst_answered_ms``, how long the last waits; ``updates_per_s`` of the median tab.
+    """
+    begin = time.monotonic()
+    opened = await asyncio.gather(*(WebTab.open(server.url) for _ in range(tabs)))
+    drags = (_drag_when_drawn(tab, seconds, phase) for phase, tab in enumerate(opened))
+    moved = np.array(await asyncio.gather(*drags))
+    await asyncio.sleep(_REST)
+    updates = [
+        np.array([moment for moment, _ in tab.curves if moment > first])
+        for first, tab in zip(moved, opened, strict=True)
+    ]
+    answered = [
+        float(found[0] - first) if len(found) else np.inf
+        for found, first in zip(updates, moved, strict=True)
+    ]
+    await asyncio.gather(*(tab.close() for tab in opened))
+    return {
+        "tabs": tabs,
+        "drawn_s": float(moved.max()) - begin,
+        "answered_ms": 1e3 * float(np.median(answered)),
+        "worst_answered_ms": 1e3 * max(answered),
+        "updates_per_s": float(np.median([len(found) for found in updates])) / seconds,
+    }
+
+
+async def _drag_when_drawn(tab: WebTab, seconds: float, phase: float) -> float:
+    """Drag once the tab has its picture; time of the first move, [s] of the monotonic clock."""
+    await tab.until(_has_picture(tab))
+    first = time.monotonic()
+    await tab.drag(seconds, phase)
+    return first
+
+
 async def play(
     server: ServerProcess,
     tabs: int,
@@ -264,6 +305,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--settle", type=float, default=SETTLE)
     parser.add_argument("--play", action="store_true", help="only play and stand")
+    parser.add_argument("--at-once", action="store_true", help="drag in a server just begun")
     parser.add_argument("--scene", default=SCENE, help="what they play, with --play")
     options, arguments = parser.parse_known_args()
     if options.scene != SCENE and not options.play:
@@ -278,6 +320,8 @@ def main() -> None:
                             enough=lambda interrupt=interrupt: interrupt.asked,  # type: ignore[misc]
                         )
                     )
+            elif options.at_once:
+                result = asyncio.run(drag_at_once(server, count, options.seconds))
             else:
                 result = asyncio.run(drag(server, count, options.seconds, options.settle))
         print(json.dumps(result), flush=True)
