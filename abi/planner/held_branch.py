@@ -1,12 +1,13 @@
 """Motions in the space of the joints that keep the direction of the tool for a part of their time.
 
 When a motion is where is known only once it has been found: a path is sought whose part by length
-is as asked, and where its part by time is too short, another one with a longer part.
+is as asked. Where its part by time is too short, the motion is slower there; where that is not
+enough, another path with a longer part is sought.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -15,7 +16,12 @@ import numpy as np
 from abi.arm_planning.joint_search.held_part import HeldPart
 from abi.arm_planning.joint_search.held_path import HeldPath, path_holding
 from abi.arm_planning.joint_search.held_search import HeldSearch
-from abi.arm_planning.joint_search.joint_motion import JointPassage, passage_of, proven_motion
+from abi.arm_planning.joint_search.joint_motion import (
+    JointPassage,
+    SlowPart,
+    passage_of,
+    proven_motion,
+)
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
@@ -25,11 +31,15 @@ from abi.errors import DirectionNotHeld, NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planning_task import sample_count
 from abi.planner.stage_results import TimedMotion
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
 
 _TRIES, _PAIRS = 16, 4
 """Paths, at most, that are sought, and pairs of a start and a goal between which they are."""
+_FACTORS = (1.0, 1.5, 2.25, 3.5, 5.0, 8.0)
+"""Times as slow as elsewhere that the motion may be in the part, to take as much time as it has to.
+"""
 _LONGER = 0.02
 """Share of the way by which the part is longer, at either end, than it was too short by."""
 _PLACES = 2001
@@ -93,12 +103,19 @@ def _between(
         spline = spline_near(space, found.search.path)
         if spline is None:
             continue
-        at = _part_of(found, passage_of(spline, space.arm), scene.motion)
-        if (short := _shorter_by(part, at)) is None:
-            moved = _moved(part, space, scene, obstacles, found)
-            if moved is not None:
-                return found.search, moved
-        asked = _longer(asked, short or (0.0, 0.0))
+        short = (0.0, 0.0)
+        for factor in _FACTORS:
+            passage = _passage(found, space.arm, factor, spline)
+            lacks = _shorter_by(part, _part_of(found, passage, scene.motion))
+            if lacks is None:
+                moved = _moved(part, space, scene, obstacles, found, factor)
+                if moved is not None:
+                    return found.search, moved
+                break
+            if lacks == short:  # the law is as fast as the joints' limits let it, whatever the way
+                break
+            short = lacks
+        asked = _longer(asked, short)
     return None
 
 
@@ -122,6 +139,16 @@ def _aligned(part: HeldPart, end: str, poses: FloatArray) -> FloatArray:
     if angles.min() > tolerance:
         raise DirectionNotHeld(end, tolerance, (part.begin, part.end), float(angles.min()))
     return np.asarray(poses[angles <= tolerance])
+
+
+def _passage(found: HeldPath, arm: UrdfArm, factor: float, spline: JointSpline) -> JointPassage:
+    """The way along a curve near a path, so many times as slow in the part of the path."""
+    assert found.search.path is not None
+    places = np.linspace(0.0, 1.0, _PLACES)
+    positions = spline(places)
+    rows = found.search.path[[found.first, found.last]]
+    begin, end = (float(places[np.abs(positions - row).sum(axis=1).argmin()]) for row in rows)
+    return passage_of(spline, arm, SlowPart(begin, end, factor) if end > begin else None)
 
 
 def _part_of(
@@ -155,14 +182,16 @@ def _moved(
     scene: Scene,
     obstacles: ObstacleSet,
     found: HeldPath,
+    factor: float,
 ) -> TimedMotion | None:
     """A motion along a smooth curve near a path; None if none is clear and keeps the direction."""
     assert found.search.path is not None
-    lack = partial(_lack, part, scene.motion)
+    way = partial(_passage, found, space.arm, factor)
+    lack = partial(_lack, part, scene.motion, way)
     spline = spline_near(space, found.search.path, lack=lack)
     if spline is None:
         return None
-    passage = passage_of(spline, space.arm)
+    passage = way(spline)
     profile = motion_law(passage, scene.motion)
     count = sample_count(profile, scene.motion)
     around = obstacles, space.collision_world, space.margin
@@ -171,9 +200,14 @@ def _moved(
     return moved if moved.is_clear and holds else None
 
 
-def _lack(part: HeldPart, settings: MotionSettings, spline: JointSpline) -> float | None:
+def _lack(
+    part: HeldPart,
+    settings: MotionSettings,
+    way: Callable[[JointSpline], JointPassage],
+    spline: JointSpline,
+) -> float | None:
     """Parameter at which a motion along a curve keeps the direction least; None if it is kept."""
-    positions = _timed(passage_of(spline, part.hold.arm), settings)
+    positions = _timed(way(spline), settings)
     row = part.fault(positions)
     if row is None:
         return None

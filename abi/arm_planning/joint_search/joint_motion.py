@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -28,6 +28,8 @@ _FINE = 4801
 """Places of the curve by which it is measured."""
 _DRAWN = 400
 """Edges of the polyline that stands for the way of the tool."""
+_RAMP = 0.25
+"""Part of a slow part in which it becomes slow, and in which it ends to be."""
 _FINER = (1, 2, 4)
 """Times as many stretches between a motion's samples that are tried until it is proven clear."""
 TURN = 0.25
@@ -40,7 +42,7 @@ class JointPassage(ShortRepr):
 
     Where the tool moves by dx and the joints by dq, the distance grows by the root of dx² + r² dq²,
     r being a quarter of the arm's reach: a tool that stands still while the joints turn takes time,
-    too, and none moves faster than the distance does.
+    too, and none moves faster than the distance does. In a :class:`SlowPart` it grows faster still.
 
     Attributes:
         joint_path: the joints at equal distances, and the polyline of the tool.
@@ -117,14 +119,46 @@ class JointPassage(ShortRepr):
         return self.joint_path.clearance(motion, obstacles, collision_world, required)
 
 
-def passage_of(spline: JointSpline, arm: UrdfArm) -> JointPassage:
-    """Measure a curve of an arm's joints, whose ends differ."""
+class SlowPart(NamedTuple):
+    """A part of a curve in which the distance grows faster, so that it takes more time.
+
+    Attributes:
+        begin: parameter at which it begins.
+        end: parameter at which it ends.
+        factor: by which the distance grows faster there, at least 1.
+    """
+
+    begin: float
+    end: float
+    factor: float
+
+    def rates(self, places: FloatArray) -> FloatArray:
+        """Factors (k,) at parameters (k,), which rise and fall smoothly within the part."""
+        ramp = _RAMP * (self.end - self.begin) + 1e-12
+        # a motion that begins or ends in the part has no other speed to come from
+        up = np.ones_like(places) if self.begin <= 0 else (places - self.begin) / ramp
+        down = np.ones_like(places) if self.end >= 1 else (self.end - places) / ramp
+        share = np.clip(np.minimum(up, down), 0.0, 1.0)
+        return np.asarray(1 + (self.factor - 1) * share**2 * (3 - 2 * share))
+
+
+def passage_of(spline: JointSpline, arm: UrdfArm, slow: SlowPart | None = None) -> JointPassage:
+    """Measure a curve of an arm's joints, whose ends differ.
+
+    Args:
+        spline: the curve.
+        arm: the arm.
+        slow: a part of it to be passed more slowly.
+    """
     places = np.linspace(0.0, 1.0, _FINE)
     positions = spline(places)
     tool = arm.tool(positions)
     turned = np.diff(positions, axis=0) * np.where(arm.chain.slides, 1.0, TURN * arm.reach)
     moved = np.diff(tool, axis=0)
-    passed = np.concatenate([[0.0], np.cumsum(np.sqrt((moved**2).sum(1) + (turned**2).sum(1)))])
+    steps = np.sqrt((moved**2).sum(1) + (turned**2).sum(1))
+    if slow is not None:
+        steps *= slow.rates((places[1:] + places[:-1]) / 2)
+    passed = np.concatenate([[0.0], np.cumsum(steps)])
     goes_on = np.concatenate([[True], np.diff(passed) > 1e-12 * passed[-1]])
     back = scipy.interpolate.PchipInterpolator(passed[goes_on], places[goes_on])
     equal = np.clip(back(np.linspace(0.0, passed[-1], _GRID)), 0.0, 1.0)

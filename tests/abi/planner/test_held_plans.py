@@ -70,7 +70,7 @@ def verdict(data: dict[str, Any]) -> Any:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("begin", "end", "law"),
-    [(0.0, 0.5, "three_phase"), (0.6, 1.0, "three_phase"), (0.3, 0.7, "time_optimal")],
+    [(0.0, 0.5, "three_phase"), (0.6, 1.0, "three_phase"), (0.2, 0.8, "three_phase")],
 )
 def test_the_direction_is_kept_in_its_part_and_left_outside(
     begin: float, end: float, law: str

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
+from abi.arm_planning.joint_search.joint_motion import SlowPart, passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
-from abi.arm_planning.joint_search.joint_spline import spline_near
+from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort, search_joints
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import chain_world
@@ -49,3 +49,22 @@ def test_a_motion_whose_samples_are_too_far_apart_to_be_proven_gets_more() -> No
         taken.add(times)
         print(seed, times, refuted)
     assert {1.0} < taken <= {1.0, 2.0, 4.0}
+
+
+def test_a_slow_part_takes_more_of_the_way_and_is_passed_by_the_same_joints() -> None:
+    arm = some_arm("ur5e")
+    spline = JointSpline(np.random.default_rng(3).uniform(-1, 1, (7, 6)))
+    whole = passage_of(spline, arm)
+    slow = SlowPart(0.3, 0.6, 4.0)
+    rates = slow.rates(np.linspace(0, 1, 1001))
+    assert (rates[[0, 299, 601, 1000]] == 1).all()
+    assert rates.max() == 4
+    assert np.abs(np.diff(rates)).max() < 0.07  # no jumps
+    assert (SlowPart(0.0, 0.5, 4.0).rates(np.zeros(1)) == 4).all()
+    slower = passage_of(spline, arm, slow)
+    assert slower.length > whole.length
+    # far from the part nothing has changed but the length of the whole
+    before = np.linspace(0, 0.1 * whole.length, 50)
+    assert np.abs(slower.at(before) - whole.at(before)).max() < 1e-3
+    ends = np.array([0.0, slower.length])
+    assert np.abs(slower.at(ends) - whole.at(np.array([0.0, whole.length]))).max() < 1e-9
