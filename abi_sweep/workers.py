@@ -89,7 +89,7 @@ def _client(count: int, scheduler: str | None) -> Iterator[Any]:
         n_workers=count,
         threads_per_worker=1,
         security=True,
-        dashboard_address=None,
+        dashboard_address="127.0.0.1:0",
         silence_logs=50,
     )
     with cluster, Client(cluster) as client:

@@ -72,7 +72,9 @@ def test_two_dask_workers_find_the_same() -> None:
 def test_the_workers_of_a_scheduler_find_the_same(rows: list[Row]) -> None:
     from distributed import LocalCluster
 
-    with LocalCluster(n_workers=2, processes=False, protocol="tcp", dashboard_address=None) as one:
+    with LocalCluster(
+        n_workers=2, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
+    ) as one:
         assert untimed(sweep(STUDY, scheduler=one.scheduler_address)) == untimed(rows)
 
 

@@ -65,7 +65,7 @@ class _Change(NamedTuple):
         return fault.obstacle < 0 or fault.obstacle in self.stays
 
 
-class _Known(NamedTuple):
+class _Answer(NamedTuple):
     """An answer, and the number of the surroundings that it told of."""
 
     followed: Followed
@@ -91,7 +91,7 @@ class SegmentMemory:
 
     def __init__(self) -> None:
         self.joint_path: tuple[bytes, ChainJointPath] | None = None
-        self._known: dict[Key, _Known] = {}
+        self._known: dict[Key, _Answer] = {}
         self._worlds: deque[_World] = deque(maxlen=_WORLDS)
         self._latest = -1
         self._around: CollisionWorld | None = None
@@ -129,7 +129,7 @@ class SegmentMemory:
                 fault = refute(followed, change.around, False)
         if len(self._known) >= _MOST:
             del self._known[next(iter(self._known))]
-        self._known[key] = _Known(followed, fault, self._latest)
+        self._known[key] = _Answer(followed, fault, self._latest)
         return followed, fault
 
     def _since(self, world: int) -> _Change | None:
