@@ -47,7 +47,7 @@ def _is_back(page: Page, session: Session, scene: abi.Scene, camera: drawn.Point
     page.until(lambda: "/arm" not in page.shown(), "no arm")
     assert session.frame.time == pytest.approx(1.5)
     assert not session.playback.playing
-    np.testing.assert_allclose(session.client.camera.position, camera, rtol=1e-4)
+    page.until(lambda: np.allclose(session.client.camera.position, camera, rtol=1e-4), "its camera")
 
 
 def test_what_is_too_long_to_be_remembered_is_told(tabs: Tabs, server: Server) -> None:

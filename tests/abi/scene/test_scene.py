@@ -157,7 +157,7 @@ def test_what_would_do_for_a_missing_field_does(shape: str) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("a.yaml", "version: 1\nstart: [0, 0, 0]\nstart: [1, 1, 1]", "duplicate"),
+        ("a.yaml", "version: 1\nstart: [0, 0, 0]\nstart: [1, 1, 1]", "stands there twice"),
         ("a.json", '{"version": 1, "version": 1}', "twice"),
         ("a.yaml", "a: &x [1]\nb: *x", "anchors"),
         ("a.yaml", "a: !!python/object/apply:os.system [x]", "tags"),
