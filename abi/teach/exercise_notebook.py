@@ -41,7 +41,7 @@ def notebook(names: Sequence[str] = (), *, grader: str = "", seed: int = GRADED)
     if grader not in _GRADERS:
         raise ArgumentError("grader", grader, f"one of {', '.join(filter(None, _GRADERS))}")
     asked = tuple(map(exercise, names)) or tuple(exercises().values())
-    head = [_markdown("head", _HEAD), _code("import", "import abi.teach")]
+    head = [_markdown("head", _HEAD), _code("import", "import math\n\nimport abi.teach")]
     if grader == "otter":
         head.insert(0, _raw("assignment", "# ASSIGNMENT CONFIG\nrun_tests: false"))
     cells = [*head, *(cell for one in asked for cell in _GRADERS[grader](one, seed))]

@@ -71,7 +71,7 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     least, most = (format_length(float(value)) for value in (values.min(), values.max()))
     if state.trace.queue == "rounds":
         parts.append(f"{_disc(style.WAITING[0])}waiting")
-    elif lesson and theatre.asking:
+    elif lesson and theatre.asking and not state.done:
         parts.append(f"waiting, from the next one {_scale()} to the last")
     elif state.trace.queue == "first_in":
         parts.append(f"waiting; longest first: {_scale()}")

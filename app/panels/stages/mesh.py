@@ -13,7 +13,7 @@ from app.panels.widgets import Choice, Wake, clamp, range_hint
 from app.state.frame import Frame
 
 _LABELS = {kind.label: name for name, kind in LATTICES.items()}
-_SPACING = "Distance between neighbouring nodes. Halving it gives eight times as many."
+_SPACING = "Distance between neighbouring nodes. Halving it gives up to eight times as many."
 
 
 class MeshPanel:

@@ -149,6 +149,7 @@ class TheatrePanel:
 
     def set(self, **settings: Any) -> None:
         """Set widgets by name, as a lesson does: ``on``, ``algorithm``, ``step``, …"""
+        self._answer = JudgedGuess()  # of what was shown before
         for name, value in settings.items():
             if name == "step":
                 self._position = float(value)
