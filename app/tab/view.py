@@ -76,6 +76,7 @@ class TabView:
         self._surrounded: tuple[Plan, bool] | None = None
         self._arm: object = self
         self._before: TabState | None = None
+        self._class: ClassroomPanel | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
         self._folding = PanelFolding(self.panels.layout)
         layers = [layer(self.panels.layout) for layer in LAYERS]
@@ -103,6 +104,7 @@ class TabView:
             overlay = self.panels.layout.overlay
             lessons = self.panels.lessons
             panel = ClassroomPanel(self._client, overlay, classroom, lessons, wake, nudge, hurry)
+        self._class = panel
         quick, slow = self.parts
         self.parts = ((*quick, panel), slow)
         return panel
@@ -170,6 +172,8 @@ class TabView:
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
         frame = replace(frame, plots=self._watch.plots)
         frame = replace(frame, bent=self.panels.control.bent(frame))
+        if self._class is not None:
+            self._class.hold_back(self.panels.theatre)
         theatre = self.panels.theatre.advance(frame)
         told = frame.lecture or frame.lesson  # what is shown is chosen for the student
         hidden = theatre is not None or (told and "arm" not in frame.shown)
@@ -244,6 +248,8 @@ class TabView:
         """Show what another tab shows, instead of ``own``; what is so already is left alone."""
         before = self.panels.step(own)
         self.panels.restore(state)
+        if self.panels.lessons.follow(state.lessons):
+            self._before = None  # undo leads there
         self.viewpoint.mirror(state.scene, state.view)
         self._to_face &= state.view is None
         self.playback.follow(state.time, state.playing)

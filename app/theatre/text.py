@@ -71,13 +71,14 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     least, most = (format_length(float(value)) for value in (values.min(), values.max()))
     if state.trace.queue == "rounds":
         parts.append(f"{_disc(style.WAITING[0])}waiting")
+    elif theatre.voted:
+        parts.append(f"waiting, coloured by {_ordering(state)}: {_scale()}")
     elif lesson and theatre.asking and not state.done:
         parts.append(f"waiting, from the next one {_scale()} to the last")
     elif state.trace.queue == "first_in":
         parts.append(f"waiting; longest first: {_scale()}")
     else:
-        by = formula(state)
-        by = f"f = {by}" if by not in ("g", "h") else by
+        by = _ordering(state)
         span = least if least == most else f"{least} {_scale()} {most}"
         order = f"waiting when it ended, by {by}" if state.done else f"waiting; least {by} is next"
         parts.append(f"{order}: {span}")
@@ -85,6 +86,14 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     if ringed and state.trace.queue != "rounds":
         parts.append(f"{_RING}{'next' if ringed == 1 else f'{ringed} tie for the least'}")
     return _entries(parts)
+
+
+def _ordering(state: SearchState) -> str:
+    """What orders those that wait, in words."""
+    by = formula(state)
+    if state.trace.queue == "first_in":
+        return "how long"
+    return by if by in ("g", "h") else f"f = {by}"
 
 
 def _ties(theatre: Theatre) -> str:

@@ -42,6 +42,7 @@ class Theatre:
         state: the search at the step shown.
         race: (name, state) of each search of a race; empty without one.
         asking: whether the next node is to be guessed.
+        voted: whether a class votes on it, so that nothing may tell it.
         answer: of the click before.
     """
 
@@ -49,6 +50,7 @@ class Theatre:
     state: SearchState
     race: tuple[tuple[str, SearchState], ...] = ()
     asking: bool = False
+    voted: bool = False
     answer: JudgedGuess = JudgedGuess()
 
     @property

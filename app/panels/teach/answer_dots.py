@@ -39,11 +39,15 @@ class AnswerDots:
         self.places: tuple[Vec3, ...] = ()
 
     def draw(self, places: Sequence[Vec3], right: Sequence[Vec3], scene: Scene) -> None:
-        """Draw the answers, the right places among them in green; none takes all away."""
+        """Draw the answers, the right places among them in green; none takes all away.
+
+        Of the right places those that nobody has answered are drawn where nobody was right.
+        """
         side = max(scene.workspace.size)
-        wanted = [
-            _AnswerBall(at, count, at in right, side) for at, count in Counter(places).items()
-        ]
+        counts = Counter(places)
+        if not counts.keys() & set(right):
+            counts.update(dict.fromkeys(right, 0))
+        wanted = [_AnswerBall(at, count, at in right, side) for at, count in counts.items()]
         self.places = tuple(ball.place for ball in wanted)
         for ball in self._balls.keys() - set(wanted):
             self._balls.pop(ball).remove()
@@ -56,10 +60,10 @@ class AnswerDots:
         name = f"/answers/{self._made}"
         drawn = self._scene.add_icosphere(
             name,
-            radius=_SIZE * ball.side * float(ball.answers) ** (1 / 3),
+            radius=_SIZE * ball.side * max(ball.answers, 1.0) ** (1 / 3),
             color=style.GOOD[0] if ball.right else style.MARK,
             position=ball.place,
         )
-        if ball.answers > 1:
-            self._scene.add_label(f"{name}/count", str(ball.answers))
+        if ball.right or ball.answers > 1:
+            self._scene.add_label(f"{name}/count", f"{'✓ ' * ball.right}{ball.answers}")
         return drawn

@@ -16,6 +16,7 @@ from abi.scene.scene import Scene
 from app.panels.teach.answer_dots import AnswerDots
 from app.panels.teach.lessons import LessonPanel
 from app.panels.teach.poll_text import question_text
+from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, pressed
 from app.shared.shared_plans import SharedPlans
 from app.state.frame import Frame
@@ -183,6 +184,21 @@ class ClassroomPanel:
         shared = self.teaches or (self._followed is not None and self._followed == scene)
         return self._classroom.plans if shared else None
 
+    def hold_back(self, theatre: TheatrePanel) -> None:
+        """Keep the answer to the class's question out of lesson and search while it is open."""
+        asked = self._classroom.asked
+        hidden = asked is not None and not asked.revealed
+        self._lessons.voted = hidden and not self.teaches
+        # the hall sees the teacher's search
+        theatre.voted = asked is not None and hidden and bool(asked.poll.places)
+        theatre.yields_clicks = self._takes_clicks
+
+    @property
+    def _takes_clicks(self) -> bool:
+        """Whether a click in the scene is an answer."""
+        poll = self._classroom.poll
+        return poll is not None and poll.asks_place and not self.teaches
+
     def publish(self, state: TabState) -> None:
         """Do what the teacher asked for, and send what changes while the others follow."""
         if not self.teaches:
@@ -316,8 +332,7 @@ class ClassroomPanel:
         self._wake(event)
 
     def _clicked(self, event: Any) -> None:
-        poll = self._classroom.poll
-        if poll is None or not poll.asks_place or self.teaches:
+        if not self._takes_clicks:
             return
         ray = np.array(event.ray_origin, float), np.array(event.ray_direction, float)
         if np.isfinite(ray).all():

@@ -31,6 +31,7 @@ from app.ui.formulas import with_formulas
 
 _NONE = "choose a lesson"
 _MOST_CHOICES = 4
+_VOTED = "*The class is voting. Here you can answer afterwards.*"
 _INTRO = style.paragraph(
     "Choose a lesson. It asks before it explains, lets you try for yourself, and "
     "brings your own scene back at the end."
@@ -38,7 +39,11 @@ _INTRO = style.paragraph(
 
 
 class LessonPanel:
-    """Widgets of the player, and where the student is."""
+    """Widgets of the player, and where the student is.
+
+    Attributes:
+        voted: whether the class votes meanwhile, so that the page takes and tells no answer.
+    """
 
     def __init__(
         self,
@@ -53,6 +58,7 @@ class LessonPanel:
         self._done = False  # whether the page was passed since it was turned to
         self._left = ""
         self._answer = -1
+        self.voted = False
         self._cue: Setting | None = None
         self._ended = False
         self._pressed: list[str] = []
@@ -138,6 +144,16 @@ class LessonPanel:
             self._done = place in self._passed  # with all that was revealed
             self.choice.value = self.titles[list(self._lessons).index(self._name)]
 
+    def follow(self, text: str) -> bool:
+        """Go where the teacher is; whether that ended a lesson, without a scene to go back to."""
+        self.restore(text)
+        if not self.chosen or self._parse(text) is not None:
+            return False
+        self._go("", 0)
+        self._ended = False
+        self.choice.value = _NONE
+        return True
+
     def recall(self, text: str) -> None:
         """Take over what was passed in tabs that are closed; its lesson goes on where it stood."""
         self._left = text
@@ -182,7 +198,7 @@ class LessonPanel:
                 self._write(frame)
                 self._intro.content = _INTRO + self._cards()
             return
-        place = self._name, self._number, self._answer, self._is_passed, self._done
+        place = self._name, self._number, self._answer, self._is_passed, self._done, self.voted
         page = (frame.plan, frame.theatre, frame.bent, *place)
         if page != self._drawn:
             self._drawn = page
@@ -290,7 +306,7 @@ class LessonPanel:
             self._go("", 0)
         elif press == "show" and step.task is not None:
             self._cue = step.task.shown_by
-        elif press.isdigit() and step.question is not None:
+        elif press.isdigit() and step.question is not None and not self.voted:
             number = int(press)
             if number < len(step.question.choices):
                 self._answer = number
@@ -340,10 +356,13 @@ class LessonPanel:
         choices = question.choices if question is not None else ()
         for number, button in enumerate(self.answers):
             button.visible = number < len(choices)
+            button.disabled = self.voted
             if number < len(choices):
                 button.label = self._label(choices[number], number)
         reply = ""
-        if question is not None and 0 <= self._answer < len(choices):
+        if question is not None and self.voted:
+            reply = _VOTED
+        elif question is not None and 0 <= self._answer < len(choices):
             choice = choices[self._answer]
             reply = f"**{'✓ Right.' if choice.right else '✗ No.'}** {choice.why}"
         self._show(self._reply, reply, frame)
@@ -363,7 +382,7 @@ class LessonPanel:
 
     def _label(self, choice: AnswerChoice, number: int) -> str:
         """Text of an answer's button; the one that was given has a sign before it."""
-        if number != self._answer:
+        if number != self._answer or self.voted:
             return choice.text
         return f"{'✓' if choice.right else '✗'} {choice.text}"
 

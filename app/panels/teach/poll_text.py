@@ -33,11 +33,11 @@ def question_text(asked: Asked, students: int, answered: bool) -> str:
 
 def bars(choices: tuple[str, ...], counts: tuple[int, ...], students: int, right: int = -1) -> str:
     """Bar plot of the answers, as HTML; ``right`` is the number of the one to be marked."""
-    most = max(*counts, 1)
+    voted = max(sum(counts), 1)
     rows = "".join(
         f"<div>{'✓ ' if number == right else ''}{html.escape(choice)}: <b>{count}</b>"
         '<div style="height:8px;border-radius:3px;'
-        f'background:{style.css(style.POINT)};width:{100 * count / most:.0f}%"></div></div>'
+        f'background:{style.css(style.POINT)};width:{100 * count / voted:.0f}%"></div></div>'
         for number, (choice, count) in enumerate(zip(choices, counts, strict=True))
     )
     return style.paragraph(f"{rows}{sum(counts)} of {students} have answered.")

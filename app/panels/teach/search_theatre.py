@@ -47,7 +47,13 @@ _COVERING = (
 
 
 class TheatrePanel:
-    """Widgets and clock of the theatre, and the searches that it shows."""
+    """Widgets and clock of the theatre, and the searches that it shows.
+
+    Attributes:
+        playing: whether it goes on by itself.
+        yields_clicks: whether a click in the scene answers the class and means nothing here.
+        voted: whether a class votes on the next node: the search stands still and does not tell it.
+    """
 
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
         gui, self._client, self._wake = client.gui, client, wake
@@ -85,7 +91,7 @@ class TheatrePanel:
         self.race = gui.add_checkbox(
             "race of three", False, hint="Three searches side by side, step for step."
         )
-        self.playing = False
+        self.playing = self.yields_clicks = self.voted = False
         self._pair: tuple[Scene, tuple[int, ...], tuple[int, ...]] | None = None
         self._inputs: deque[int | None] = deque()
         self._click: tuple[FloatArray, FloatArray] | None = None
@@ -206,13 +212,15 @@ class TheatrePanel:
     def _show_widgets(self) -> None:
         """Show the widgets that count now."""
         on = bool(self.on.value)
-        seen = (on, self.race.value, self.algorithm.value, self.edges.value, self.playing)
+        chosen = self.race.value, self.algorithm.value, self.edges.value
+        seen = (on, *chosen, self.playing, self.voted)
         if seen == self._seen:
             return
         self._seen = seen
         self._intro.visible = not on
-        for widget in (self.algorithm, self.edges, self.step, self.play, self.one, self.speed):
-            widget.visible = on
+        self.algorithm.visible = self.edges.visible = on
+        for widget in (self.step, self.play, self.one, self.speed):
+            widget.visible = on and not self.voted
         self.ask.visible = on and not self.race.value
         self.race.visible = on
         self.weight.visible = on and self.chosen == "weighted_a_star"
@@ -249,7 +257,11 @@ class TheatrePanel:
         asking = self.ask.value and not self.race.value
         if self.step.max != max(steps, 1):
             self.step.max = max(steps, 1)
-        if self.step.value != self._written:
+        if self.voted:
+            self._inputs.clear()
+            self.playing = False
+            self._answer = JudgedGuess()  # which may have named the least that waits
+        elif self.step.value != self._written:
             self._position, self.playing = float(self.step.value), False
         while self._inputs:
             change = self._inputs.popleft()
@@ -263,6 +275,8 @@ class TheatrePanel:
             self.playing = self._position < steps
         before = self._written
         self._position = clamp(self._position, 0.0, float(steps))
+        if self.voted or self.yields_clicks:
+            self._click = None
         clicked = self._click is not None
         if clicked:
             self._take(trace, asking)
@@ -299,14 +313,14 @@ class TheatrePanel:
         self, name: str, trace: SearchTrace, racing: tuple[tuple[str, SearchTrace], ...]
     ) -> Theatre:
         step, last = self._written, self._last
-        asking = bool(self.ask.value) and not racing
+        asking = (bool(self.ask.value) or self.voted) and not racing
         if self._answer.node >= trace.sides * len(trace.arcs.points):
             self._answer = JudgedGuess()  # of a search from both ends, which has more
         if (
             last is not None
             and last.state.trace is trace
             and last.state.step == min(step, trace.steps)
-            and (last.answer, last.asking) == (self._answer, asking)
+            and (last.answer, last.asking, last.voted) == (self._answer, asking, self.voted)
             and tuple(state.trace for _, state in last.race) == tuple(one for _, one in racing)
             and all(state.step == min(step, state.trace.steps) for _, state in last.race)
         ):
@@ -316,6 +330,7 @@ class TheatrePanel:
             state=replay(trace, min(step, trace.steps)),
             race=tuple((other, replay(one, min(step, one.steps))) for other, one in racing),
             asking=asking,
+            voted=self.voted,
             answer=self._answer,
         )
 

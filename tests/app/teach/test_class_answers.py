@@ -22,7 +22,7 @@ from app.teach.class_table import table
 from app.teach.classroom import Classroom
 from app.teach.poll import Asked, Poll
 from tests.app.fake_tab import FakeTab, until
-from tests.app.teach.test_classroom import open_tab, panel
+from tests.app.teach.test_classroom import open_tab, over_scene, panel
 
 _POLL = Poll(1, "Why?", ("one", "two"), right=1, why="Because.")
 
@@ -168,32 +168,85 @@ def test_places_that_students_click_are_balls_in_the_teachers_scene() -> None:
 
 
 @pytest.mark.slow
-def test_the_next_node_of_the_teachers_search_is_asked_for_and_judged() -> None:
+def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> None:
     classroom = Classroom()
     server = start(Address(port=0), "paper", classroom=classroom, look=PLAIN)
     try:
         teacher, taught = open_tab(server, classroom.secret)
-        student, session = open_tab(server)
+        students = [open_tab(server) for _ in range(2)]
         until(lambda: panel(taught).teaches)
         teacher.set(panel(taught).lead, True)
-        teacher.set(taught.panels.theatre.on, True)
-        teacher.set(taught.panels.theatre.step, 5)
-        until(lambda: session.frame.theatre is not None and session.frame.theatre.state.step == 5)
-        until(lambda: panel(taught).ask_next.visible)
+        until(lambda: taught.resting and len(taught.panels.lessons.titles) > 2)
+        teacher.set(taught.panels.lessons.choice, taught.panels.lessons.titles[2])
+        both = [session for _, session in students]
+        for one in (taught, *both):
+            until(lambda one=one: step_of(one) == 24 and one.resting)  # type: ignore[misc]
+            assert one.panels.theatre.ask.value
+        assert all(session.panels.lessons.chosen for session in both)
         teacher.set(panel(taught).ask_next, True)
-        until(lambda: classroom.poll is not None)
-        assert classroom.poll is not None
+        (student, session), (_, second) = students
+        for one in (taught, *both):
+            until(lambda one=one: one.frame.theatre.voted)  # type: ignore[misc]
         assert session.frame.theatre is not None
         state = session.frame.theatre.state
         points = state.trace.arcs.points
-        wanted = {tuple(points[node].tolist()) for node in state.candidates()}
-        assert set(classroom.poll.places) == wanted
+        assert classroom.poll is not None
+        assert classroom.poll.places == (tuple(points[state.following].tolist()),)
+
+        # neither a click, nor a key, nor the lesson tells it
+        assert session.panels.lessons.answers[1].disabled
         click(student, points[state.following])
         until(lambda: classroom.answer_of(session.client.client_id) is not None)
         assert classroom.asked is not None
-        assert classroom.asked.right_share() == 1.0
+        assert classroom.asked.right_share() == 1
+        wrong = points[next(node for node in state.open if node != state.following)]
+        for fake, one in students:
+            fake.set(one.panels.lessons.answers[1], True)
+            one.panels.theatre.go(1, None)
+            fake.set(one.panels.theatre.step, 30)
+            click(fake, wrong)  # what is sent after that is read after that
+        chosen = 2 * [tuple(wrong.tolist())]
+        until(lambda: classroom.asked is not None and [*classroom.asked.answers.values()] == chosen)
+        for _, one in students:
+            until(lambda one=one: one.panels.theatre.step.value == 24 and one.resting)  # type: ignore[misc]
+            theatre = one.frame.theatre
+            assert theatre is not None
+            assert (theatre.state.step, theatre.ringed.size, theatre.answer.text) == (24, 0, "")
+            assert one.panels.lessons.asks
+
+        # a right node that nobody has hit is marked, too
+        assert classroom.asked.right_share() == 0
+        assert classroom.poll.places[0] not in balls(taught)
+        teacher.set(panel(taught).reveal, True)
+        for one in (taught, *both):
+            until(lambda one=one: classroom.poll.places[0] in balls(one))  # type: ignore[misc]
+        until(lambda: not session.panels.lessons.answers[1].disabled)
+        click(student, points[state.following])  # an answer as long as the question is not closed
+        until(
+            lambda: (
+                classroom.asked is not None
+                and classroom.asked.right_share() == 0.5
+                and session.resting
+            )
+        )
+        assert step_of(session) == 24
+        teacher.set(panel(taught).close_poll, True)
+        until(lambda: classroom.poll is None)
+        click(student, points[state.following])
+        until(lambda: step_of(session) == 25)
+
+        # who follows leaves the lesson with the teacher
+        teacher.set(taught.panels.lessons.leave, True)
+        until(lambda: not any(one.panels.lessons.chosen for one in (taught, *both)))
+        until(lambda: second.resting and second.frame.plan.scene == taught.frame.plan.scene)
+        assert not over_scene(second)
     finally:
         server.stop()
+
+
+def step_of(session: Session) -> int:
+    theatre = session.frame.theatre
+    return -1 if theatre is None else theatre.state.step
 
 
 @pytest.mark.slow

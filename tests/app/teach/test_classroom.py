@@ -187,7 +187,9 @@ def test_a_question_needs_two_answers_and_counts_its_own() -> None:
     assert classroom.counts() == (0, 0)
     # students need not know how the others answer
     assert len(woken) == 2
+    # a bar is as long as its part of those who answered
     assert "width:100%" in bars(("a", "b"), (0, 2), 2)
+    assert bars(("a", "b"), (1, 1), 2).count("width:50%") == 2
 
 
 def test_all_tabs_of_a_student_have_one_answer() -> None:

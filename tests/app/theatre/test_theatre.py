@@ -108,6 +108,18 @@ def test_a_guess_is_not_given_away_until_it_was_wrong() -> None:
     assert "least f = g + h is next" in asked
 
 
+@pytest.mark.parametrize("name", COMPARED)
+def test_a_vote_is_told_neither_which_is_next_nor_the_least_value(name: str) -> None:
+    state = state_of(name, 5)
+    voted = Theatre(name, state, asking=True, voted=True)
+    assert voted.ringed.size == 0
+    for lesson in (False, True):
+        told = legend(voted, lesson)
+        assert "next" not in told
+        assert "tie" not in told
+        assert f"{priorities(state).min():.3f}" not in told
+
+
 def test_on_the_grid_of_the_lesson_on_searches_no_two_nodes_tie() -> None:
     lesson, folder = load_lessons(None)["03-search"]
     setting = lesson.steps[0].set
