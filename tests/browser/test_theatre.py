@@ -23,14 +23,14 @@ def test_a_node_that_is_pointed_at_tells_g_h_and_f(page: Page, session: Session)
         node: page.pixel("/workspace", state.trace.arcs.points[node].tolist())
         for node in state.open.tolist()
     }
-    alone = next(
-        node
+    apart = {
+        node: min(
+            np.hypot(*np.subtract(pixel, at)) for other, at in pixels.items() if other != node
+        )
         for node, pixel in pixels.items()
         if page.is_free(pixel)
-        and all(
-            other == node or np.hypot(*np.subtract(pixel, at)) > 30 for other, at in pixels.items()
-        )
-    )
+    }
+    alone = max(apart, key=apart.__getitem__)
     page.tab.mouse.move(*pixels[alone])
     card = page.tab.locator(_CARD)
     page.until(card.is_visible, "the node's numbers")
