@@ -30,7 +30,7 @@ from app.ui.overlay import Overlay, button
 
 _FIRST = -1.0
 """Place in the tab: before all that is there."""
-_NEXT = "Which node is expanded next?"
+_NEXT = "Which node is visited next?"
 _NONE_RIGHT = "none is told"
 _RIGHT = (_NONE_RIGHT, *(f"answer {number + 1}" for number in range(MAX_CHOICES)))
 
