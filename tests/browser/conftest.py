@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -23,6 +23,7 @@ PAPER = load_scene("paper")
 _HERE = Path(__file__).parent
 _MIDDLE = "test_l"
 """First name of the files of the second browser: both take about as long."""
+_PASSED = pytest.StashKey[bool]()
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
@@ -35,7 +36,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             half = "first" if item.path.name < _MIDDLE else "second"
             item.add_marker(pytest.mark.xdist_group(f"{half} browser"))
             # beside all the others a software renderer may be slower than any patience
-            item.add_marker(pytest.mark.flaky(reruns=1))
+            item.add_marker(pytest.mark.flaky(reruns=2))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    if report.when == "call":
+        item.stash[_PASSED] = report.passed
+    return report
 
 
 def _executable() -> str:
@@ -112,9 +123,12 @@ class Tabs:
         page.settle()
         return page
 
-    def put_back(self, page: Page) -> None:
-        """Keep a tab for the next test unless it met an error or its switches are not as before."""
-        if not page.errors and _is_as_opened(self._server.sessions[page.client]):
+    def put_back(self, page: Page, *, passed: bool) -> None:
+        """Keep a tab for the next test unless it met an error or its switches are not as before.
+
+        A test that did not pass may have left it in any state, with any size.
+        """
+        if passed and not page.errors and _is_as_opened(self._server.sessions[page.client]):
             self._kept = page
             return
         self._opened.remove(page)
@@ -167,11 +181,12 @@ def shared(chromium: Browser, server: Server) -> Iterator[Tabs]:
 
 
 @pytest.fixture
-def page(shared: Tabs) -> Iterator[Page]:
+def page(shared: Tabs, request: pytest.FixtureRequest) -> Iterator[Page]:
     """A tab with the paper's scene, at rest, its right panel showing the result."""
     page = shared.kept()
+    request.node.stash[_PASSED] = False
     yield page
-    shared.put_back(page)
+    shared.put_back(page, passed=request.node.stash[_PASSED])
 
 
 @pytest.fixture
