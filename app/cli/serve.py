@@ -48,10 +48,10 @@ _PERIOD = 1.0
     "--demo/--no-demo", default=True, help="Move a new tab's obstacle until the first touch."
 )
 @click.option(
-    "--plain",
-    is_flag=True,
+    "--plain/--no-plain",
+    default=None,
     envvar="ABI_PLAIN",
-    help="No shadows or reflections, for weak graphics.",
+    help="No shadows or reflections; default: where the browser has no graphics card.",
 )
 @click.option(
     "--lessons",
@@ -123,7 +123,7 @@ def serve(
     open_tab: bool,
     dark: bool | None,
     demo: bool,
-    plain: bool,
+    plain: bool | None,
     lessons: Path | None,
     classroom: bool,
     teach: str | None,
@@ -214,10 +214,11 @@ def _room(secret: str | None, token: str | None, results: Path | None) -> Classr
 
 def _arguments(scene: str, **options: Any) -> list[str]:
     """Arguments of ``abi serve`` for another process of the same server."""
-    looks = {True: ["--dark"], False: ["--light"], None: []}
-    words = ["--no-open", *looks[options.pop("dark")]]
+    dark = {True: ["--dark"], False: ["--light"], None: []}
+    plain = {True: ["--plain"], False: ["--no-plain"], None: []}
+    words = ["--no-open", *dark[options.pop("dark")], *plain[options.pop("plain")]]
     words.append("--demo" if options.pop("demo") else "--no-demo")
-    words += [f"--{name.replace('_', '-')}" for name in ("plain", "no_token") if options.pop(name)]
+    words += ["--no-token"] if options.pop("no_token") else []
     options.pop("token")  # in its environment, where other users do not see it
     for name, value in options.items():
         values = value if isinstance(value, tuple) else (value,)

@@ -13,12 +13,13 @@ class Appearance:
     """Look of a new tab.
 
     Attributes:
-        plain: whether without shadows and environment map, for slow graphics and tests.
+        plain: whether without shadows and environment map, for slow graphics and tests; None for
+            where the browser draws without a graphics card.
         dark: whether it is dark; None for as the system has it.
         demo: whether its first obstacle moves by itself until the first touch.
     """
 
-    plain: bool = False
+    plain: bool | None = None
     dark: bool | None = None
     demo: bool = False
 

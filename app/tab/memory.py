@@ -32,6 +32,7 @@ class Report:
         query: parameters of its address.
         lessons: progress in the lessons that the browser keeps, whatever the tab.
         dark: whether the system prefers dark pages.
+        software: whether the browser draws without a graphics card.
     """
 
     state: str = ""
@@ -40,6 +41,7 @@ class Report:
     query: dict[str, str] = field(default_factory=dict)
     lessons: str = ""
     dark: bool = False
+    software: bool = False
 
 
 class TabMemory:

@@ -52,6 +52,10 @@ class Pause:
         self._begun = 0.0
         self._diagnosed: Plan | None = None
 
+    def stay_plain(self) -> None:
+        """Add no lights later."""
+        self._has_lights = True
+
     def begin(self, input: bool = True) -> None:
         """Count from now, the moment of the last ``input`` or of the last picture of the demo."""
         self._begun = time.monotonic()

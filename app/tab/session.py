@@ -126,7 +126,7 @@ class Session:
             self._exercise: ExercisePanel | None = None
             if exercise is not None:
                 self._exercise = self._view.watch_exercise(exercise, self.wake, worker.wake)
-        self._pause = Pause(client, self.panels, self._planner, worker.is_woken, look.plain)
+        self._pause = Pause(client, self.panels, self._planner, worker.is_woken, bool(look.plain))
         self._drawn = self.panels.step(scene)
         self._demonstrated = False  # whether the scene is where the demonstration left it
         worker.start()
@@ -331,6 +331,8 @@ class Session:
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""
         self._view.take(report, self._look.dark)
+        if report.software and self._look.plain is None:
+            self._pause.stay_plain()
         if report.oversize:
             reason = (
                 f"What this tab remembers has {report.oversize:,} letters, more than the server "

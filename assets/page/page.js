@@ -13,6 +13,14 @@ window.abi = {
     window.__viserMutable.sendMessage({type: "GuiUpdateMessage", uuid, updates: {value}});
   },
 
+  // Check if the browser draws without a graphics card: there each kind of surface takes half a second
+  // at first, and several with shadows and surroundings.
+  drawsInSoftware() {
+    const gl = window.__viserMutable.canvas?.getContext("webgl2");
+    const names = gl?.getExtension("WEBGL_debug_renderer_info");
+    return !!names && /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(names.UNMASKED_RENDERER_WEBGL));
+  },
+
   // Answer with what the tab remembers and what its address asks for. A link's state is taken out
   // of the address: from then on the tab remembers it, and a reload keeps what was changed since.
   // So is the teacher's secret, which a projector would show to the class.
@@ -42,6 +50,7 @@ window.abi = {
       lessons: lessons ?? "",
       query,
       dark: matchMedia("(prefers-color-scheme: dark)").matches,
+      software: this.drawsInSoftware(),
     }));
   },
 

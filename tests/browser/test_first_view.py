@@ -46,6 +46,10 @@ def test_the_plan_is_that_of_the_paper(session: Session) -> None:
     assert drawn.same(_plan(session), abi.plan(abi.load_scene("paper")))
 
 
+def test_the_page_tells_that_no_graphics_card_draws(page: Page) -> None:
+    assert page.tab.evaluate("() => window.abi.drawsInSoftware()")
+
+
 def test_paths_are_the_plans(page: Page, session: Session) -> None:
     plan = _plan(session)
     found = {result.algorithm: result.points for result in plan.searches}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 import time
 from functools import partial
@@ -375,7 +376,7 @@ def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) ->
 
 
 @pytest.mark.slow
-def test_collision_world_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[tuple[Any, bool]] = []
     sessions: dict[int, Session] = {}
 
@@ -394,6 +395,19 @@ def test_collision_world_come_once_after_the_first_plan(monkeypatch: pytest.Monk
     fake.close()
     running.stop()
     assert calls == [(None, False), ("some", True)]
+
+
+@pytest.mark.slow
+def test_without_a_graphics_card_there_are_no_lights(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pause, "LIGHTS_DELAY", math.inf)
+    running = start(Address(port=0), scene="paper")
+    fake, session = opened(running)
+    until(lambda: session.resting)
+    assert session._pause.timeout(session.frame) == pause.REST  # for lights that are to come
+    fake.set(session._memory._box, json.dumps({"software": True}))
+    until(lambda: session._pause.timeout(session.frame) == pause.IDLE)
+    fake.close()
+    running.stop()
 
 
 @pytest.mark.slow
