@@ -26,7 +26,7 @@ from abi.tet_mesh.tet_mesh import TetMesh
 
 
 class JointPath(Protocol):
-    """Joint positions of an arm along a curve, on one of its branches."""
+    """Joint positions of an arm along its tool's curve, for one elbow side or one start pose."""
 
     @property
     def length(self) -> float:
@@ -82,7 +82,7 @@ class NodeExclusion(Protocol):
 
     @property
     def key(self) -> tuple[object, ...]:
-        """Everything that they depend on, except the obstacles."""
+        """Key for caches: all that the excluded nodes depend on, except the obstacles."""
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Flag the nodes (n, 3) of the mesh that the arm reaches, clear of the floor and itself."""
@@ -130,7 +130,7 @@ class ArmBranch(NodeExclusion, Protocol):
         """The joints along a curve."""
 
     def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
-        """A copy with a multiple of the distance beyond the clearance, and of the tries."""
+        """A copy with multiples of the distance beyond the clearance, and of a proof's tries."""
 
 
 class Unreached(NamedTuple):
@@ -167,7 +167,7 @@ class Unreached(NamedTuple):
 
 
 class BranchTask(NamedTuple):
-    """Scene and margins that a branch is of.
+    """What the branches of an arm are made from: scene, mesh, obstacles and margins.
 
     Attributes:
         scene: the scene.

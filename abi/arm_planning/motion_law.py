@@ -45,7 +45,7 @@ class JointLimits(NamedTuple):
 
 
 Slowed = Callable[[float], PathProfile]
-"""The motion that takes so many times as long as the fastest of its law."""
+"""Makes a law's motion from a factor >= 1: so many times as long as the fastest one."""
 
 
 @dataclass(frozen=True)

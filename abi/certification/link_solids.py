@@ -56,7 +56,7 @@ class LinkSolids:
 
     @cached_property
     def anchors(self) -> FloatArray:
-        """A corner of each connected part, (k, 3): where no surfaces cross, it stands for all."""
+        """A vertex of each connected part, (k, 3): it stands for all where no surfaces cross."""
         first, second, _ = self.edges
         points, numbers = np.unique(np.concatenate([first, second]), axis=0, return_inverse=True)
         pairs = numbers.reshape(2, -1)

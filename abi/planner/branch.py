@@ -60,7 +60,7 @@ class Branch(Protocol):
 
 
 class BranchRun:
-    """A branch whose stages run in their order, and the plan that they make.
+    """Runs the stages of one branch in their order, and collects their results in a plan.
 
     The plan has each result as soon as it is there, so that one which ends early shows how far it
     came.

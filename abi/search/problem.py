@@ -14,7 +14,7 @@ from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 
 class Expansion(NamedTuple):
-    """What a search found out about the nodes.
+    """Result of a search: cost and predecessor of each node, and the order of expansion.
 
     Attributes:
         costs: (n,) least cost from the start; inf where it was not reached.

@@ -93,7 +93,7 @@ class Turns:
 
 
 class Turn:
-    """One thread's place among the turns; a context manager that it does not nest.
+    """Context manager that waits until its thread may compute; a thread does not nest it.
 
     Attributes:
         patience: how long it can wait while others are in a hurry, [s].

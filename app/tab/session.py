@@ -54,7 +54,7 @@ in grey while the next is made: a picture more, which is what a crowd of tabs ha
 
 
 class Session:
-    """State and worker of one tab; shared are the turns, and plans of a class or of what opens.
+    """One browser tab: its state, and the thread that reads its controls, plans and draws.
 
     Attributes:
         frame: what is drawn.

@@ -61,7 +61,7 @@ class _Change(NamedTuple):
     moved: bool
 
     def leaves(self, fault: ArmRefutation) -> bool:
-        """Check whether a fault is still there: one of the arm itself, or with what has stayed."""
+        """Check if a collision found before is still there: with itself, or what has not moved."""
         return fault.obstacle < 0 or fault.obstacle in self.stays
 
 

@@ -28,7 +28,7 @@ SAMPLES = 1500
 
 
 class AllowedContact(NamedTuple):
-    """A contact that counts for nothing.
+    """A pair that may touch, and why.
 
     Attributes:
         link: name of a link.

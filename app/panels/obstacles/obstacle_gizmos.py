@@ -34,7 +34,7 @@ _FORESEEN = 0.4
 
 @dataclass(frozen=True, eq=False)
 class Foreseen:
-    """A mesh that is drawn while it is prepared.
+    """Preview of an uploaded mesh, drawn until it is an obstacle.
 
     Attributes:
         mesh: as it will be.

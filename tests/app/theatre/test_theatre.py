@@ -16,7 +16,6 @@ from app.teach.lesson import scene_of
 from app.teach.lesson_file import load_lessons
 from app.theatre.text import describe, legend
 from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, priorities, race_of
-from app.ui import style
 from tests.app.fake_tab import FakeTab, drawn_points, layer, until
 
 PLAN = plan(load_scene("paper"))
@@ -182,7 +181,7 @@ def test_steps_forward_and_back_show_the_same(tab: tuple[FakeTab, Session]) -> N
     fake.set(panel.race, True)
     until(lambda: bool(session.frame.theatre.race))  # type: ignore[union-attr]
     assert layer(session, RaceLayer)._root is not None
-    assert [name for name, _ in session.frame.theatre.race] == list(style.ALGORITHMS)  # type: ignore[union-attr]
+    assert [name for name, _ in session.frame.theatre.race] == list(race_of("a_star"))  # type: ignore[union-attr]
     fake.set(panel.on, False)
     until(lambda: session.frame.theatre is None and layer(session, RaceLayer)._root is None)
 
