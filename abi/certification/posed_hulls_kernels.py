@@ -184,7 +184,7 @@ def from_body(
     first = pose.points, hulls.firsts[i], hulls.firsts[i + 1]
     second = pose.points, hulls.firsts[j], hulls.firsts[j + 1]
     near, far = max(radii - 2 * allowance, 0.0), radii + moves + 2 * allowance
-    found, _, way = separation(from_hull, (second, first), (0.0, 0.0, 1.0), near, far)
+    found, _, way = separation(from_hull, (second, first), (0.0, 0.0, 1.0), near, far, False)
     return outcome_of(found), way
 
 
@@ -265,7 +265,8 @@ def nearest_obstacle(
                     continue
                 radii = hulls.radii[b] + radius_of(around.primitives, s)
                 pairing = hull, around.primitives, s
-                _, away, _ = separation(from_row, pairing, (0.0, 0.0, 1.0), radii, best + radii)
+                up, far = (0.0, 0.0, 1.0), best + radii
+                _, away, _ = separation(from_row, pairing, up, radii, far, True)
                 if max(away - radii, 0.0) < best:
                     best, whose, when = max(away - radii, 0.0), pair, sample
     return best, whose, when

@@ -144,7 +144,7 @@ def _from_row(
     hull = pose.points, hulls.firsts[b], hulls.firsts[b + 1]
     far = near + moves + allowance
     pairing = hull, around.primitives, s
-    found, _, way = separation(from_row, pairing, way, max(near - allowance, 0.0), far)
+    found, _, way = separation(from_row, pairing, way, max(near - allowance, 0.0), far, False)
     return outcome_of(found), way
 
 

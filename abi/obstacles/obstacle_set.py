@@ -233,7 +233,7 @@ class ObstacleSet(ShortRepr):
             points: vertices (k, 3), k >= 1, [unit], world.
         """
         vertices = arguments.polyline("points", points)
-        return float(self.polyline_clearances(vertices[None])[0])
+        return float(self._of_polylines(vertices[None], math.inf)[0])
 
     def polyline_clearances(self, polylines: FloatArray, enough: float = math.inf) -> FloatArray:
         """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit].
@@ -242,9 +242,13 @@ class ObstacleSet(ShortRepr):
         """
         polylines = arguments.numbers("polylines", polylines, (-1, -1, 3))
         enough = arguments.number("enough", enough, infinite=True)
+        if polylines.shape[1] < 2:
+            raise ArgumentError("vertices of each polyline", polylines.shape[1], "2 or more")
+        return self._of_polylines(polylines, enough)
+
+    def _of_polylines(self, polylines: FloatArray, enough: float) -> FloatArray:
+        """Clearances (n,) of polylines (n, k, 3) that have been checked."""
         count, size, _ = polylines.shape
-        if size < 2:
-            raise ArgumentError("vertices of each polyline", size, "2 or more")
         clearances = np.empty(count)
         points, primitives = flat(polylines), self.packed
         if self.meshes:

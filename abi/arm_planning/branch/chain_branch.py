@@ -87,19 +87,14 @@ class ChainBranch:
 
     def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
-        vertices = arguments.polyline("points", points)
-        begin = self.configurations.near(vertices[0])
-        if begin is None:
-            return ArmRefutation(0.0, -1, -1, True)
-        return self._examined(vertices, begin)[1]
+        return self._examined(arguments.polyline("points", points), None)[1]
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""
         point = arguments.numbers("point", point, (3,))
-        begin = self.configurations.near(point)
-        if begin is None:
+        if self.configurations.near(point) is None:
             return None
-        _, joints, missed = self._follow_polyline(np.stack([point, point]), begin)
+        _, joints, missed = self._follow_polyline(np.stack([point, point]), None)
         if missed[-1] <= REACHED * self.arm.reach:
             return None
         room = np.abs(self.arm.limits - joints[-1][:, None])
@@ -120,10 +115,7 @@ class ChainBranch:
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
         pose: tuple[FloatArray, FloatArray] | None = None
         for k in range(len(clear)):
-            begin = pose or self.configurations.near(points[k])
-            if begin is None:
-                return clear
-            followed, fault = self._examined(points[k : k + 2], begin)
+            followed, fault = self._examined(points[k : k + 2], pose)
             clear[k] = fault is None
             pose = (points[k + 1], followed.joints[-1]) if clear[k] else None
         return clear
@@ -179,11 +171,11 @@ class ChainBranch:
         return self.collision_world.beyond(self._beyond)
 
     def _examined(
-        self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
+        self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray] | None
     ) -> tuple[Followed, ArmRefutation | None]:
         """Joints along a polyline, and where the arm is not clear; see :meth:`_follow_polyline`."""
-        arrays = vertices, *begin
-        key = (*(one.tobytes() for one in arrays), self._beyond, self.most_tries)
+        first = b"" if begin is None else begin[0].tobytes() + begin[1].tobytes()
+        key = vertices.tobytes(), first, self._beyond, self.most_tries
         follow = partial(self._follow_polyline, vertices, begin)
         return self.memory.examined(
             key, follow, partial(self._refutation, self._beyond, self.most_tries)
@@ -195,14 +187,19 @@ class ChainBranch:
         return Followed(parameters, *self.arm.follow(first, points, home))
 
     def _follow_polyline(
-        self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
+        self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray] | None
     ) -> Followed:
         """Joints along a polyline (k, 3), k >= 1.
 
         Args:
             vertices: of the polyline, [unit], world.
-            begin: place and joints to begin with; the way to the first vertex is left out.
+            begin: place and joints to begin with; the way to the first vertex is left out. None for
+                the configuration of the nearest node.
         """
+        begin = begin or self.configurations.near(vertices[0])
+        if begin is None:  # no node is reached
+            nowhere = np.full((1, len(self.configurations.first)), np.nan)
+            return Followed(np.zeros(1), nowhere, np.full(1, np.inf))
         lengths = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
         counts = np.ceil(lengths / (_STEP * self.arm.reach)).astype(int).clip(1)
         parameters = np.concatenate(

@@ -11,14 +11,12 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.world_change import Change, World, world_change
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle
-from abi.robot.bodies.allowed_contacts import AllowedContact
 
 _MOST = 4_000
 """Polylines, at most, that are remembered."""
@@ -47,38 +45,12 @@ Refute = Callable[[Followed, CollisionWorld, bool], ArmRefutation | None]
 """Finds where joints are not clear of surroundings and, if the flag says so, of the arm itself."""
 
 
-class _Change(NamedTuple):
-    """Difference between two surroundings.
-
-    Attributes:
-        stays: numbers of the obstacles that are where they were.
-        around: the surroundings with nothing but the others.
-        moved: whether there are others.
-    """
-
-    stays: frozenset[int]
-    around: CollisionWorld
-    moved: bool
-
-    def leaves(self, fault: ArmRefutation) -> bool:
-        """Check if a collision found before is still there: with itself, or what has not moved."""
-        return fault.obstacle < 0 or fault.obstacle in self.stays
-
-
 class _Answer(NamedTuple):
     """An answer, and the number of the surroundings that it told of."""
 
     followed: Followed
     fault: ArmRefutation | None
     world: int
-
-
-class _World(NamedTuple):
-    """Surroundings that were asked about."""
-
-    obstacles: Sequence[Obstacle]
-    floor: float
-    allowed: tuple[AllowedContact, ...]
 
 
 class SegmentMemory:
@@ -92,16 +64,16 @@ class SegmentMemory:
     def __init__(self) -> None:
         self.joint_path: tuple[bytes, ChainJointPath] | None = None
         self._known: dict[Key, _Answer] = {}
-        self._worlds: deque[_World] = deque(maxlen=_WORLDS)
+        self._worlds: deque[World] = deque(maxlen=_WORLDS)
         self._latest = -1
         self._around: CollisionWorld | None = None
-        self._changes: dict[int, _Change | None] = {}
+        self._changes: dict[int, Change | None] = {}
 
     def enter(self, obstacles: Sequence[Obstacle], around: CollisionWorld) -> None:
         """Ask from now on about these obstacles, in the order of their numbers."""
         if around is self._around:
             return
-        self._worlds.append(_World(obstacles, around.floor, around.allowed))
+        self._worlds.append(World.of(obstacles, around))
         self._latest, self._around, self._changes = self._latest + 1, around, {}
 
     def examined(
@@ -123,7 +95,7 @@ class SegmentMemory:
         else:
             followed, change = known.followed, self._since(known.world)
             fault = known.fault
-            if change is None or (fault is not None and not change.leaves(fault)):
+            if change is None or (fault is not None and not _remains(change, fault)):
                 fault = refute(followed, self._around, True)
             elif fault is None and change.moved:
                 fault = refute(followed, change.around, False)
@@ -132,21 +104,19 @@ class SegmentMemory:
         self._known[key] = _Answer(followed, fault, self._latest)
         return followed, fault
 
-    def _since(self, world: int) -> _Change | None:
+    def _since(self, world: int) -> Change | None:
         """What has changed since; None if that is not known, or more than obstacles has."""
         if world not in self._changes:
             self._changes[world] = self._change(world)
         return self._changes[world]
 
-    def _change(self, world: int) -> _Change | None:
+    def _change(self, world: int) -> Change | None:
         first = self._latest - len(self._worlds) + 1
         if world < first or self._around is None:
             return None
-        then, now = self._worlds[world - first], self._worlds[-1]
-        if (then.floor, then.allowed) != (now.floor, now.allowed):
-            return None
-        pairs = enumerate(zip(then.obstacles, now.obstacles, strict=False))
-        stays = frozenset(number for number, (a, b) in pairs if a is b or a == b)
-        numbers = self._around.numbers
-        moved = (numbers >= 0) & ~np.isin(numbers, [*stays])
-        return _Change(stays, self._around.only(moved), bool(moved.any()))
+        return world_change(self._worlds[world - first], self._worlds[-1], self._around)
+
+
+def _remains(change: Change, fault: ArmRefutation) -> bool:
+    """Check if a collision found before is still there: with itself, or what has not moved."""
+    return fault.obstacle < 0 or fault.obstacle in change.stays

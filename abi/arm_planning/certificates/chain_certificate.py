@@ -45,7 +45,11 @@ MOST_TRIES = 200_000
 
 
 def certify_chain(
-    arm: UrdfArm, positions: FloatArray, collision_world: CollisionWorld, margin: float
+    arm: UrdfArm,
+    positions: FloatArray,
+    collision_world: CollisionWorld,
+    margin: float,
+    with_itself: bool = True,
 ) -> ArmCertificate | ArmRefutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
@@ -58,8 +62,11 @@ def certify_chain(
         positions: joint positions (k, n), k >= 2, [rad] or [unit].
         collision_world: what to keep clear of.
         margin: distance to prove from obstacles, at least 0, [unit].
+        with_itself: whether it is to keep clear of itself, too.
     """
-    outcome = separate_chain(*_task(arm, positions, collision_world, margin), MOST_TRIES, True)
+    table, bodies, knots, around = _task(arm, positions, collision_world, margin)
+    asked = bodies if with_itself else arm.unpaired_bodies
+    outcome = separate_chain(table, asked, knots, around, MOST_TRIES, True)
     refutation, planes = _refutation(arm, collision_world, outcome), outcome[-1]
     if refutation is not None:
         return refutation

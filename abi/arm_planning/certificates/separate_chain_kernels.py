@@ -199,7 +199,8 @@ def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, flo
         moves += bodies.point_pair_levers[pair * count + k] * ways[k]
     moves *= WIDER
     radii = bodies.roundings[i] + bodies.roundings[j]
-    found, away, way = between_hulls(bodies, poses, pair, way, radii, radii + 2 * allowance + moves)
+    far = radii + 2 * allowance + moves
+    found, away, way = between_hulls(bodies, poses, pair, way, radii, far, False)
     outcome = CERTIFIED if found == APART else REFUTED if found == OVERLAP else UNDECIDED
     return True, outcome, away - radii, way, moves
 
@@ -233,7 +234,7 @@ def _refined(
     rounding = bodies.roundings[c]
     need = rounding + around.margins[s]
     least, most = need - allowance, need + allowance + moves * WIDER
-    outcome, gap, way = hull_and_row(bodies, poses, c, around, s, least, most)
+    outcome, gap, way = hull_and_row(bodies, poses, c, around, s, found[2], least, most, False)
     return True, (outcome, gap - rounding, way)
 
 

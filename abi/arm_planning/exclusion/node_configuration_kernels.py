@@ -15,7 +15,7 @@ import numpy as np
 
 from abi.arm_planning.certificates.separate_chain_kernels import place_bodies
 from abi.arm_planning.exclusion.paper_arm_mask_kernels import touched_row
-from abi.arm_planning.world.chain_distance_kernels import hull_and_row
+from abi.arm_planning.world.chain_distance_kernels import from_centre, hull_and_row
 from abi.arm_planning.world.collision_world_kernels import (
     NO_OBSTACLES,
     Obstacles,
@@ -141,7 +141,7 @@ def _touches_itself(bodies: Bodies, ends: FloatArray, poses: FloatArray, slack: 
         if math.sqrt(dot(way, way)) > bodies.radii[i] + bodies.radii[j] + slack:
             continue
         need = bodies.roundings[i] + bodies.roundings[j] + slack
-        if between_hulls(bodies, poses, pair, (0.0, 0.0, 1.0), need, need)[0] != APART:
+        if between_hulls(bodies, poses, pair, (0.0, 0.0, 1.0), need, need, False)[0] != APART:
             return True
     return False
 
@@ -173,7 +173,8 @@ def touches_row(
         elif around.meshes[s] >= 0:
             return True
         need = bodies.roundings[c] + around.margins[s]
-        if hull_and_row(bodies, poses, c, around, s, need, need)[0] != CERTIFIED:
+        way = from_centre(around, s, a, b)
+        if hull_and_row(bodies, poses, c, around, s, way, need, need, False)[0] != CERTIFIED:
             return True
     return False
 

@@ -14,15 +14,17 @@ from typing import Any
 import numpy as np
 import scipy
 
-from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
+from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.exclusion.node_configuration_kernels import touching_configurations
 from abi.arm_planning.motion.arm_clearance import (
     ArmClearance,
+    Contact,
     Measured,
     contacts_of,
     proven_clearance,
 )
+from abi.arm_planning.motion.proof_memory import ProofMemory
 from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, stretches
 from abi.arm_planning.world.chain_distances import (
     Poses,
@@ -41,6 +43,8 @@ from abi.robot.urdf_arm import REACHED, UrdfArm
 
 _FEW, _GRID = 41, 1201
 """Points along the curve at which first poses are compared, and the chosen one is followed."""
+_ROUGH_FIRST = (slice(4, None, 8), slice(0, None, 8), slice(2, None, 4), slice(1, None, 2))
+"""Those that are asked about together: a first pose that touches at some of them is done with."""
 _EVERY, _TRIES_TO_REFUTE = 3, 5_000
 """Step between the points at which that is refuted, and the tests that this may take."""
 _CLOSER = 0.02
@@ -98,7 +102,18 @@ class ChainJointPath:
         return np.asarray(np.clip(self._spline(distances), limits[:, 0], limits[:, 1]))
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
-        """Motion by a profile, at uniform times."""
+        """Motion by a profile, at uniform times; of the same profile it is the same object."""
+        return self._last_motion(profile, samples)
+
+    @cached_property
+    def _last_motion(self) -> Callable[[PathProfile, int], ArmMotion]:
+        return lru_cache(maxsize=1)(self._motion)
+
+    @cached_property
+    def _proofs(self) -> ProofMemory:
+        return ProofMemory(self.arm)
+
+    def _motion(self, profile: PathProfile, samples: int) -> ArmMotion:
         arm, trajectory = self.arm, Trajectory(self.curve, self.arc, profile)
         time = np.linspace(0.0, profile.duration, samples)
         target, _, velocity = trajectory.sampled(time)
@@ -144,25 +159,31 @@ class ChainJointPath:
         required: float,
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
-        arm, positions = self.arm, motion.positions
-        poses, allowed = Poses.of(arm, positions), collision_world.allowed
+        arm, allowed = self.arm, collision_world.allowed
+        poses, contacts = _alone(arm, motion, collision_world.floor)
         of_capsules = obstacle_distances(arm, obstacles, poses.ends, allowed=allowed)
         least = float(of_capsules[0].min(initial=math.inf))
         below = max(required, least) + _CLOSER * arm.reach
         measured = Measured(*hull_distances_to(arm, poses, collision_world, of_capsules, below))
         measured = _without_touchable(arm, measured)
-        own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses))
-        floor = _against(FLOOR, floor_distances(arm, collision_world.floor, poses))
-        capsules = range(len(arm.capsules))
-        contacts = (
-            *contacts_of(motion.time, measured, capsules, arm),
-            *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
-            *contacts_of(motion.time, floor, capsules, arm),
-        )
-        certify = partial(certify_chain, arm, positions, collision_world)
+        contacts = (*contacts_of(motion.time, measured, range(len(arm.capsules)), arm), *contacts)
+        around = motion.positions, obstacles.obstacles, collision_world
+        certify = partial(self._proofs.certify, *around)
         rows = collision_world.solids.in_use
         found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
         return replace(found, allowed=(*arm.allowed, *allowed))
+
+
+@lru_cache(maxsize=4)
+def _alone(arm: UrdfArm, motion: ArmMotion, floor: float) -> tuple[Poses, tuple[Contact, ...]]:
+    """Poses of an arm in a motion, and its contacts with itself and the floor."""
+    poses = Poses.of(arm, motion.positions)
+    own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses))
+    below = _against(FLOOR, floor_distances(arm, floor, poses))
+    return poses, (
+        *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
+        *contacts_of(motion.time, below, range(len(arm.capsules)), arm),
+    )
 
 
 def _without_touchable(arm: UrdfArm, measured: Measured) -> Measured:
@@ -224,12 +245,15 @@ def touches_from_all(
     """
     firsts, followed = _followed(arm, _few(curve, arc).tobytes())
     coordinates = flat(np.concatenate([joints for joints, _ in followed]) / arm.scales)
-    touching = np.zeros(len(firsts) * _FEW, dtype=np.bool_)
-    touching_configurations(
-        *(arm.chain.table, arm.bodies, coordinates, collision_world.beyond(required)),
-        *(0.0, np.ones_like(touching), touching),
-    )
-    return bool(touching.reshape(-1, _FEW).any(axis=1).all())
+    around, touching = collision_world.beyond(required), np.zeros((len(firsts), _FEW), dtype=bool)
+    for some in _ROUGH_FIRST:
+        asked = np.zeros_like(touching)
+        asked[~touching.any(axis=1), some] = True
+        touching_configurations(
+            *(arm.chain.table, arm.bodies, coordinates, around),
+            *(0.0, asked.reshape(-1), touching.reshape(-1)),
+        )
+    return bool(touching.any(axis=1).all())
 
 
 def _few(curve: Curve, arc: ArcLength) -> FloatArray:

@@ -33,7 +33,7 @@ from abi.obstacles.triangle_mesh.surface_kernels import (
 )
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH, between_segments
-from abi.obstacles.vector_kernels import Vec3, add, norm, sub, vec3_at
+from abi.obstacles.vector_kernels import Vec3, add, axpy, norm, sub, vec3_at
 from abi.robot.bodies.capsule_table import BODIES, Bodies
 from abi.robot.bodies.hull_kernels import APART, OVERLAP, lowest_point, separation
 from abi.robot.kinematics.chain_kernels import POSE
@@ -60,8 +60,28 @@ def _from_row(pair: tuple[Bodies, FloatArray, int, Core, Axes, Vec3], way: Vec3)
 
 
 @jitable
+def from_centre(around: Obstacles, s: int, a: Vec3, b: Vec3) -> Vec3:
+    """Direction from the centre of row s, or from the floor, to a segment's middle."""
+    if s == len(around.margins) - 1:
+        return 0.0, 0.0, 1.0
+    to_middle = sub(axpy(0.5, sub(b, a), a), centre_of(around.primitives, s))
+    size = norm(to_middle)
+    if size == 0:
+        return 0.0, 0.0, 1.0
+    return to_middle[0] / size, to_middle[1] / size, to_middle[2] / size
+
+
+@jitable
 def hull_and_row(
-    bodies: Bodies, poses: FloatArray, c: int, around: Obstacles, s: int, near: float, far: float
+    bodies: Bodies,
+    poses: FloatArray,
+    c: int,
+    around: Obstacles,
+    s: int,
+    way: Vec3,
+    near: float,
+    far: float,
+    exact: bool,
 ) -> tuple[int, float, Vec3]:
     """Check if a direction keeps the hull of body c farther than ``far`` from row s, at a pose.
 
@@ -71,7 +91,9 @@ def hull_and_row(
         c: number of the body.
         around: what to keep clear of.
         s: its row, the last one for the floor.
+        way: a direction from the row to begin with, of length 1.
         near, far: distances of the hull without its rounding, [unit].
+        exact: whether a distance between the two is wanted.
 
     Returns:
         CERTIFIED, REFUTED with a distance below ``near``, or UNDECIDED; the distance; the direction
@@ -87,49 +109,64 @@ def hull_and_row(
     outcome, gap, way = separation(
         _from_row,
         (bodies, poses, c, core, axes, centre),
-        (0.0, 0.0, 1.0),
+        way,
         near + radius,
         far + radius,
+        exact,
     )
     if outcome == APART:
         return CERTIFIED, gap - radius, way
     return REFUTED if outcome == OVERLAP else UNDECIDED, gap - radius, way
 
 
-@compiled(example=(BODIES, FLOATS, FLOATS, NO_OBSTACLES, IDS, 0.0, NEW_FLOATS, NEW_IDS))
+@compiled(example=(BODIES, FLOATS, FLOATS, NO_OBSTACLES, IDS, FLOATS, NEW_FLOATS, NEW_IDS))
 def hull_clearances(
     bodies: Bodies,
     poses: FloatArray,
     ends: FloatArray,
     around: Obstacles,
     asked: IntArray,
-    enough: float,
+    lowest: FloatArray,
     distances: FloatArray,
     rows: IntArray,
 ) -> None:
     """Distances of hulls, with their roundings, to what their capsules are to keep clear of.
+
+    Only the nearest of a pose is measured, and what may touch: the distance of another is inf.
 
     Args:
         bodies: the bodies.
         poses: of the joints at each of n poses, flat (12 (m + 1) n,), [m].
         ends: of all capsules at each, flat (6 c n,), [unit], world.
         around: what to keep clear of.
-        asked: number of a pose and of a body, flat (2 k,).
-        enough: distances above it may be any from there on, [unit].
+        asked: number of a pose and of a body, flat (2 k,), those of a pose together.
+        lowest: what each distance is not below, (k,), [unit]; a hull of which that is below 0 is
+            measured whether or not it is the nearest.
         distances: (k,), [unit], 0 where they overlap; written.
-        rows: the nearest row of each, -1 where none is as near, (k,); written.
+        rows: the nearest row of each, -1 where the distance is inf, (k,); written.
     """
     size, capsules, count = POSE * (bodies.moving + 1), len(bodies.frames), len(around.margins)
-    waiting = np.empty(DEPTH + count, np.int32)
+    waiting, least = np.empty(DEPTH + count, np.int32), math.inf
+    latest = np.full(capsules, -1, np.int32)  # the row that each hull was nearest to
     for k in range(len(distances)):
+        if k == 0 or asked[2 * k] != asked[2 * k - 2]:
+            least = math.inf
+        distances[k], rows[k] = math.inf, -1
+        if lowest[k] > least:
+            continue
         at, c = asked[2 * k] * size, asked[2 * k + 1]
         placed, first = poses[at : at + size], 6 * (asked[2 * k] * capsules + c)
         a, b = vec3_at(ends, first), vec3_at(ends, first + 3)
-        best, nearest, open_ = bodies.roundings[c] + enough, -1, 0
+        enough = math.inf if lowest[k] < 0 else least
+        best, nearest, open_, likely = bodies.roundings[c] + enough, -1, 0, -1
         for one in range(len(around.outer)):
             if around.asked[c * count + around.outer[one]]:
                 waiting[open_] = around.outer[one]
+                if waiting[open_] == latest[c]:  # the last comes first
+                    likely = open_
                 open_ += 1
+        if likely >= 0:
+            waiting[likely], waiting[open_ - 1] = waiting[open_ - 1], waiting[likely]
         while open_ > 0:
             open_ -= 1
             s = waiting[open_]
@@ -142,10 +179,14 @@ def hull_clearances(
                     waiting[open_] = row
                     open_ += 1
                 continue
-            _, away, _ = hull_and_row(bodies, placed, c, around, s, 0.0, best)
+            way = from_centre(around, s, a, b)
+            _, away, _ = hull_and_row(bodies, placed, c, around, s, way, 0.0, best, True)
             if away < best:
                 best, nearest = away, s
-        distances[k], rows[k] = max(best - bodies.roundings[c], 0.0), nearest
+        if nearest >= 0:
+            latest[c] = nearest
+            distances[k], rows[k] = max(best - bodies.roundings[c], 0.0), nearest
+            least = min(least, distances[k])
 
 
 _AHEAD = 8.0

@@ -130,7 +130,8 @@ def hull_distances_to(
 ) -> tuple[FloatArray, IntArray]:
     """Distances to obstacles with those of the hulls where the capsules are nearer than ``below``.
 
-    Of a hull that overlaps an obstacle the distance is that of its capsule, which is below 0.
+    Of a hull that overlaps an obstacle the distance is that of its capsule, which is below 0. Of
+    one that touches nothing and is not the nearest of its pose the distance may be inf.
 
     Args:
         arm: the arm.
@@ -142,17 +143,22 @@ def hull_distances_to(
     shape, most = poses.ends.shape[:2], arguments.LARGEST_ID
     distance = arguments.numbers("of_capsules[0]", of_capsules[0], shape, infinite=True).copy()
     number = arguments.bits("of_capsules[1]", of_capsules[1], shape, -most, most).copy()
-    asked = np.argwhere(distance < below).astype(np.int32)
-    if not len(asked):
+    row, column = np.nonzero(distance < below)
+    if not len(row):
         return distance, number
+    # a capsule that needs only not touch tells nothing of the others
+    lowest = np.where(arm.touchable[column], np.inf, distance[row, column])
+    order = np.lexsort((lowest, row))
+    row, column = row[order], column[order]
+    asked = np.stack([row, column], axis=1).astype(np.int32)
     found, rows = np.empty(len(asked)), np.empty(len(asked), dtype=np.int32)
     around = collision_world.only(collision_world.numbers >= 0).beyond(0.0)
     hull_clearances(
         *(arm.bodies, poses.packed, flat(poses.ends), around),
-        *(asked.reshape(-1), math.inf, found, rows),
+        *(asked.reshape(-1), flat(distance[row, column]), found, rows),
     )
     apart = found > 0
-    row, column = asked[apart].T
+    row, column = row[apart], column[apart]
     distance[row, column] = found[apart]
     number[row, column] = np.append(collision_world.numbers, np.int32(-1))[rows[apart]]
     return distance, number

@@ -62,13 +62,20 @@ class CollisionWorld:
 
     def beyond(self, margin: float) -> Obstacles:
         """Add a distance to keep from obstacles, [unit]; from floor and column it is 0."""
-        kept = self.numbers >= 0
-        margins = np.where(kept if self.touched is None else kept & ~self.touched, margin, 0.0)
-        rows, inside, _, meshes, outer, _ = self.solids
-        return Obstacles(
-            *(rows, inside, meshes, read_only(margins)),
-            *(self.asked.reshape(-1), outer, self.floor, self.size),
-        )
+        if margin not in self._beyond:
+            kept = self.numbers >= 0
+            margins = np.where(kept if self.touched is None else kept & ~self.touched, margin, 0.0)
+            rows, inside, _, meshes, outer, _ = self.solids
+            self._beyond[margin] = Obstacles(
+                *(rows, inside, meshes, read_only(margins)),
+                *(self.asked.reshape(-1), outer, self.floor, self.size),
+            )
+        return self._beyond[margin]
+
+    @cached_property
+    def _beyond(self) -> dict[float, Obstacles]:
+        """What was asked for, by its margin: while a path is sought it is asked for often."""
+        return {}
 
     def first_row(self, number: int) -> int:
         """Row of an obstacle; of a mesh that of the box around it."""

@@ -153,22 +153,32 @@ def _nearest(simplex: _Simplex) -> tuple[Vec3, _Simplex]:
 
 @jitable
 def separation(
-    difference: Callable[[_Pair, Vec3], Vec3], pair: _Pair, way: Vec3, near: float, far: float
+    difference: Callable[[_Pair, Vec3], Vec3],
+    pair: _Pair,
+    way: Vec3,
+    near: float,
+    far: float,
+    exact: bool,
 ) -> tuple[int, float, Vec3]:
     """Check if two convex bodies are separated by more than ``far``.
 
     Args:
         difference: the lowest point of the first along a direction less the highest of the second.
         pair: both bodies.
-        way: a direction to begin with.
+        way: a direction to begin with, of length 1: one that separates them ends the search.
         near: distance below which the search ends, [unit].
         far: distance asked for, at least ``near``, [unit].
+        exact: whether a distance between the two is wanted, not only that it is between them.
 
     Returns:
         ``APART`` with a distance that the direction proves; ``OVERLAP`` with one below ``near``, 0
-        where they overlap; else ``OPEN`` with the distance; and the direction from the second.
+        where they overlap; else ``OPEN`` with the distance, or one above it unless that is to be
+        exact; and the direction from the second.
     """
     point = difference(pair, way)
+    gap = dot(way, point)
+    if gap > far:
+        return APART, gap, way
     simplex = _Simplex(1, point, _NONE, _NONE, _NONE)
     largest, size = 0.0, 0.0
     for _ in range(_STEPS):
@@ -181,7 +191,7 @@ def separation(
         gap = dot(way, added)
         if gap > far:
             return APART, gap, way
-        if size - gap <= _CONVERGED * size:
+        if size - gap <= _CONVERGED * size or (not exact and near <= gap and size <= far):
             return OPEN, size, way
         largest = max(largest, math.sqrt(dot(added, added)))
         count, a, b, c, _ = simplex
@@ -207,11 +217,17 @@ def _between_hulls(pair: tuple[Bodies, FloatArray, int, int], way: Vec3) -> Vec3
 
 @jitable
 def between_hulls(
-    bodies: Bodies, poses: FloatArray, pair: int, way: Vec3, near: float, far: float
+    bodies: Bodies,
+    poses: FloatArray,
+    pair: int,
+    way: Vec3,
+    near: float,
+    far: float,
+    exact: bool,
 ) -> tuple[int, float, Vec3]:
     """Separate the hulls, without their roundings, of a pair that is to keep apart."""
     i, j = int(bodies.pairs[2 * pair]), int(bodies.pairs[2 * pair + 1])
-    return separation(_between_hulls, (bodies, poses, i, j), way, near, far)
+    return separation(_between_hulls, (bodies, poses, i, j), way, near, far, exact)
 
 
 @compiled(example=(BODIES, FLOATS, IDS, 0.0, NEW_FLOATS))
@@ -234,6 +250,6 @@ def hull_distances(
             bodies.roundings[bodies.pairs[2 * pair]] + bodies.roundings[bodies.pairs[2 * pair + 1]]
         )
         _, away, _ = between_hulls(
-            bodies, poses[at : at + size], pair, (0.0, 0.0, 1.0), 0.0, own + enough
+            bodies, poses[at : at + size], pair, (0.0, 0.0, 1.0), 0.0, own + enough, True
         )
         distances[k] = max(away - own, 0.0)

@@ -1,0 +1,101 @@
+"""Memory of the last proof that an arm keeps clear on a motion.
+
+While an obstacle is dragged that is not in the way, the motion stays, and with it the directions
+that separate the arm from itself, from the floor and from the obstacles that stand where they
+stood. So only those from what has moved are sought anew.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm_planning.certificates.chain_certificate import certify_chain
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.world_change import Change, World, world_change
+from abi.arrays import FloatArray, read_only
+from abi.obstacles.obstacle_set import Obstacle
+from abi.robot.urdf_arm import UrdfArm
+
+_Number = TypeVar("_Number", bound=np.generic)
+
+
+class _Proof(NamedTuple):
+    """A proof, the distance that it was asked for, and the surroundings."""
+
+    certificate: ArmCertificate
+    margin: float
+    world: World
+
+
+class ProofMemory:
+    """Proofs for an arm, of which the last is remembered."""
+
+    def __init__(self, arm: UrdfArm) -> None:
+        self._arm = arm
+        self._last: _Proof | None = None
+
+    def certify(
+        self,
+        positions: FloatArray,
+        obstacles: Sequence[Obstacle],
+        around: CollisionWorld,
+        margin: float,
+    ) -> ArmCertificate | ArmRefutation:
+        """Prove as :func:`certify_chain` does, with what is left of the last proof.
+
+        Args:
+            positions: joint positions (k, n), k >= 2, [rad] or [unit].
+            obstacles: the obstacles, in the order of their numbers.
+            around: they and the floor, in the format of the kernels.
+            margin: distance to prove from obstacles, at least 0, [unit].
+        """
+        world, known = World.of(obstacles, around), self._known(positions, margin)
+        change = None if known is None else world_change(known.world, world, around)
+        if known is None or change is None:
+            found = certify_chain(self._arm, positions, around, margin)
+        else:
+            found = self._updated(known.certificate, change, margin)
+        if isinstance(found, ArmCertificate):
+            self._last = _Proof(found, margin, world)
+        return found
+
+    def _known(self, positions: FloatArray, margin: float) -> _Proof | None:
+        """The last proof, if it was of these positions and this distance."""
+        last = self._last
+        is_known = last is not None and last.certificate.positions is positions
+        return last if last is not None and is_known and last.margin == margin else None
+
+    def _updated(
+        self, known: ArmCertificate, change: Change, margin: float
+    ) -> ArmCertificate | ArmRefutation:
+        """A proof after a change, from the one before."""
+        assert known.positions is not None
+        stays = (known.obstacle < 0) | np.isin(known.obstacle, [*change.stays])
+        if not change.moved and stays.all():
+            return known
+        new = certify_chain(self._arm, known.positions, change.around, margin, with_itself=False)
+        if isinstance(new, ArmRefutation):
+            return new
+        assert known.closer is not None
+        assert new.closer is not None
+        return ArmCertificate(
+            margin=new.margin if change.moved else known.margin if change.stays else math.inf,
+            pieces=_joined(known.pieces[stays], new.pieces),
+            poses=_joined(known.poses[stays], new.poses),
+            capsule=_joined(known.capsule[stays], new.capsule),
+            obstacle=_joined(known.obstacle[stays], new.obstacle),
+            directions=_joined(known.directions[stays], new.directions),
+            positions=known.positions,
+            closer=_joined(known.closer[stays], new.closer),
+        )
+
+
+def _joined(before: NDArray[_Number], new: NDArray[_Number]) -> NDArray[_Number]:
+    """Rows that stay, and new ones behind them."""
+    return read_only(np.concatenate([before, new]))

@@ -1,0 +1,46 @@
+"""Proofs of which parts are remembered, against proofs made anew each time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
+from abi.arm_planning.certificates.chain_certificate import certify_chain
+from abi.arm_planning.motion.proof_memory import ProofMemory
+from abi.arm_planning.world.collision_world import chain_world
+from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from tests.abi.arm_planning.test_chain_certificate import joint_path, some_arm
+from tests.abi.arm_planning.test_segment_memory import some_box
+
+
+def rows(proof: ArmCertificate) -> FloatArray:
+    """What a proof says, a row for each direction, in an order of its own."""
+    assert proof.closer is not None
+    columns = proof.obstacle, proof.capsule, proof.poses, proof.closer
+    table = np.column_stack([*columns, proof.pieces, proof.directions])
+    return table[np.lexsort(table.T[:6])]
+
+
+def test_a_proof_of_which_parts_are_remembered_is_the_one_made_anew() -> None:
+    arm, random = some_arm("sliding"), np.random.default_rng(1)
+    memory, shapes = ProofMemory(arm), [some_box(random) for _ in range(4)]
+    positions, margin, proven, refuted = joint_path(arm, random, 0.1), 0.01, 0, 0
+    for step in range(60):
+        if step % 12 == 11:
+            positions, margin = joint_path(arm, random, 0.1), 0.2 * (step % 4)
+        if step % 4:  # every fourth time nothing has moved
+            shapes[int(random.integers(len(shapes)))] = some_box(random)
+        obstacles = ObstacleSet(tuple(shapes[: len(shapes) - (step // 8) % 5]))
+        around = chain_world(arm, obstacles, -10.0)
+        expected = certify_chain(arm, positions, around, margin)
+        found = memory.certify(positions, obstacles.obstacles, around, margin)
+        assert type(found) is type(expected)
+        if isinstance(found, ArmCertificate) and isinstance(expected, ArmCertificate):
+            proven += 1
+            assert found.margin == expected.margin
+            np.testing.assert_allclose(rows(found), rows(expected), atol=1e-12)
+        else:
+            refuted += 1
+    assert proven >= 15
+    assert refuted >= 3
