@@ -26,6 +26,8 @@ UNUSED = 300.0
 """Seconds without input after which a tab gives back what it keeps only to plan faster."""
 LIGHTS_DELAY = 1.5
 """Seconds in which even weak graphics have drawn the first plan."""
+_AMBIENT = 1.2
+"""Intensity with which obstacles are as bright as among surroundings."""
 
 
 class Pause:
@@ -53,8 +55,9 @@ class Pause:
         self._diagnosed: Plan | None = None
 
     def stay_plain(self) -> None:
-        """Add no lights later."""
+        """Add no lights later but what surroundings would give: it takes graphics no time."""
         self._has_lights = True
+        self._client.scene.add_light_ambient("/lights/ambient", intensity=_AMBIENT)
 
     def begin(self, input: bool = True) -> None:
         """Count from now, the moment of the last ``input`` or of the last picture of the demo."""

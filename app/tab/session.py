@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import viser
 
-from abi import assets
+from abi import assets, progress
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
@@ -87,6 +87,7 @@ class Session:
         self._scene = scene
         self._watch = PlanWatch(self._tell)
         self._planner = TabPlanner(client.client_id, self._watch)
+        self._overdue: Frame | None = None  # to be drawn once the plan under way is slow
         self._unplanned = False  # whether the plan of the scene was ended by another choice
         self._budget = TabBudget(budget, client, self)
         self._opening, self._first = opening, scene
@@ -414,7 +415,12 @@ class Session:
             self._view.draw(replace(frame, outdated=True))
         elif self._planner.processor_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
-        return self._planner(scene, shared)
+        elif self.plans:
+            self._overdue = replace(self.frame, outdated=True)
+        try:
+            return self._planner(scene, shared)
+        finally:
+            self._overdue = None
 
     def _check(self, scene: Scene) -> Plan | None:
         """The motion that is checked in place of a plan; None for the tab's own plan."""
@@ -427,7 +433,12 @@ class Session:
         return self.panels.check.plan(scene)
 
     def _tell(self, doing: str) -> None:
-        """Show what the plan does that is being made."""
+        """Show what the plan does that is being made, and that the last one is out of date."""
+        if self._overdue is not None:
+            frame, self._overdue = self._overdue, None
+            # a picture that is begun is drawn to its end
+            with progress.watched_by(progress.QuietWatch(lambda: False)):
+                self._draw(frame)
         self.panels.messages.tell(doing)
 
     def _show(self, plan: Plan, interactive: bool = False) -> None:

@@ -1,6 +1,15 @@
 // Part of the page's file, so that it runs before the server has said anything through a websocket:
-// where none comes about, it asks the server why, and says so over the page.
+// where none comes about, it asks the server why, and says so over the page. Until the server has shown
+// something, viser's own panel lists the scene's nodes, which says nothing to a visitor: it is hidden.
 (() => {
+  document.documentElement.classList.add("abi-loading");
+  document.head.insertAdjacentHTML("beforeend", `<style>
+    .abi-loading .mantine-Paper-root { visibility: hidden !important; }
+    .abi-loading body::after {
+      content: "ABI path planning is loading \u2026"; position: fixed; inset: 45% 0 auto; text-align: center;
+      font: 16px/1.4 system-ui, sans-serif; color: #777; pointer-events: none;
+    }
+  </style>`);
   const PERIOD = 4000, SLOW = 3;  // milliseconds between two looks; looks after which none is to be expected
   const LOST = "This page's server does not answer. It may have stopped; the page goes on trying.";
   const CUT = "The server answers, but this page's websocket does not reach it. What is in between, such as a proxy, " +

@@ -153,6 +153,7 @@ window.abi = {
     style.setProperty("--abi-width", `${root.clientWidth}px`);
   },
   show(part, html) {
+    document.documentElement.classList.remove("abi-loading");
     this.parts[part] = html;
     this.overlay().querySelector(`[data-part=${part}]`).innerHTML = html;
   },

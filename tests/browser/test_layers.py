@@ -132,11 +132,11 @@ def test_the_search_slider_shows_what_was_expanded(page: Page, session: Session)
     assert "/search/reached" not in page.shown()
     order = session.plan.path.order.tolist()
     page.until(lambda: session.panels.stages.search.shown.max == len(order), "the slider's end")
-    page.set_number("nodes visited", len(order))
+    page.set_number("show visited", len(order))
     page.until(lambda: "/search/reached" in page.shown(), "the expanded nodes")
     points = page.points("/search/reached")
     assert len(points) == len(set(order))
     assert len(page.props("/search/reached")["colors"]) == points.size
     page.picture()  # draws them, or says what WebGL lacks
-    page.set_number("nodes visited", 0)
+    page.set_number("show visited", 0)
     page.until(lambda: "/search/reached" not in page.shown(), "them to go")

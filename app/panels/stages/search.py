@@ -37,12 +37,13 @@ class SearchPanel:
             hint="Cuts the zigzag that the grid forces on the path. Not in the paper.",
         )
         self.shown = gui.add_slider(
-            "nodes visited",
+            "show visited",
             0,
             1,
             1,
             0,
-            hint="In the order of the search: first yellow, later blue, the latest magenta.",
+            hint="Colours so many of the nodes that the search visited, in their order: first "
+            "yellow, later blue, the latest magenta.",
         )
         widgets = {"algorithm": self.algorithm, "weight": self.weight, "taut": self.taut}
         self._fields = Fields({f"search.{name}": one for name, one in widgets.items()}, wake)

@@ -29,7 +29,7 @@ class StageHeaders:
     def draw(self, frame: Frame) -> None:
         """Write the plan's results into the headings, and where an error belongs."""
         plan = frame.plan
-        state = plan, frame.current, frame.refused, frame.asks, frame.lesson and frame.shown
+        state = plan, frame.outdated, frame.refused, frame.asks, frame.lesson and frame.shown
         if state == self._drawn:
             return
         self._drawn = state
@@ -41,6 +41,8 @@ class StageHeaders:
         if not frame.current:
             # what is true of the plan is not of what was asked for
             results = {name: result.removesuffix(" ✓") for name, result in results.items()}
+        if frame.outdated and results["arm"]:
+            results["arm"] = "planning …"  # a verdict, and no number that the next is near to
         if (stage := _stage(frame.refused)) is not None:
             results[stage] = "not changed ✗"
         for stage, result in results.items():

@@ -17,17 +17,17 @@ from app.layers.mesh import MeshLayer
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, layer, until
 
-_SLOW = "forest"
+_SLOW, _SLOW_DEGREE = "forest", 5
 
 
 @pytest.fixture
 def ended(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """Moments at which a plan of the slow scene was ended, [s]; it ends in no other way."""
+    """Moments at which a plan of the slow scene or degree was ended, [s]; nothing else ends it."""
     moments: list[float] = []
     plan: Callable[[LivePlanner, Scene], Plan] = LivePlanner.__call__
 
     def make(planner: LivePlanner, scene: Scene) -> Plan:
-        if len(scene.obstacles) < 5:
+        if len(scene.obstacles) < 5 and scene.spline.degree != _SLOW_DEGREE:
             return plan(planner, scene)
         progress.tell("never ending")
         while True:
@@ -81,3 +81,20 @@ def test_nothing_of_the_last_scene_stays_while_the_next_is_planned(
     until(lambda: session.plans > plans and session.resting)
     assert layer(session, ArmLayer)._nodes.root.visible
     assert "never ending" not in shown["message"]
+
+
+@pytest.mark.slow
+def test_no_verdict_stays_while_a_change_is_planned(
+    tab: tuple[FakeTab, Session], ended: list[float]
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    heading = session.panels.layout.folders["arm"]
+    assert heading.label != "6 · Arm — planning …"
+    fake.set(session.panels.stages.spline.degree, _SLOW_DEGREE)
+    until(lambda: session._watch._said == "never ending")
+    assert heading.label == "6 · Arm — planning …"
+    assert session.frame.outdated
+    fake.set(session.panels.files.choice, "two-boxes")
+    until(lambda: session.resting and len(session.frame.plan.scene.obstacles) == 2)
+    assert heading.label != "6 · Arm — planning …"
