@@ -45,6 +45,12 @@ _GRACE = 0.2
 _PATIENCE = 0.1
 """Seconds that a plan waits for kernels to be loaded even if they have hardly run as Python."""
 
+_BEARABLE = 0.2
+"""Seconds in Python, of all plans of several threads, after which these wait for kept kernels."""
+
+_LONGEST = 10.0
+"""Seconds after which they do not wait any longer."""
+
 _WORTHWHILE = 1.0
 """Seconds in Python after which the kernels that took them are compiled though the program ends."""
 
@@ -79,6 +85,7 @@ class _Compilation:
     Attributes:
         loaded: set once the kernels that plans have called are loaded, as far as an earlier run has
             kept them; all kernels where none has been called.
+        kept: set once all kernels are loaded that an earlier run has kept.
         done: set once all kernels run compiled that can.
         wanted: set once somebody waits for it, or the process ends.
         spare: processors on which it works only as long as nobody else does; as many as there are
@@ -87,6 +94,7 @@ class _Compilation:
 
     def __init__(self) -> None:
         self.loaded = threading.Event()
+        self.kept = threading.Event()
         self.done = threading.Event()
         self.wanted = threading.Event()
         self.spare = _PROCESSORS - 1
@@ -149,9 +157,10 @@ class _Compilation:
             if needed and all(loaded):
                 self.loaded.set()
             missing = [kernel for kernel in all_kernels() if not self._load(kernel)]
+            self.loaded.set()
+            self.kept.set()
             if not missing:
                 return
-            self.loaded.set()
             self._missing, self._begun = tuple(missing), time.monotonic()
             if keeps():
                 self._from_children(missing)
@@ -163,6 +172,7 @@ class _Compilation:
             _log.exception("kernels stay uncompiled")
         finally:
             self.loaded.set()
+            self.kept.set()
             self.done.set()
 
     def _load(self, kernel: Kernel[..., Any]) -> bool:
@@ -322,6 +332,24 @@ def wait_for_loading() -> None:
         _compilation.wanted.set()
         needs = [kernel.need for kernel in KERNELS.values() if 0 < kernel.need < math.inf]
         progress.wait(_compilation.loaded, max(sum(needs), _PATIENCE) if needs else None)
+
+
+def wait_for_kept() -> None:
+    """Wait until all kernels are loaded that an earlier run has kept, once plans took long without.
+
+    For plans of several threads: while these run kernels as Python, they take the interpreter from
+    the thread that loads, and all of them are slow for many times as long.
+    """
+    if _compilation.kept.is_set() or not _is_long():
+        return
+    begin()
+    _compilation.wanted.set()
+    progress.wait(_compilation.kept, _LONGEST)
+
+
+def _is_long() -> bool:
+    """Check whether kernels have run as Python for long."""
+    return sum(kernel.need for kernel in KERNELS.values() if kernel.need < math.inf) > _BEARABLE
 
 
 def compile_named(gives_way: bool) -> None:

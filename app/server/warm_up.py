@@ -84,20 +84,20 @@ class WarmUp:
                 self._notices.clear()
 
     def _plan_opening(self) -> None:
-        """Plan what tabs will open with, unless one is there that does."""
+        """Plan what tabs open with, unless one is there that does."""
         from abi.planner.live_planner import LivePlanner
         from abi.planner.planner import is_slow_without_compiler
 
-        with self._lock:
-            if self._clients:
+        with self._opening.claim(self._scene) as mine:
+            if not mine or self._opening.find(self._scene) is not None:
                 return
-        if is_slow_without_compiler(self._scene):
-            compiling.begin()
-        planner = LivePlanner()
-        plan = planner(self._scene)
-        # as of a tab: of code that is not compiled the times say nothing
-        plan = replace(plan, ms=MappingProxyType(dict.fromkeys(plan.ms, 0.0)), total_ms=0.0)
-        self._opening.keep(self._scene, plan, planner.coarse, planner.partial)
+            if is_slow_without_compiler(self._scene):
+                compiling.begin()
+            planner = LivePlanner()
+            plan = planner(self._scene)
+            # as of a tab: of code that is not compiled the times say nothing
+            plan = replace(plan, ms=MappingProxyType(dict.fromkeys(plan.ms, 0.0)), total_ms=0.0)
+            self._opening.keep(self._scene, plan, planner.coarse, planner.partial)
         self.planned.set()
 
     def _load(self) -> None:
@@ -105,6 +105,7 @@ class WarmUp:
         from app.layers.arm.arm import prepare_bodies
 
         compiling.begin()
+        compiling.wait_for_kept()
         compiling.wait_for_loading()
         found = self._opening.find(self._scene)
         if found is not None and found.plan.arm is not None:

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from abi import progress
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 
@@ -39,7 +40,7 @@ class SharedPlans:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._plans: deque[SharedPlan] = deque(maxlen=_KEPT)
-        self._claims: list[Scene] = []
+        self._claims: list[tuple[Scene, threading.Event]] = []
 
     def find(self, scene: Scene, full: bool = False) -> SharedPlan | None:
         """The plan of an equal scene, a ``full`` one if asked for; None for none."""
@@ -59,17 +60,30 @@ class SharedPlans:
 
     @contextlib.contextmanager
     def claim(self, scene: Scene) -> Iterator[bool]:
-        """Plan ``scene`` in full, for others, too: within the block; False where another does."""
+        """Plan ``scene`` for others, too: within the block; False where another does."""
+        over = threading.Event()
         with self._lock:
-            mine = not any(_equal(one, scene) for one in self._claims)
+            mine = not any(_equal(one, scene) for one, _ in self._claims)
             if mine:
-                self._claims.append(scene)
+                self._claims.append((scene, over))
         try:
             yield mine
         finally:
             if mine:
                 with self._lock:
-                    self._claims = [one for one in self._claims if one is not scene]
+                    self._claims = [claim for claim in self._claims if claim[1] is not over]
+                over.set()
+
+    def wait(self, scene: Scene) -> None:
+        """Wait for whoever plans ``scene`` now, if its plan is still wanted.
+
+        Raises:
+            CancelledError: it is not; see :func:`abi.progress.watched_by`.
+        """
+        with self._lock:
+            claims = [over for one, over in self._claims if _equal(one, scene)]
+        for over in claims:
+            progress.wait(over)
 
 
 def _equal(a: Scene, b: Scene) -> bool:

@@ -56,11 +56,22 @@ class TabPlanner:
         return found.plan
 
     def __call__(self, scene: Scene, shared: SharedPlans | None) -> Plan:
-        """Plan within a frame if possible, for the tabs, too, that have these ``shared``."""
-        plan = self._make(self.live, scene)
-        if shared is not None:
-            shared.keep(scene, plan, self.live.coarse, self.live.partial)
-        return plan
+        """Plan within a frame if possible, for the tabs, too, that have these ``shared``.
+
+        What another of them plans at this moment is waited for, and taken.
+        """
+        if shared is None:
+            return self._make(self.live, scene)
+        while True:
+            with shared.claim(scene) as mine:
+                if mine:
+                    plan = self._make(self.live, scene)
+                    shared.keep(scene, plan, self.live.coarse, self.live.partial)
+                    return plan
+            with progress.watched_by(self._watch):
+                shared.wait(scene)
+            if (made := self.take(scene, shared)) is not None:
+                return made
 
     def finish(self, scene: Scene, shared: SharedPlans | None = None) -> Plan:
         """Plan in full, however long it takes, or take the full plan that another tab has made."""
@@ -77,6 +88,7 @@ class TabPlanner:
         self._watch.begin()
         try:
             with progress.watched_by(self._watch):
+                compiling.wait_for_kept()
                 plan = planner(scene)
         except progress.CancelledError:
             self.live.forget()  # of what was under way there may be a half

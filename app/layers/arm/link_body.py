@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
-import functools
-import operator
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray
+from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.robot.urdf.robot import LinkShape
+from app.drawing import solids
+from app.drawing.glb import triangle_set
 from app.ui import style
 
-if TYPE_CHECKING:
-    import trimesh
+
+@dataclass(frozen=True, eq=False)
+class LinkMesh:
+    """Triangles of a link.
+
+    Attributes:
+        vertices: (n, 3), [unit].
+        faces: (m, 3).
+        colours: of the vertices, red, green and blue, (n, 3).
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    colours: ByteArray
 
 
 def link_glbs(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> tuple[bytes, bytes]:
@@ -26,50 +38,48 @@ def link_glbs(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> tu
         scale: factor from that unit to the scene's.
     """
     mesh = link_mesh(shapes, pose, scale)
-    own = _glb(mesh)
-    _colour(mesh, np.tile(np.array(style.TOUCHING, np.uint8), (len(mesh.faces), 1)))
-    return own, _glb(mesh)
+    touching = np.tile(np.array(style.TOUCHING, np.uint8), (len(mesh.vertices), 1))
+    return (
+        triangle_set(mesh.vertices, mesh.faces, mesh.colours),
+        triangle_set(mesh.vertices, mesh.faces, touching),
+    )
 
 
-def link_mesh(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> trimesh.Trimesh:
+def link_mesh(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> LinkMesh:
     """Mesh of a link in its own colours; arguments as for :func:`link_glbs`."""
     parts = [_solid(shape, pose @ shape.pose) for shape in shapes]
-    mesh = functools.reduce(operator.add, parts)
-    mesh.apply_scale(scale)  # type: ignore[no-untyped-call]
-    pairs = zip(shapes, parts, strict=True)
-    colours = [np.broadcast_to(shape.colours, (len(part.faces), 3)) for shape, part in pairs]
-    _colour(mesh, np.concatenate(colours))
-    return mesh
+    counts = [0, *np.cumsum([len(part.vertices) for part in parts])[:-1]]
+    return LinkMesh(
+        scale * np.concatenate([part.vertices for part in parts]),
+        np.concatenate([part.faces + count for part, count in zip(parts, counts, strict=True)]),
+        np.concatenate([part.colours for part in parts]),
+    )
 
 
-def _solid(shape: LinkShape, pose: FloatArray) -> trimesh.Trimesh:
-    import trimesh  # here, since it takes long to import
-
-    stretch = np.ones(4)
-    mesh: trimesh.Trimesh
-    # of size 1 at first: trimesh drops small faces as it makes them
+def _solid(shape: LinkShape, pose: FloatArray) -> LinkMesh:
+    """A shape in the frame that has the ``pose`` of its own."""
     if shape.kind == "mesh":
-        mesh = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
+        vertices, faces = shape.vertices, shape.faces
     elif shape.kind == "box":
-        mesh, stretch[:3] = trimesh.creation.box((1.0, 1.0, 1.0)), shape.size
+        vertices, faces = solids.box()
+        vertices = vertices * shape.size
     elif shape.kind == "sphere":
-        mesh, stretch[:3] = trimesh.creation.icosphere(3), shape.size[0]
+        vertices, faces = solids.sphere()
+        vertices = vertices * shape.size[0]
     else:
         radius, length, _ = shape.size
-        mesh = trimesh.creation.cylinder(1.0, 1.0, sections=32)
-        stretch[:3] = radius, radius, length
-    mesh.apply_transform(pose @ np.diag(stretch))
-    return mesh
+        vertices, faces = solids.cylinder()
+        vertices = vertices * (radius, radius, length)
+    placed = vertices @ pose[:3, :3].T + pose[:3, 3]
+    return _coloured(placed, faces, shape.colours)
 
 
-def _colour(mesh: trimesh.Trimesh, colours: np.ndarray) -> None:
-    """Give each face a colour, (m, 3)."""
-    from trimesh.visual import ColorVisuals
-
-    mesh.visual = ColorVisuals(mesh, face_colors=colours)
-
-
-def _glb(mesh: trimesh.Trimesh) -> bytes:
-    data = mesh.export(file_type="glb")
-    assert isinstance(data, bytes)
-    return data
+def _coloured(vertices: FloatArray, faces: IntArray, colours: ByteArray) -> LinkMesh:
+    """Triangles with a colour for all, (1, 3), or for each, (m, 3); none mixes at a vertex."""
+    if len(colours) == 1:
+        return LinkMesh(vertices, faces, np.repeat(colours, len(vertices), axis=0))
+    _, kinds = np.unique(colours, axis=0, return_inverse=True)
+    corners = np.column_stack((faces.ravel(), np.repeat(kinds.ravel(), 3)))
+    kept, first, places = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    own = colours[first // 3]
+    return LinkMesh(vertices[kept[:, 0]], places.reshape(-1, 3).astype(np.int32), own)

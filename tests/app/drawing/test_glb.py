@@ -1,14 +1,16 @@
-"""Line sets as binary glTF are read as they were written, in as few bytes as they take."""
+"""Lines and triangles as binary glTF are read as they were written; lines take few bytes."""
 
 from __future__ import annotations
 
+import io
 import json
 import struct
 
 import numpy as np
 import pytest
+import trimesh
 
-from app.drawing.glb import line_set
+from app.drawing.glb import line_set, triangle_set
 
 _SIZES = {5123: "<u2", 5125: "<u4"}
 _MOST = 1200
@@ -43,3 +45,17 @@ def test_a_line_set_is_read_as_it_was_written(points: int, edges: int, bytes_eac
     assert np.dtype(indices).itemsize == bytes_each
     read = np.frombuffer(body, indices, index["count"], second["byteOffset"])
     np.testing.assert_array_equal(read.reshape(-1, 2), ends)
+
+
+@pytest.mark.parametrize("points", [3, 254, 65_536])
+def test_triangles_are_read_by_others_as_they_were_written(points: int) -> None:
+    random = np.random.default_rng(points)
+    places = random.normal(size=(points, 3)).astype(np.float32).astype(float)
+    faces = random.permutation(points)[: points // 3 * 3].reshape(-1, 3).astype(np.int32)
+    colours = random.integers(256, size=(points, 3)).astype(np.uint8)
+    data = triangle_set(places, faces, colours)
+    read = trimesh.load_mesh(io.BytesIO(data), file_type="glb", process=False)
+    assert isinstance(read, trimesh.Trimesh)
+    np.testing.assert_array_equal(read.vertices, places)
+    np.testing.assert_array_equal(read.faces, faces)
+    np.testing.assert_array_equal(read.visual.vertex_colors[:, :3], colours)
