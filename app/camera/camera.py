@@ -117,7 +117,8 @@ class Viewpoint:
         if self._is_moved():
             return
         _, target, size = _view(self._scene, self._distance_factor, self._direction)
-        self._direction = best_direction(plan, target, self._distance_factor * size)
+        x, y, z = target.tolist()
+        self._direction = best_direction(plan, (x, y, z), self._distance_factor * size)
         self._extent = np.vstack([extent(plan), _axes_tips(plan.scene)])
         self._place()
 

@@ -6,8 +6,10 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app.camera.occlusion import hidden
+from app.shared.once_a_plan import once_a_plan
 
 USUAL = np.array([0.82, -0.42, 0.38])
 """From the scene's middle to the camera, in sizes of the scene, where nothing hides anything."""
@@ -27,18 +29,19 @@ _UNSEEN, _TURNING = 4.0, 1.0
 curve that obstacles hide."""
 
 
-def best_direction(plan: Plan, target: FloatArray, size: float) -> FloatArray:
+@once_a_plan
+def best_direction(plan: Plan, target: Vec3, size: float) -> FloatArray:
     """Direction to the camera, (3,), from which most is in view for most of the motion.
 
     Args:
         plan: with a B-spline.
-        target: what the camera looks at, (3,), [unit], world.
+        target: what the camera looks at, [unit], world.
         size: length that a direction of length 1 stands for, [unit].
     """
     assert plan.bspline is not None
     curve = plan.bspline.curve(np.linspace(*plan.bspline.curve.interval, _CURVE))
     directions = _directions()
-    eyes = target + size * directions
+    eyes = np.array(target) + size * directions
     ways = np.repeat(eyes, len(curve), axis=0), np.tile(curve, (len(eyes), 1))
     behind = ObstacleSet(plan.scene.obstacles).blocked(ways[1], ways[0], 0.0)
     covered = behind.reshape(len(eyes), len(curve)).mean(axis=1)

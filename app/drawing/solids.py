@@ -17,7 +17,8 @@ def box() -> Triangles:
     """Cube with edges of 1 around the origin."""
     vertices = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     squares = np.array(
-        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]],
+        np.int32,
     )
     return vertices, _halved(squares)
 
@@ -47,7 +48,7 @@ def _revolved(profile: FloatArray, poles: tuple[float, float]) -> Triangles:
     heights = np.broadcast_to(profile[:, None, 1:], (rings, count, 1))
     around = np.concatenate((places, heights), axis=2).reshape(-1, 3)
     vertices = np.concatenate((around, [[0.0, 0.0, z] for z in poles]))
-    ids = np.arange(rings * count).reshape(rings, count)
+    ids = np.arange(rings * count, dtype=np.int32).reshape(rings, count)
     after = np.roll(ids, -1, axis=1)
     squares = np.stack((ids[:-1], after[:-1], after[1:], ids[1:]), axis=2).reshape(-1, 4)
     low, high = (np.full(count, rings * count + k) for k in range(2))
@@ -58,4 +59,4 @@ def _revolved(profile: FloatArray, poles: tuple[float, float]) -> Triangles:
 
 def _halved(squares: IntArray) -> IntArray:
     """Triangles (2 m, 3) of squares (m, 4)."""
-    return squares[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3).astype(np.int32)
+    return squares[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)

@@ -68,6 +68,7 @@ class TabPlanner:
                     plan = self._make(self.live, scene)
                     shared.keep(scene, plan, self.live.coarse, self.live.partial)
                     return plan
+            self._watch.begin()
             with progress.watched_by(self._watch):
                 shared.wait(scene)
             if (made := self.take(scene, shared)) is not None:

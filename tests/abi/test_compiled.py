@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import abi
-from abi import compiling, load_scene, plan
+from abi import compiling, load_scene, plan, progress
 from abi.arrays import read_only
 from abi.compilation import jitable
 from abi.compilation.kernel_stamp import fields_of, stamp
@@ -233,6 +233,25 @@ def test_a_plan_waits_for_loading_about_as_long_as_one_without_takes(
     kernel._interpreted = 1e-9
     compiling.wait_for_loading()
     assert Event.timeouts == [None, 7.0, compiling._PATIENCE]
+
+
+def test_plans_of_a_crowd_wait_for_kept_kernels_once_python_took_long(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compilation, waited = compiling._Compilation(), []
+    compilation._thread = threading.current_thread()
+    monkeypatch.setattr(compiling, "_compilation", compilation)
+    monkeypatch.setattr(compiling, "KERNELS", {"": kernel})
+    monkeypatch.setattr(progress, "wait", lambda event, _: waited.append(event))
+    for needed in (0.9 * compiling._BEARABLE, 1.1 * compiling._BEARABLE):
+        assert not waited
+        kernel._interpreted = needed
+        compiling.wait_for_kept()
+    assert waited == [compilation.kept]
+    compilation._thread = None
+    compilation._work()
+    compiling.wait_for_kept()
+    assert len(waited) == 1
 
 
 def test_what_plans_have_called_is_loaded_first(

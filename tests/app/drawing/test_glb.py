@@ -9,6 +9,7 @@ import struct
 import numpy as np
 import pytest
 import trimesh
+from trimesh.visual import ColorVisuals
 
 from app.drawing.glb import line_set, triangle_set
 
@@ -58,4 +59,5 @@ def test_triangles_are_read_by_others_as_they_were_written(points: int) -> None:
     assert isinstance(read, trimesh.Trimesh)
     np.testing.assert_array_equal(read.vertices, places)
     np.testing.assert_array_equal(read.faces, faces)
+    assert isinstance(read.visual, ColorVisuals)
     np.testing.assert_array_equal(read.visual.vertex_colors[:, :3], colours)

@@ -27,4 +27,4 @@ def test_a_solid_is_closed_and_has_its_size(
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
     assert 0.97 * volume < mesh.volume <= volume * (1 + 1e-12)  # its corners are on the solid
-    np.testing.assert_allclose(mesh.bounds, (np.negative(bounds), bounds))
+    np.testing.assert_allclose(mesh.bounds, np.array([[-1.0], [1.0]]) * bounds)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
+from abi.progress import CancelledError
 from abi.scene.scene import Scene, load_scene
 from app.panels.messages import _progress
 from app.shared.shared_plans import SharedPlans
@@ -49,6 +52,40 @@ def test_one_tab_of_many_plans_a_scene_in_full() -> None:
         raise MemoryError
     with plans.claim(scene) as again:
         assert again
+
+
+class Slow(LivePlanner):
+    """Planner that is let go on."""
+
+    def __init__(self, made: Plan) -> None:
+        super().__init__()
+        self.made, self.begun, self.go_on = made, threading.Event(), threading.Event()
+
+    def __call__(self, scene: Scene) -> Plan:
+        self.begun.set()
+        assert self.go_on.wait(60)
+        return self.made
+
+
+def test_a_planner_takes_what_another_is_planning() -> None:
+    plans, scene = SharedPlans(), load_scene("two-boxes")
+    one, other = (TabPlanner(k, PlanWatch(print)) for k in range(2))
+    one.live = slow = Slow(plan(scene))
+    other.live = Slow(plan(scene))
+    with ThreadPoolExecutor(2) as pool:
+        first = pool.submit(one, scene, plans)
+        assert slow.begun.wait(60)
+        second = pool.submit(other, load_scene("two-boxes"), plans)
+        slow.go_on.set()
+        assert first.result(60) is second.result(60) is slow.made
+    assert not other.live.begun.is_set()
+
+
+def test_a_planner_that_waits_for_another_ends_once_something_else_is_chosen() -> None:
+    plans, scene, watch = SharedPlans(), load_scene("two-boxes"), PlanWatch(print)
+    watch.overtaken = True
+    with plans.claim(scene), pytest.raises(CancelledError):
+        TabPlanner(1, watch)(scene, plans)
 
 
 def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
