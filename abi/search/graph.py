@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from abi import arguments
+from abi import arguments, progress
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.errors import AbiError
 from abi.tet_mesh import adjacency
@@ -97,7 +97,9 @@ class Graph(ShortRepr):
         """
         nodes = arguments.flags("nodes", nodes, (len(self.points),))
         tail, head = self.mesh.edges.T  # numpy takes ten times as long to reduce rows of two
-        among = self._kept & nodes[tail] & nodes[head]
+        kept = self._kept
+        progress.check()
+        among = kept & nodes[tail] & nodes[head]
         linked = nodes[self.tails] & nodes[self.heads]
         links = np.stack([self.tails[linked], self.heads[linked]], axis=1)
         return np.concatenate([self.mesh.edges[among], links])
@@ -192,6 +194,7 @@ class Graph(ShortRepr):
             kept = np.isfinite(self.weights[tail < indices])
         else:
             kept = (self.open_directions[mesh.edges[:, 0]] >> mesh.edge_numbers) & 1 == 1
+        progress.check()
         return read_only(kept & self._free_ends)
 
     @cached_property

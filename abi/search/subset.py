@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from abi import arguments
+from abi import arguments, progress
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import ArgumentError
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
@@ -66,6 +66,9 @@ def subset(
             that axis, through the first obstacle; ``surface``: nodes at the sides of the workspace
             and at the obstacles.
         budget: largest number of edges.
+
+    Raises:
+        CancelledError: it is not wanted any more.
     """
     path_points = arguments.points("path_points", path_points)
     if not len(path_points):
@@ -76,11 +79,13 @@ def subset(
     seen = _seen(view, free, points, obstacles)
     if np.count_nonzero(seen & ~gone) * _EDGES_A_NODE > budget:
         seen &= _near(points, seen & ~gone, path_points, obstacles, budget // _EDGES_A_NODE)
+    progress.check()
     if graph is None:
         edges = free.mesh.edges[~gone[free.mesh.edges].any(axis=1)]
         in_all, shown = len(edges), edges[seen[edges].all(axis=1)][:budget]
     else:
         in_all, shown = graph.edge_count, graph.edges_among(seen)[:budget]
+    progress.check()
     used = np.flatnonzero(seen & ~gone)
     place = np.zeros(len(points), dtype=np.int32)
     place[used] = np.arange(len(used))
@@ -118,6 +123,7 @@ def _near(
     counts = np.maximum(np.ceil((high - low) / side).astype(int), 1)
     place = np.minimum(((points - low) / side).astype(np.int32), counts - 1)
     cell = np.ravel_multi_index(tuple(place.T), tuple(counts))
+    progress.check()
     centres = low + side * (np.indices(tuple(counts)).reshape(3, -1).T + 0.5)
     away = scipy.spatial.cKDTree(_polyline_samples(path_points, side)).query(centres)[0]
     np.minimum(away, ObstacleSet(obstacles).boxed.signed_distance(centres).clip(0), out=away)

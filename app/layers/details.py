@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 
+from abi import progress
+from app.layers.mesh import MeshLayer
 from app.state.frame import Drawable, Frame
 
 PAUSE = 0.1
@@ -48,8 +50,18 @@ class Details:
         if waits and time.monotonic() - self._drawn < pause:
             return
         self._drawn, self._shown = time.monotonic(), shown
-        for part in self.parts:
-            if self._overtaken():
-                self._drawn = -LONGEST
-                return
+        try:
+            for part in self.parts:
+                if self._overtaken():
+                    raise progress.CancelledError
+                self._draw(part, frame)
+        except progress.CancelledError:
+            self._drawn = -LONGEST
+
+    def _draw(self, part: Drawable, frame: Frame) -> None:
+        """Draw a part; that of a fine mesh takes so long that it is ended in the midst of it."""
+        if not isinstance(part, MeshLayer):
+            part.draw(frame)
+            return
+        with progress.watched_by(progress.QuietWatch(self._overtaken)):
             part.draw(frame)

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from abi import progress
 from abi.planner.plan import Plan
 from abi.search.subset import Subset, fits, subset
 from app.drawing import glb
@@ -64,24 +65,29 @@ class MeshLayer(Layer):
     def draw(self, frame: Frame) -> None:
         """Draw the plan's mesh, or the part of it that the frame asks for.
 
-        While the input changes, a mesh over the edge budget keeps its last picture, without the
-        excluded nodes, which no longer fit.
+        While the input changes or a newer plan is made, a mesh over the edge budget keeps its last
+        picture, without the excluded nodes, which no longer fit.
+
+        Raises:
+            CancelledError: something else has been chosen. What takes long comes before what is
+                drawn of it, so that the next frame finds the picture whole.
         """
-        seen = frame.plan, frame.mesh_view, frame.interactive, frame.stage
+        changes = frame.interactive, frame.outdated
+        seen = frame.plan, frame.mesh_view, frame.stage, changes
         if seen != self._seen:
-            self._seen = seen
             self._draw_mesh(frame)
+            self._seen = seen
         # of the scene before there may still be one, which is not true of this one
         known = frame.plan.free is not None
         self._edges.show(known and "edges" in frame.shown)
         for name, cloud in self._clouds.items():
             fits_not = self._stale and name == "excluded"
             cloud.show(known and name in frame.shown and not fits_not)
+        if self._stale and frame.outdated:
+            return
         if (state := (frame.plan, frame.partial, self._note)) != self._written:
-            self._written = state
-            self._text.content = (
-                _COUNTS_PENDING if frame.partial else _counts(frame.plan, self._note)
-            )
+            counts = _COUNTS_PENDING if frame.partial else _counts(frame.plan, self._note)
+            self._written, self._text.content = state, counts
 
     def _draw_mesh(self, frame: Frame) -> None:
         plan, view = frame.plan, frame.mesh_view
@@ -92,17 +98,18 @@ class MeshLayer(Layer):
         if plan.free is None or state == self._drawn:
             self._stale = False
             return
-        self._stale = frame.interactive and bool(self._edges) and not whole
+        waits = frame.interactive or frame.outdated
+        self._stale = waits and bool(self._edges) and not whole
         if self._stale:
             return
+        part, picture = _part(plan, view), _picture(plan, view, solid)
         self._drawn = state
-        part = _part(plan, view)
         self._note = ""
         if len(part.edges) < part.edges_in_all:
             self._note = (
                 f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_VIEW_NAMES[view]}"
             )
-        self._edges.draw(_picture(plan, view, solid))
+        self._edges.draw(picture)
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         self._clouds["nodes"].draw(part.points, style.MESH, size)
         # many, as where the whole arm avoids, are smaller: what matters lies among them
@@ -122,6 +129,7 @@ def _part(plan: Plan, view: str) -> Subset:
 def _picture(plan: Plan, view: str, solid: bool) -> bytes:
     """Edges of that part as binary glTF, ``solid`` or faint; empty where there are none."""
     part = _part(plan, view)
+    progress.check()
     if not len(part.edges):
         return b""
     lines = part.points, part.edges
@@ -141,6 +149,7 @@ def _counts(plan: Plan, note: str) -> str:
     if plan.graph is None or plan.mesh is None or plan.free is None:
         return ""
     graph = plan.graph
+    progress.check()
     excluded = int(plan.free.excluded.sum())
     lie = "node lies" if excluded == 1 else "nodes lie"
     lines = [

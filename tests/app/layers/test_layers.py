@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import itertools
 import weakref
 from dataclasses import replace
 from pathlib import Path
@@ -17,11 +18,13 @@ from abi.explain.diagnosis import explain
 from abi.planner.arm_words import arm_result
 from abi.scene.scene import Scene
 from abi.search.search import SEARCHES
+from abi.search.subset import fits
 from app.drawing.lines import points_at
 from app.layers.arm.arm import ArmLayer
 from app.layers.axes import AxesLayer
+from app.layers.details import Details
 from app.layers.markers import _are_reached
-from app.layers.mesh import MeshLayer
+from app.layers.mesh import EDGE_BUDGET, MeshLayer, _counts, _picture
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
 from app.layers.points import Points
 from app.layers.result.headline import HeadlineLayer, headline, stage_headline
@@ -242,6 +245,32 @@ def test_the_plot_of_joints_names_their_units(
     motion = plan(load_scene("paper")).motion
     assert motion is not None
     assert _joints_title(replace(motion, slides=slides), unit) == title
+
+
+def test_a_mesh_whose_drawing_was_ended_anywhere_is_drawn_whole_later(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    session.close()
+    mesh = layer(session, MeshLayer)
+    scene = load_scene("paper").replace(mesh={"pitch": 0.3, "max_nodes": 100_000})
+    result = plan(scene)
+    assert result.free is not None
+    assert not fits(result.free, EDGE_BUDGET)
+    ended = 0
+    for looks in itertools.count():
+        overtaken = itertools.chain([False] * looks, itertools.repeat(True))
+        ends = Details([mesh], lambda: 0, lambda: next(overtaken))  # noqa: B023
+        ends.draw(Frame(result))
+        if mesh._written[:1] == (result,):
+            break
+        ended += 1
+    assert ended >= 5
+    assert len(drawn_points(mesh._clouds["nodes"])) > 1000
+    assert mesh._text.content == _counts(result, mesh._note)
+    assert mesh._edges._handle is not None
+    assert mesh._edges._handle.glb_data == _picture(result, "near", False)
 
 
 def _still(session: Session) -> Frame:
