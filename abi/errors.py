@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -267,6 +267,49 @@ class OutOfReach(StageError):
         self.slide = slide
 
 
+class LinkContact(NamedTuple):
+    """What a link's shapes, as they are given, do where the convex pieces around it come too near.
+
+    Attributes:
+        touches: whether they touch the other.
+        depth: how far they are in it, at least, [unit].
+        distance: from it, at most, [unit], where they do not touch.
+        clearance: distance that is to be kept from it, [unit].
+    """
+
+    touches: bool
+    depth: float
+    distance: float
+    clearance: float
+
+
+def _touched(
+    link: str, obstacle: int | str, contact: LinkContact | None, at: str = "", exact: bool = False
+) -> str:
+    """Clause on a link that is in the way at start or goal.
+
+    Args:
+        link: its name.
+        obstacle: index of what it touches, from 0, or its name.
+        contact: of its shapes; None where that is not known.
+        at: where that is, to stand behind the name of the obstacle.
+        exact: whether what is known without ``contact`` is of the link itself.
+    """
+    name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
+    name, link = f"{name}{at}", f"the {link.replace('_', ' ')}"
+    if contact is None:
+        return f"{link} {'touches' if exact else 'may touch'} {name}"
+    if contact.touches:
+        deep = f", {format_length(contact.depth)} deep" if contact.depth > 0 else ""
+        return f"{link} touches {name}{deep}"
+    away = f"{link} does not touch {name}"
+    if contact.distance < contact.clearance:
+        asked = f"the clearance is {format_length(contact.clearance)}"
+        return f"{away} but is at most {format_length(contact.distance)} from it, {asked}"
+    at_most = f", at most {format_length(contact.distance)} away" if contact.distance > 0 else ""
+    return f"{away}{at_most}, but the convex pieces that contain it come too near"
+
+
 class ArmNotClear(StageError):
     """Error if no motion was found on which the whole arm is proven clear; the tool has one.
 
@@ -279,6 +322,7 @@ class ArmNotClear(StageError):
         sentences: message to use instead of the one that follows from the other arguments.
         has_elbow: whether the branches are the two sides of an elbow.
         why: why start or goal cannot be taken, with joint, limit or distance, as a predicate.
+        contact: whether the link itself touches that; None where it is not known.
     """
 
     def __init__(
@@ -290,8 +334,8 @@ class ArmNotClear(StageError):
         sentences: str = "",
         has_elbow: bool = True,
         why: str = "",
+        contact: LinkContact | None = None,
     ) -> None:
-        name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
         message = {
             "path": f"{branch}, no path was found that keeps the whole arm clear.",
             "curve": f"{branch}, the arm is clear along a path, but it is not proven "
@@ -303,8 +347,7 @@ class ArmNotClear(StageError):
                 fault = f"the arm {why} at the {where}"
             if obstacle is not None:
                 # bodies of other arms than the paper's are a little larger than their links
-                touches = "touches" if has_elbow else "may touch"
-                fault = f"the {link.replace('_', ' ')} {touches} {name} at the {where}"
+                fault = _touched(link, obstacle, contact, f" at the {where}", has_elbow)
             message = f"{branch}, {fault}."
         other = "let the elbow be auto" if has_elbow else "leave the direction of the gripper free"
         super().__init__(
@@ -368,6 +411,7 @@ class NoJointMotion(StageError):
         obstacle: index of what it touches, from 0, or its name.
         poses: number of poses that were tried there.
         samples: number of random positions that were searched towards.
+        contact: whether the link itself touches that; None where it is not known.
     """
 
     def __init__(
@@ -377,8 +421,8 @@ class NoJointMotion(StageError):
         obstacle: int | str | None = None,
         poses: int = 0,
         samples: int = 0,
+        contact: LinkContact | None = None,
     ) -> None:
-        name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
         message = {
             "path": "No motion was found in the space of the joints, towards "
             f"{samples:,} random positions of them.",
@@ -386,13 +430,13 @@ class NoJointMotion(StageError):
             "along which the arm is proven clear.",
             "same": "The joints are at the goal already.",
         }.get(where)
-        if message is None and obstacle is None:
+        if message is None:
             message = f"No joint positions were found for what is asked at the {where}."
-        elif message is None:
-            tried = "In the first of the" if poses > 1 else "In the"
-            poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
-            touched = f"the {link.replace('_', ' ')} may touch {name}"
-            message = f"{tried} {poses_there} at the {where} {touched}."
+            if obstacle is not None:
+                tried = "In the first of the" if poses > 1 else "In the"
+                poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
+                touched = _touched(link, obstacle, contact)
+                message = f"{tried} {poses_there} at the {where} {touched}."
         hint = "Move an obstacle or the arm's base, or ask for another start or goal."
         super().__init__("arm", "no_joint_motion", message, hint)
         self.where = where

@@ -16,7 +16,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
-from abi.errors import format_length
+from abi.errors import LinkContact, format_length
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
@@ -122,6 +122,11 @@ class ArmBranch(NodeExclusion, Protocol):
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a point (3,); None where it is not known."""
+
+    def link_contact(
+        self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
+    ) -> LinkContact | None:
+        """Whether the first of a pair itself touches the other at a point (3,); None if unknown."""
 
     def clear_segments(self, points: FloatArray) -> BoolArray:
         """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3)."""

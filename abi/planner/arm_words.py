@@ -31,6 +31,8 @@ def arm_result(plan: Plan) -> str:
         return "out of reach ✗"
     if clearance.contacts:
         worst = clearance.contacts[0]
+        if worst.apart:
+            return f"{link_label(worst.link)}: pieces collide ✗"
         return f"{link_label(worst.link)} {'collides' if worst.certain else 'may collide'} ✗"
     if plan.followed_curve is not None and not plan.followed_curve.holds:
         return "curve not clear ✗"
@@ -47,12 +49,19 @@ def link_label(link: str) -> str:
 
 
 def contact_sentence(contact: Contact, unit: str) -> str:
-    """Sentence on what touches what, or may, when and how deep."""
+    """Sentence on what touches what, or may, or is too near by its pieces, when and how deep."""
     other = contact.obstacle
     name = f"obstacle {other + 1}" if isinstance(other, int) else f"the {link_label(other)}"
-    depth = f"{format_length(contact.depth)} {unit}"
-    goes = f"goes {depth}" if contact.certain else f"may go up to {depth}"
-    return f"The {link_label(contact.link)} {goes} into {name} at {contact.time:.2f} s"
+    link, depth = link_label(contact.link), f"{format_length(contact.depth)} {unit}"
+    when = f"at {contact.time:.2f} s"
+    if contact.apart:
+        pieces = f"the convex pieces that contain it go up to {depth} into that"
+        return f"The {link} does not touch {name} {when}, but {pieces}"
+    if not contact.certain:
+        return f"The {link} may go up to {depth} into {name} {when}"
+    if contact.depth == 0:
+        return f"The {link} touches {name} {when}"
+    return f"The {link} goes {depth} into {name} {when}"
 
 
 def allowed_sentences(plan: Plan) -> tuple[str, ...]:

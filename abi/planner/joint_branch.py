@@ -12,7 +12,6 @@ from typing import Literal
 import numpy as np
 
 from abi import progress
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.joint_search.held_part import HeldPart
 from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
@@ -28,6 +27,7 @@ from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.chain_distances import inside_meshes, obstacle_distances
 from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.link_contact import link_contact
 from abi.arrays import FloatArray
 from abi.errors import NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -122,11 +122,14 @@ def _clear_poses(space: JointSpace, obstacles: ObstacleSet, scene: Scene, end: E
     poses = _poses(arm, scene, end)
     if not len(poses):
         raise NoJointMotion(end)
-    kept, first = [], None
+    kept: list[FloatArray] = []
+    first: tuple[FloatArray, int, int] | None = None
     for pose in poses:
         still = np.stack([pose, pose])
         fault = chain_refutation(arm, still, around, space.margin)
-        if fault is None:
+        if fault is not None:
+            found = pose, fault.capsule, fault.obstacle
+        else:
             if not inside_meshes(arm, obstacles, pose, around.allowed):
                 kept.append(pose)
                 continue
@@ -134,12 +137,14 @@ def _clear_poses(space: JointSpace, obstacles: ObstacleSet, scene: Scene, end: E
                 arm, obstacles, arm.place(pose[None]), allowed=around.allowed
             )
             capsule = int(away[0].argmin())
-            fault = ArmRefutation(0.0, capsule, int(numbers[0, capsule]), True)
-        first = first or fault
+            found = pose, capsule, int(numbers[0, capsule])
+        first = first or found
     if not kept:
         assert first is not None
-        link = arm.capsules[first.capsule].link
-        raise NoJointMotion(end, link, named(first.obstacle, arm), len(poses))
+        pose, capsule, number = first
+        pair = arm.capsules[capsule].link, named(number, arm)
+        contact = link_contact(arm, obstacles, around, pose, pair, space.margin)
+        raise NoJointMotion(end, *pair, len(poses), contact=contact)
     return np.array(kept)
 
 

@@ -8,13 +8,14 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from abi.arm_planning.arm_model import ArmBranch, Unreached
+from abi.arm_planning.arm_model import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.arm_path import fit_clear, pull_clear, search_clear
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arrays import FloatArray
 from abi.curves import fit_quadratic
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
@@ -72,9 +73,7 @@ class WholeArmBranch:
         for which, point in (("start", scene.start), ("goal", scene.goal)):
             fault = self.arm_branch.polyline_refutation(np.array([point]))
             if fault is not None:
-                link, obstacle = _named(fault, self.task.model.arm)
-                unreached = self.arm_branch.unreached(np.array(point)) if obstacle is None else None
-                raise self._not_clear(which, link, obstacle, unreached)
+                raise self._not_clear_at(which, np.array(point), fault)
         return self.exclude(self.of_tool, self.arm_branch, self.task.obstacles)
 
     def graph(self, free: FreeMesh) -> Graph:
@@ -194,17 +193,20 @@ class WholeArmBranch:
         chosen = self.task.scene.search
         return lru_cache(maxsize=1)(partial(search, chosen.algorithm, weight=chosen.weight))
 
-    def _not_clear(
-        self,
-        where: str,
-        link: str = "",
-        obstacle: int | str | None = None,
-        unreached: Unreached | None = None,
-    ) -> ArmNotClear:
-        has_elbow, branch = self.task.model.arm.has_elbow, self.arm_branch.name
-        if unreached is None:
-            return ArmNotClear(branch, where, link, obstacle, has_elbow=has_elbow)
-        return ArmNotClear(branch, where, has_elbow=has_elbow, why=unreached.words)
+    def _not_clear_at(self, end: str, point: FloatArray, fault: ArmRefutation) -> ArmNotClear:
+        """Error for a fault at start or goal, a point (3,)."""
+        arm, branch = self.task.model.arm, self.arm_branch.name
+        link, obstacle = _named(fault, arm)
+        if obstacle is None:
+            unreached = self.arm_branch.unreached(point)
+            why = "" if unreached is None else unreached.words
+            return ArmNotClear(branch, end, has_elbow=arm.has_elbow, why=why)
+        contact = self.arm_branch.link_contact(point, (link, obstacle), self.task.obstacles)
+        names = branch, end, link, obstacle
+        return ArmNotClear(*names, has_elbow=arm.has_elbow, contact=contact)
+
+    def _not_clear(self, where: str) -> ArmNotClear:
+        return ArmNotClear(self.arm_branch.name, where, has_elbow=self.task.model.arm.has_elbow)
 
 
 def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:

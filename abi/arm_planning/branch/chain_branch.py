@@ -23,8 +23,11 @@ from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
 from abi.arm_planning.motion.urdf_motion import ChainJointPath, joint_path_from
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles
+from abi.arm_planning.world.link_contact import link_contact
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.curve import ArcLength, Curve
+from abi.errors import LinkContact
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.tet_mesh.node_tree import NodeTree
 
@@ -88,6 +91,15 @@ class ChainBranch:
     def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         return self._examined(arguments.polyline("points", points), None)[1]
+
+    def link_contact(
+        self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
+    ) -> LinkContact | None:
+        """Whether the first of a pair itself touches the other at a point (3,), [unit]."""
+        point = arguments.numbers("point", point, (3,))
+        _, joints, _ = self._follow_polyline(np.stack([point, point]), None)
+        around = obstacles, self.collision_world
+        return link_contact(self.arm, *around, joints[-1], pair, self.clearance)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""

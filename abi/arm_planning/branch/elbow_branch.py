@@ -25,6 +25,7 @@ from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.curves.clearance.bezier import PolynomialCurve
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength, Curve
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
 from abi.scene.settings import ArmSettings
@@ -103,6 +104,11 @@ class ElbowBranch:
         capsule, row = divmod(pair, len(self.collision_world.numbers)) if pair >= 0 else (-1, -1)
         decided = status in (REFUTED, UNREACHED)
         return ArmRefutation(at, capsule, int(self.collision_world.numbers[row]), decided)
+
+    def link_contact(
+        self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
+    ) -> None:
+        """None: the bodies are the links."""
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a point (3,), [unit], world."""

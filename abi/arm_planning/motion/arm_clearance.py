@@ -47,6 +47,7 @@ class Contact(NamedTuple):
         depth: how far the link's capsule is in it then, [unit].
         certain: whether the link touches it indeed: the bodies of a URDF arm contain its links and
             are a little larger, so that one that overlaps something says that the link may touch.
+        apart: whether it is known that the link itself does not touch it then.
     """
 
     link: str
@@ -56,6 +57,7 @@ class Contact(NamedTuple):
     time: float
     depth: float
     certain: bool = True
+    apart: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)

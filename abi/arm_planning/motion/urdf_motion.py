@@ -34,6 +34,7 @@ from abi.arm_planning.world.chain_distances import (
     own_distances,
 )
 from abi.arm_planning.world.collision_world import OWN, CollisionWorld
+from abi.arm_planning.world.link_contact import link_contact
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.curves.curve import ArcLength, Curve
@@ -171,7 +172,11 @@ class ChainJointPath:
         certify = partial(self._proofs.certify, *around)
         rows = collision_world.solids.in_use
         found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
-        return replace(found, allowed=(*arm.allowed, *allowed))
+        deepest = [
+            _decided(arm, motion, obstacles, collision_world, one) for one in found.contacts[:1]
+        ]
+        contacts = (*deepest, *found.contacts[1:])
+        return replace(found, contacts=contacts, allowed=(*arm.allowed, *allowed))
 
 
 @lru_cache(maxsize=4)
@@ -184,6 +189,24 @@ def _alone(arm: UrdfArm, motion: ArmMotion, floor: float) -> tuple[Poses, tuple[
         *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
         *contacts_of(motion.time, below, range(len(arm.capsules)), arm),
     )
+
+
+def _decided(
+    arm: UrdfArm,
+    motion: ArmMotion,
+    obstacles: ObstacleSet,
+    collision_world: CollisionWorld,
+    contact: Contact,
+) -> Contact:
+    """A contact of a link's bodies, with what its shapes as they are given do at that time."""
+    pose = motion.positions[int(np.searchsorted(motion.time, contact.time))]
+    pair = contact.link, contact.obstacle
+    exact = link_contact(arm, obstacles, collision_world, pose, pair, 0.0)
+    if exact is None:
+        return contact
+    if exact.touches:
+        return contact._replace(depth=exact.depth, certain=True)
+    return contact._replace(apart=True)
 
 
 def _without_touchable(arm: UrdfArm, measured: Measured) -> Measured:

@@ -1,0 +1,74 @@
+"""Whether a link touches something by its shapes as they are given, not by the pieces around it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arrays import FloatArray
+from abi.errors import LinkContact
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.bodies.link_solids import LinkSolids, link_solids
+from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, depth, distance, touch
+from abi.robot.urdf_arm import UrdfArm
+
+_WORLD = SolidPose(np.eye(3), np.zeros(3))
+_MOST = 20_000
+"""Triangles of a link that are compared: with more it would take seconds."""
+
+
+def link_contact(
+    arm: UrdfArm,
+    obstacles: ObstacleSet,
+    around: CollisionWorld,
+    pose: FloatArray,
+    pair: tuple[str, int | str],
+    clearance: float,
+) -> LinkContact | None:
+    """Decide whether a link touches what one of its bodies comes too near to.
+
+    Of links with very many triangles that is not decided: the result is None.
+
+    Args:
+        arm: the arm.
+        obstacles: the obstacles.
+        around: they and the floor.
+        pose: joint positions, (n,), [rad] or [unit].
+        pair: name of the link, and number of an obstacle, name of another link, or ``floor``.
+        clearance: distance that it is to keep from obstacles, [unit].
+    """
+    link, other = pair
+    links = arm.chain.robot.links
+    named = [links[name] for name in pair if isinstance(name, str) and name != "floor"]
+    if max(sum(len(shape.faces) for shape in one.shapes) for one in named) > _MOST:
+        return None
+    compile_kernels()
+    placed, solids = _placed(arm, link, pose), _solids(arm, link)
+    if other == "floor":
+        heights = (solids.corners @ placed.turn.T + placed.origin)[:, 2]
+        height = float(heights.min(initial=np.inf)) - around.floor
+        return LinkContact(height <= 0, max(-height, 0.0), height, 0.0)
+    if isinstance(other, int):
+        beside, base = LinkSolids((obstacles[other],)), _WORLD
+    else:
+        clearance = 0.0
+        beside, base = _solids(arm, other), _placed(arm, other, pose)
+    there = SolidPose(base.turn.T @ placed.turn, base.turn.T @ (placed.origin - base.origin))
+    both = beside, solids, there
+    if touch(*both):
+        return LinkContact(True, depth(*both), 0.0, clearance)
+    return LinkContact(False, 0.0, distance(*both), clearance)
+
+
+def _solids(arm: UrdfArm, link: str) -> LinkSolids:
+    return link_solids(arm.chain.robot.links[link], 1 / arm.metres)
+
+
+def _placed(arm: UrdfArm, link: str, pose: FloatArray) -> SolidPose:
+    """World from link, [unit]."""
+    carried = next(one for one in arm.chain.carried if one.link == link)
+    turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
+    if carried.frame >= 0:
+        frame = arm.chain.poses(pose[None] / arm.scales)[0, carried.frame]
+        turn, origin = frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3]
+    return SolidPose(turn, origin / arm.metres)

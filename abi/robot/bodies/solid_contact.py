@@ -1,0 +1,112 @@
+"""Contacts of solids as they are given, with edges and corners, where convex pieces may be larger.
+
+Two solids with edges meet where an edge of one enters the other, or where one is inside the other;
+so the edges of both are tested against the surface of the other. Where none enters, a corner of
+each part tells whether it is inside. A ball, or the axis of a capsule, is such an edge with a
+radius. A shape that is found to touch touches indeed; contacts of a cylinder's rim shallower than
+that of 48 corners are not found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.obstacles import obstacle_set_kernels
+from abi.obstacles.triangle_mesh import surface_kernels
+from abi.robot.bodies.link_solids import LinkSolids
+
+_ALONG = np.linspace(0, 1, 9)
+"""Places along an edge that enters a solid at which its depth is measured, as shares of it."""
+_KERNELS = (
+    obstacle_set_kernels.near_boxes,
+    obstacle_set_kernels.blocked_segments,
+    obstacle_set_kernels.nearest,
+    surface_kernels.blocked_segments,
+    surface_kernels.signed_distances,
+)
+
+
+class SolidPose(NamedTuple):
+    """Rotation (3, 3) and origin (3,), [unit]."""
+
+    turn: FloatArray
+    origin: FloatArray
+
+
+class _BodySide(NamedTuple):
+    """Edges of a body near another, in the frame of that: ends (k, 3), (k, 3) and radii (k,)."""
+
+    body: LinkSolids
+    other: LinkSolids
+    pose: SolidPose
+    first: FloatArray
+    second: FloatArray
+    radii: FloatArray
+
+
+def _sides(first: LinkSolids, second: LinkSolids, pose: SolidPose) -> Iterator[_BodySide]:
+    """Each of two bodies beside the other; ``pose``: of the second in the frame of the first."""
+    back = SolidPose(pose.turn.T, -pose.turn.T @ pose.origin)
+    for body, other, (turn, origin) in ((second, first, pose), (first, second, back)):
+        a, b, radii = body.edges
+        a, b = a @ turn.T + origin, b @ turn.T + origin
+        low, high = other.bounds
+        reach = radii[:, None]
+        beside = (np.minimum(a, b) - reach > high) | (np.maximum(a, b) + reach < low)
+        near = ~beside.any(axis=1)
+        yield _BodySide(body, other, SolidPose(turn, origin), a[near], b[near], radii[near])
+
+
+def distance(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> float:
+    """Distance from the corners of each of two bodies to the other: at least their distance."""
+    turn, origin = first_from_second
+    there = first.whole.signed_distance(second.corners @ turn.T + origin)
+    back = second.whole.signed_distance((first.corners - origin) @ turn)
+    return float(min(there.min(initial=np.inf), back.min(initial=np.inf)))
+
+
+def touch(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> bool:
+    """Decide whether two bodies touch.
+
+    Args:
+        first: a body.
+        second: another.
+        first_from_second: pose of the second in the frame of the first.
+    """
+    for side in _sides(first, second, first_from_second):
+        if len(side.first) and side.other.whole.blocked(*side[3:]).any():
+            return True
+    turn, origin = first_from_second
+    there = first.whole.signed_distance(second.anchors @ turn.T + origin)
+    back = second.whole.signed_distance((first.anchors - origin) @ turn)
+    return bool((there < 0).any() or (back < 0).any())
+
+
+def depth(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> float:
+    """How far a corner or an edge of one of two bodies is inside the other, at least, [unit].
+
+    It is 0 where they do not touch; arguments are those of :func:`touch`.
+    """
+    deepest = 0.0
+    for body, other, pose, a, b, radii in _sides(first, second, first_from_second):
+        low, high = other.bounds
+        corners = body.corners @ pose.turn.T + pose.origin
+        corners = corners[((corners >= low) & (corners <= high)).all(axis=1)]
+        entering = np.flatnonzero(other.whole.blocked(a, b, radii))
+        along = a[entering] + _ALONG[:, None, None] * (b[entering] - a[entering])
+        points = np.concatenate([corners, along.reshape(-1, 3)])
+        if len(points):
+            deep = -other.whole.signed_distance(points)
+            deep[len(corners) :] += np.tile(radii[entering], len(_ALONG))
+            deepest = max(deepest, float(deep.max()))
+    return deepest
+
+
+def compile_kernels() -> None:
+    """Wait for what contacts are decided with: meshes of links have thousands of triangles."""
+    for kernel in _KERNELS:
+        kernel.compile()

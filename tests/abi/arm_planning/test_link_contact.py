@@ -1,0 +1,67 @@
+"""Contacts of links by their shapes as they are given, against many points on these."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+
+from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.link_contact import link_contact
+from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.primitives import Sphere
+from abi.robot.urdf_arm import UrdfArm
+from tests.abi.arm_planning.test_chain_distances import some_arm
+
+_SPACING = 0.02
+"""Distance of any point of a link's surface from the nearest of those that stand for it, [m]."""
+
+
+def surface_points(arm: UrdfArm, link: str, pose: FloatArray) -> FloatArray:
+    """Points (k, 3) on the surface of a link's meshes at a pose, [unit], world."""
+    shapes = arm.chain.robot.links[link].shapes
+    corners = np.concatenate(
+        [one.vertices[one.faces] @ one.pose[:3, :3].T + one.pose[:3, 3] for one in shapes]
+    )
+    found = [corners.reshape(-1, 3)]
+    while len(corners):
+        sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        corners = corners[sides > _SPACING]
+        a, b, c = corners.swapaxes(0, 1)
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        found.append(np.concatenate([ab, bc, ca]))
+        parts = (a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)
+        corners = np.concatenate([np.stack(part, axis=1) for part in parts])
+    points = np.concatenate(found)
+    carried = next(one for one in arm.chain.carried if one.link == link)
+    frame = np.eye(4)
+    if carried.frame >= 0:
+        frame[:3] = arm.chain.poses(pose[None] / arm.scales)[0, carried.frame]
+    world = frame @ carried.pose
+    return np.asarray((points @ world[:3, :3].T + world[:3, 3]) / arm.metres)
+
+
+@pytest.mark.slow
+def test_a_link_touches_a_ball_where_a_point_of_it_is_in_the_ball() -> None:
+    arm, random, seen = some_arm("ur5e"), np.random.default_rng(0), set()
+    pose = random.uniform(*arm.chain.usual_range().T) * arm.scales
+    for link in sorted({one.link for one in arm.capsules if one.frame >= 0})[::2]:
+        points, radius = surface_points(arm, link, pose), 0.05 / arm.metres
+        surface = scipy.spatial.cKDTree(points)
+        for _ in range(8):
+            centre = points[random.integers(len(points))] + random.normal(0, radius, 3)
+            ball = Sphere(radius=radius, position=tuple(centre.tolist()))
+            obstacles = ObstacleSet((ball,))
+            around = chain_world(arm, obstacles, -1e3)
+            found = link_contact(arm, obstacles, around, pose, (link, 0), 0.0)
+            assert found is not None
+            gap, slack = float(surface.query(centre)[0]) - radius, _SPACING / arm.metres
+            assert found.touches or gap > -1e-9
+            if found.touches:
+                seen.add(True)
+                assert found.depth >= 0
+            elif gap > slack:
+                seen.add(False)
+                assert found.distance >= gap - slack
+    assert seen == {True, False}
