@@ -18,6 +18,8 @@ LONGEST = 3.0
 class Details:
     """Layers that are drawn with every frame unless a crowd waits, and always once the hand rests.
 
+    In a crowd a drag begins without them: thirty hands wait for the first answer to each.
+
     Once something else has been chosen than what is drawn, they wait for the frame of that.
 
     Attributes:
@@ -40,6 +42,7 @@ class Details:
         self.parts = tuple(parts)
         self._waiting, self._overtaken = waiting, overtaken
         self._drawn = -LONGEST
+        self._rested = False
         self._shown: tuple[object, ...] = ()
 
     def draw(self, frame: Frame) -> None:
@@ -47,6 +50,9 @@ class Details:
         shown = frame.shown, frame.mesh_view, frame.refused
         pause = min(PAUSE * self._waiting(), LONGEST)
         waits = frame.interactive and shown == self._shown
+        if waits and self._rested:
+            self._drawn = time.monotonic()
+        self._rested = not frame.interactive
         if waits and time.monotonic() - self._drawn < pause:
             return
         self._drawn, self._shown = time.monotonic(), shown

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import viser
 
-from abi import assets, progress
+from abi import assets, compiling, progress
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
@@ -100,6 +100,7 @@ class Session:
             f"tab-{client.client_id}",
             prepare=lambda: self._memory.wait(),
             timeout=self._timeout,
+            ready=self._wait_for_kernels,
             patience=self._patience,
             step=self._work,
         )
@@ -186,6 +187,11 @@ class Session:
             self._unplanned = True  # what was chosen instead has woken the worker
         except Exception as error:
             self._recover(error)
+
+    def _wait_for_kernels(self) -> None:
+        """Let the thread that loads kernels have the interpreter, once there is a picture."""
+        if self.plans:
+            compiling.wait_for_kept()
 
     def _patience(self) -> float:
         """Time for which what there is to do can wait behind the hands in other tabs, [s]."""

@@ -19,6 +19,7 @@ class TabWorker:
         name: str,
         prepare: Callable[[], None],
         timeout: Callable[[], float],
+        ready: Callable[[], object],
         patience: Callable[[], float],
         step: Callable[[bool], None],
     ) -> None:
@@ -28,10 +29,12 @@ class TabWorker:
             name: of the thread.
             prepare: called first, outside of any turn.
             timeout: time to wait for input, [s].
+            ready: called before each step, outside of its turn, to wait for what it needs.
             patience: time for which a step can wait behind the hands in other tabs, [s].
             step: called with whether there was input.
         """
-        self._prepare, self._timeout, self._patience, self._step = prepare, timeout, patience, step
+        self._prepare, self._timeout, self._ready = prepare, timeout, ready
+        self._patience, self._step = patience, step
         self._changed = threading.Event()
         self._closing = False
         self._turn = Turn(TURNS)
@@ -66,6 +69,7 @@ class TabWorker:
         self._prepare()
         while True:
             self._changed.wait(self._timeout())
+            self._ready()
             if self._closing:
                 return
             with self._turn.after(self._patience()):

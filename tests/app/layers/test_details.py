@@ -72,6 +72,18 @@ def test_in_a_crowd_details_pause_but_never_for_long(
     assert layer.frames == [dragged, last]
 
 
+def test_in_a_crowd_a_drag_begins_without_details(clock: Clock, dragged: Frame) -> None:
+    layer, waiting = Recorder(), 3
+    crowded = Details([layer], lambda: waiting, _never)
+    crowded.draw(still := replace(dragged, interactive=False))
+    clock.now += 1000
+    crowded.draw(dragged)
+    assert layer.frames == [still]
+    clock.now += 1.1 * waiting * PAUSE
+    crowded.draw(dragged)
+    assert layer.frames == [still, dragged]
+
+
 @pytest.mark.parametrize(
     "change", [{"interactive": False}, {"shown": frozenset({"edges"})}, {"mesh_view": "surface"}]
 )
