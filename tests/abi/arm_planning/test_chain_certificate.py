@@ -136,17 +136,12 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     margin = max(float(random.uniform(0, 1.2)) * measured, 0.0)
     found = certify_chain(one, positions, collision_world, margin)
     refutation = chain_refutation(one, positions, collision_world, margin)
-    if isinstance(found, ArmCertificate):
-        assert refutation is None
-    else:
-        assert refutation is not None
-        assert asdict(refutation) == asdict(found)
-
     clear = (
         float(own_distances(one, dense).min(initial=np.inf)) > 0
         and float(floor_distances(one, collision_world.floor, dense).min(initial=np.inf)) > 0
     )
     if isinstance(found, ArmCertificate):
+        assert refutation is None
         assert clear
         if measured <= margin:
             # clear of a mesh's surface, all the time inside
@@ -156,11 +151,16 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
             assert not within.convex
             assert (gaps.min(axis=1) < 0).all()
         return
+    assert refutation is not None
     nearly = 1e-6 / one.metres
-    if found.obstacle >= 0 and not obstacles.obstacles[found.obstacle].convex:
-        return  # of a mesh the rectangles around triangles count
-    if found.decided:
-        place = Poses.of(one, at(positions, found.parameter)[None])
+    for fault in (found, refutation):  # the two look at the same stretches in another order
+        if fault.obstacle >= 0 and not obstacles.obstacles[fault.obstacle].convex:
+            continue  # of a mesh the rectangles around triangles count
+        if not fault.decided:
+            # given up only where something is nearly as near
+            assert not clear or measured < margin + 1e-3 / one.metres
+            continue
+        place = Poses.of(one, at(positions, fault.parameter)[None])
         of_capsules = obstacle_distances(one, obstacles, place.ends)
         distances = {
             "own": own_distances(one, place),
@@ -168,11 +168,8 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
             "solid": hull_distances_to(one, place, collision_world, of_capsules, np.inf)[0]
             - margin,
         }
-        kind = "solid" if found.obstacle >= 0 else "floor" if found.obstacle == FLOOR else "own"
+        kind = "solid" if fault.obstacle >= 0 else "floor" if fault.obstacle == FLOOR else "own"
         assert float(distances[kind].min()) < nearly
-    else:
-        # given up only where something is nearly as near
-        assert not clear or measured < margin + 1e-3 / one.metres
 
 
 @settings(max_examples=15)
