@@ -19,6 +19,7 @@ from typing import Any
 from playwright.sync_api import Browser
 
 import abi
+from abi.scene.scene import load_scene
 from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
@@ -53,7 +54,11 @@ class Chooser:
         session, panels = self._session, self._session.panels
         if panels.files.name != scene:
             self._set(panels.files.choice, scene)
-            self._until(lambda: session.resting and panels.files.name == scene)
+            # the name is there first: what is set before the scene is drawn would be overwritten
+            count = len(load_scene(scene).obstacles)  # none has as many as two-boxes
+            self._until(
+                lambda: session.resting and len(session.frame.plan.scene.obstacles) == count
+            )
         begun = session._watch._begun
         self._set(panels.stages.mesh.pitch, pitch)
         self._until(lambda: session._watch._begun > begun)

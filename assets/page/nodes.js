@@ -94,9 +94,10 @@ window.abiNodes = {
     const text = this.text(pointed);
     if (card.innerHTML !== text) card.innerHTML = text;
     const {width, height} = card.getBoundingClientRect();
-    const left = pointed.x + 18 + width > pointed.view.width ? pointed.x - 18 - width : pointed.x + 18;
+    // at the other side of the scene: beside the node it would cover its neighbours
+    const left = pointed.x > pointed.view.width / 2 ? 10 : pointed.view.width - width - 10;
     const top = Math.min(Math.max(pointed.y - height / 2, 4), pointed.view.height - height - 4);
-    card.style.transform = `translate(${Math.max(left, 4)}px, ${top}px)`;
+    card.style.transform = `translate(${left}px, ${top}px)`;
   },
 
   circle({x, y, place, view}, kind) {

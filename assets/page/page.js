@@ -357,6 +357,15 @@ window.abi = {
       ?.dispatchEvent(new MouseEvent(type === "mouseover" ? "mouseenter" : "mouseleave"));
   },
 
+  // The hint of a control in a panel stands over the scene, beside the panel: over the panel it would
+  // cover the heading or the control above. viser puts it there.
+  hintSided({clientX}) {
+    const scene = window.__viserMutable?.canvas?.getBoundingClientRect(), {dataset, style} = document.documentElement;
+    const side = !scene || scene.width < 260 ? "" : clientX < scene.left ? "left" : clientX > scene.right ? "right" : "";
+    if (dataset.abiHint !== side) dataset.abiHint = side;
+    if (side) style.setProperty("--abi-hint", `${Math.round(scene[side])}px`);
+  },
+
   // "?" as H, for the sheet of keys, and Escape or a click beside the sheet as its own button: viser
   // leaves a sheet open until the server closes it.
   keyPressed(event) {
@@ -515,7 +524,7 @@ window.abiListeners = new AbortController();
 for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
   ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"],
-  ["mouseover", "nameHovered"], ["mouseout", "nameHovered"], ["keydown", "keyPressed"],
+  ["mouseover", "hintSided"], ["mouseover", "nameHovered"], ["mouseout", "nameHovered"], ["keydown", "keyPressed"],
   ["mousedown", "besideClicked"], ["click", "boxTicked"], ["click", "cardPressed"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};
@@ -691,6 +700,9 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
 }
 /* a hint that has been read lies over what changes while one types or drags */
 body:has(:is(:active, .mantine-NumberInput-input:focus:hover)) .mantine-Tooltip-tooltip { display: none !important; }
+[data-abi-hint=left] .mantine-Tooltip-tooltip { left: calc(var(--abi-hint) + 6px) !important; }
+[data-abi-hint=right] .mantine-Tooltip-tooltip { left: calc(var(--abi-hint) - 6px) !important; translate: -100% 0; }
+:is([data-abi-hint=left], [data-abi-hint=right]) .mantine-Tooltip-arrow { display: none; }
 .mantine-Notification-root { max-height: none !important; }  /* it would cut what is longer; they scroll as one */
 /* a search that is stepped through: its legend, rings around nodes, and the node that is pointed at */
 #abi-overlay .abi-legend { display: flex; flex-wrap: wrap; gap: 2px 14px; align-self: flex-start; font-size: 13px; }
