@@ -1,28 +1,32 @@
 """Shortcuts through numba's compiler, which change nothing of what kernels compute.
 
-Of the time that numba takes for kernels, it spends a third on questions that it has answered
-before, and on answers that nobody reads. Functions of numba's own that kernels call it translates
-by themselves, as it would helpers. A process that does nothing but compile takes shortcuts instead
-(:func:`take`). They rest on parts of numba that it may change in any version, so they are taken
-only with those that the tests have seen.
+Of the time that numba takes for kernels, it spends half on questions that it has answered before,
+on answers that nobody reads, and on code of which LLVM leaves nothing. Functions of numba's own
+that kernels call it translates by themselves, as it would helpers. A process that does nothing but
+compile takes shortcuts instead (:func:`take`). They rest on parts of numba that it may change in
+any version, so they are taken only with those that the tests have seen.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 from llvmlite.binding.ffi import _LLVMLock  # type: ignore[import-untyped]
-from numba.core import ir, postproc, transforms
+from llvmlite.binding.newpassmanagers import (  # type: ignore[import-untyped]
+    create_new_function_pass_manager,
+)
+from numba.core import base, ir, postproc, transforms
 from numba.core.base import BaseContext
-from numba.core.codegen import CPUCodeLibrary
+from numba.core.codegen import CPUCodeLibrary, _parse_refprune_flags
 from numba.core.runtime.context import NRTContext
 from numba.core.targetconfig import ConfigStack, TargetConfig
 from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import _OverloadFunctionTemplate
 
-from abi.compilation import helpers
+from abi.compilation import array_elements, helpers
+from abi.compilation.counters import places_of_counters
 
 
 def take() -> None:
@@ -70,9 +74,10 @@ def _variables_of_expression(expression: ir.Expr) -> list[ir.Var]:
 def _variables(values: Any, found: list[ir.Var]) -> list[ir.Var]:
     """Append the variables among values, and in lists and statements among them."""
     for value in values:
-        if isinstance(value, ir.Var):
+        kind = type(value)
+        if kind is ir.Var:
             found.append(value)
-        elif isinstance(value, (str, ir.Loc)):
+        elif kind in _WITHOUT_VARIABLES:
             continue
         elif isinstance(value, ir.Inst):
             found += value.list_vars()  # type: ignore[no-untyped-call]
@@ -81,6 +86,10 @@ def _variables(values: Any, found: list[ir.Var]) -> list[ir.Var]:
         elif isinstance(value, dict):
             _variables(value.values(), found)
     return found
+
+
+_WITHOUT_VARIABLES = frozenset((str, int, bool, type(None), ir.Loc, ir.Scope))
+"""Kinds of most values that are no variable."""
 
 
 _process_again: Any = postproc.PostProcessor.run
@@ -108,22 +117,43 @@ _count: Any = NRTContext._call_incref_decref
 def _count_what_is_counted(
     runtime: Any, builder: Any, kind: Any, value: Any, function_name: str
 ) -> None:
-    """Count references of a type that has some, without taking apart the others."""
-    counted = runtime.__dict__.setdefault("_counted_types", {})
-    if kind not in counted:
-        counted[kind] = runtime._context.data_model_manager[kind].contains_nrt_meminfo()
-    if counted[kind]:
-        _count(runtime, builder, kind, value, function_name)
+    """Count references of the arrays in a value, without taking apart the rest of it."""
+    known = runtime.__dict__.setdefault("_places_of_counters", {})
+    if kind not in known:
+        known[kind] = places_of_counters(runtime._context.data_model_manager, kind)
+    for place, counted in known[kind]:
+        part = builder.extract_value(value, place) if place else value
+        _count(runtime, builder, counted, part, function_name)
 
 
 def _optimise_bodies(library: CPUCodeLibrary, module: Any) -> None:
-    """Optimise the functions of a module, but not those that it only declares."""
+    """Shorten the functions of a module, except those that it only declares.
+
+    Numba has LLVM do all that it can for a function here, and again for each kernel that it becomes
+    part of.
+    """
     codegen: Any = library._codegen
     module.data_layout = codegen._data_layout
+    builder = codegen._pass_builder()
+    passes = create_new_function_pass_manager()
+    passes.add_sroa_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_instruction_combine_pass()
+    passes.add_refprune_pass(_parse_refprune_flags())  # type: ignore[no-untyped-call]
     for function in module.functions:
         if not function.is_declaration:
-            passes, builder = codegen._function_pass_manager()
             passes.run(function, builder)
+
+
+_implementation: Any = BaseContext.get_function
+
+
+def _implementation_of(context: Any, function: Any, signature: Any, **first: bool) -> Any:
+    """What makes the code of a call; that of an array's element is shorter than numba's."""
+    access = array_elements.access_of(function, signature)
+    if access is None:
+        return _implementation(context, function, signature, **first)
+    return base._wrap_impl(access, context, signature)  # type: ignore[no-untyped-call]
 
 
 _size: Any = BaseContext.get_abi_sizeof
@@ -146,7 +176,7 @@ def _leave(lock: Any, *_: object) -> None:
     lock._lock.release()
 
 
-SHORTCUTS: dict[tuple[type, str], Any] = {
+SHORTCUTS: dict[tuple[Any, str], Any] = {
     (TargetConfig, "__hash__"): _hash_of_options,
     (TargetConfig, "__eq__"): _are_options_equal,
     (BaseFunction, "get_call_type"): _known_call_type,
@@ -154,8 +184,9 @@ SHORTCUTS: dict[tuple[type, str], Any] = {
     (ir.Expr, "list_vars"): _variables_of_expression,
     (postproc.PostProcessor, "run"): _process_without_lifetimes,
     (NRTContext, "_call_incref_decref"): _count_what_is_counted,
-    (CPUCodeLibrary, "_optimize_functions"): _optimise_bodies,
     (BaseContext, "get_abi_sizeof"): _known_size,
+    (BaseContext, "get_function"): _implementation_of,
+    (base, "_has_loc"): cache(base._has_loc),
     # no events for clocks that nobody reads
     (_LLVMLock, "__enter__"): _enter,
     (_LLVMLock, "__exit__"): _leave,
@@ -171,7 +202,8 @@ def _decorator_of_helpers(template: Any) -> Callable[..., Any]:
     return partial(_jit_decorator(template), **helpers.PIPELINE)
 
 
-OVERLOADS: dict[tuple[type, str], Any] = {
+OVERLOADS: dict[tuple[Any, str], Any] = {
     (_OverloadFunctionTemplate, "_get_jit_decorator"): _decorator_of_helpers,
+    (CPUCodeLibrary, "_optimize_functions"): _optimise_bodies,
 }
 """The same where kernels compute the same, but may be inlined in another order."""

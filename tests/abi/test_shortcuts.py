@@ -20,17 +20,26 @@ def make_kernel() -> Callable[[FloatArray, int], float]:
 
     def kernel(numbers: FloatArray, count: int) -> float:
         found = [(0, 0.0)]
+        last = np.empty(len(numbers), np.int32)
+        for i in range(len(last)):
+            last[-1 - i] = i + (last[-i] if i > 0 else 0)
         squares = np.empty((count, 2))
         for i in range(count):
             pair = abs(numbers[i]) ** 0.5, max(numbers[i], 1.0) // 3.0
             squares[i, 0], squares[i, 1] = pair
             if pair[0] > 2.0 and not pair[1] < 1.0:
                 found.append((i, -pair[0]))
+        parts = last, (np.empty(count), 0)
+        for i in range(count):
+            fresh = np.empty(count)
+            fresh[i] = squares[i, 0]
+            parts = last, (fresh, i)
         best = found.pop()
         while len(found) > 1:
             other = found.pop()
             best = other if other[1] < best[1] else best
-        return best[1] * best[0] + float(squares[:count].sum())
+        one = parts[1][0][parts[1][1]]
+        return float(last[0] + one + best[1] * best[0] + squares[:count].sum())
 
     return kernel
 
@@ -46,7 +55,7 @@ def machine_code() -> list[str]:
     return [" ".join(line) for line in lines if not line[0].startswith(".")]
 
 
-def use(monkeypatch: pytest.MonkeyPatch, kinds: dict[tuple[type, str], Any]) -> None:
+def use(monkeypatch: pytest.MonkeyPatch, kinds: dict[tuple[Any, str], Any]) -> None:
     for (owner, name), shortcut in kinds.items():
         monkeypatch.setattr(owner, name, shortcut)
 
