@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from abi.verify.exact_chain import nearly_sine_and_cosine
 from abi.verify.exact_paper_arm import ExactArm
 from abi.verify.exact_slide import ExactSlide
 from abi.verify.plan_fields import list_of, numbers_of
-from abi.verify.samples import check_samples
+from abi.verify.samples import check_samples, check_tool_points
 
 _ROUNDING = Fraction(1, 10**9)
 """Error at start and goal that is let pass, over the largest coordinate of the workspace."""
@@ -69,6 +70,7 @@ def check_tool(
     if any(len(row) != len(_JOINTS) for row in rows):
         raise Fault(f"its positions are not of {len(_JOINTS)} joints")
     allowed = _REACHED * (arm.upper + arm.lower)
+    check_tool_points(section, partial(_tool, arm), allowed)
     path, at = _Path(curve), float(curve[0].start)
     first, last = curve[0].bezier[0], curve[-1].bezier[-1]
     for number, (row, time) in enumerate(zip(rows, times, strict=True)):
@@ -131,6 +133,11 @@ class _Path:
                 break
             at = min(max(at + float(step), behind), last)
         return at
+
+
+def _tool(arm: ExactArm, row: Sequence[Fraction]) -> Vec3:
+    """Tool at joint positions."""
+    return _placed(arm, [float(one) for one in row])[0]
 
 
 def _placed(arm: ExactArm, row: Sequence[float]) -> tuple[Vec3, Fraction, Fraction]:

@@ -39,15 +39,18 @@ from abi.verify.exact_mesh import ExactMesh
 from abi.verify.held_direction import check_held
 from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
-from abi.verify.samples import check_samples
+from abi.verify.samples import check_samples, check_tool_points
 from abi.verify.sides import check_apart
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
+_TOLD = Fraction(1, 10**9)
+"""Error of the tool at a sample that is let pass, over the length of the chain and its place."""
 _ROUNDED = Fraction(1, 1 << 46)
 """The same over the largest coordinate, as numbers are rounded."""
 _ASKED = 1e-5
 """Error of a joint, or of the tool's direction, that is let pass at start and goal."""
+_ORIGIN = Fraction(0), Fraction(0), Fraction(0)
 _PAST = Fraction(1, 10**9)
 """Distance that a joint may be past its limit, [rad] or [unit]."""
 
@@ -143,6 +146,7 @@ def check_chain(
     check_samples(section, timing, chain.coordinates)
     motion = _JointMotion(chain, _rows(certificate, section, chain))
     _check_ends(motion, scene)
+    check_tool_points(section, partial(_tool, chain), _tolerance(chain, motion.rows))
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
     bodies = _bodies(capsules)
@@ -237,15 +241,12 @@ def _rows(
 
 def _check_ends(motion: _JointMotion, scene: Scene) -> None:
     """Raise where the arm does not go from start to goal, or not from and to what is asked."""
-    zero = Fraction(0), Fraction(0), Fraction(0)
-    chain = motion.chain
-    above = chain.above(chain.before[-1])
-    length = sum(sum(map(abs, chain.origins[k].origin)) for k in (*above[:-1], -1))
+    chain, length = motion.chain, _length(motion.chain)
     metres = METRES[scene.unit]
     slides = {one.name for one in scene.robot.joints if one.kind == "prismatic"}
     for name, row in zip(ENDS, (motion.rows[0], motion.rows[-1]), strict=True):
         frame, end = chain.place(row)[-1], getattr(scene.arm, name)
-        place, _ = frame.place(zero)
+        place, _ = frame.place(_ORIGIN)
         allowed = _REACHED * length + Fraction(0 if end is None else end.position_tolerance)
         allowed += _ROUNDED * max(map(abs, place))
         if max(map(abs, sub(place, vector(getattr(scene, name))))) > allowed:
@@ -256,6 +257,24 @@ def _check_ends(motion: _JointMotion, scene: Scene) -> None:
             at = float(row[chain.coordinates.index(joint)])
             if abs(at - (asked / metres if joint in slides else asked)) > _ASKED:
                 raise Fault(f"the joints are not those asked for at the {name}")
+
+
+def _length(chain: ExactChain) -> Fraction:
+    """Bound of the chain's length from its first joint to the tip, [unit]."""
+    above = chain.above(chain.before[-1])
+    return sum((sum(map(abs, chain.origins[k].origin)) for k in (*above[:-1], -1)), Fraction(0))
+
+
+def _tool(chain: ExactChain, row: Sequence[Fraction]) -> Vec3:
+    """The tool tip at positions of the joints, [unit], world."""
+    return chain.place(row)[-1].place(_ORIGIN)[0]
+
+
+def _tolerance(chain: ExactChain, rows: Sequence[Sequence[Fraction]]) -> Fraction:
+    """Error that is let pass where the tool is told to be, [unit]: that of floating point."""
+    far = max(map(abs, _tool(chain, rows[0])))
+    strokes = max(abs(at) for row in rows for at in row)
+    return _TOLD * (_length(chain) + far + strokes)
 
 
 def _turned(frame: ExactFrame, wxyz: Quaternion) -> float:

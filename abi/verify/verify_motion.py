@@ -8,6 +8,7 @@ collision shapes is checked, too, and that pairs of links which are left out may
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -162,12 +163,27 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, bodies, obstacles)
     _check_pairs(allowed, bodies, pairs)
+    _check_told(data)
     count = sum(map(len, planes.values()))
     kept = words_of(margin, scene.unit, "its moving links")
     return (
         f"{kept}, and clear of the floor and each other "
         f"({len(pairs)} pairs), by {count} directions; {_excepted(data)}"
     )
+
+
+def _check_told(data: dict[str, Any]) -> None:
+    """Raise where the verdict tells more or other in words and stretches than that it is clear."""
+    if data.get("touches") or data.get("undecided"):
+        raise Fault("it lists what touches or is not decided")
+    stretches = [mapping("stretches", one) for one in list_of("stretches", data.get("stretches"))]
+    if not stretches or any(one.get("state") != "clear" for one in stretches):
+        raise Fault("its stretches are not all clear")
+    sentence = str(data.get("sentence"))
+    told = {float(number) for number in re.findall(r"\d[\d.e+-]*\d|\d", sentence)}
+    margin = data.get("clearance")
+    if not sentence.startswith("Proven clear") or told - {float(f"{margin or 0.0:.4g}")}:
+        raise Fault("its sentence says something else")
 
 
 def _margin(

@@ -27,16 +27,23 @@ def verify(plan: Path, meshes: Path | None) -> None:
 
     PLAN may be - for standard input.
 
+    The last line names what PLAN states besides, and no certificate proves.
+
     Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
     """
     from abi.verify.plan_obstacles import PlanMeshes
+    from abi.verify.unchecked import unchecked
     from abi.verify.verify import verify as verify_plan
 
     found = PlanMeshes(plan.parent)
-    verdicts = verify_plan(_read(plan), meshes or found)
+    data = _read(plan)
+    verdicts = verify_plan(data, meshes or found)
     for name in dict.fromkeys(found.shipped):
         click.echo(f"{name!r} is not beside the plan; the shipped scenes' is taken.", err=True)
-    print_text("\n".join(map(str, verdicts)))
+    lines = [str(verdict) for verdict in verdicts]
+    if names := unchecked(data):
+        lines.append(f"not checked: {', '.join(names)}")
+    print_text("\n".join(lines))
     if not all(verdict.proven for verdict in verdicts):
         raise SystemExit(INCOMPLETE)
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 
 from abi.verify.certificate import Fault
-from abi.verify.samples import check_samples
+from abi.verify.samples import check_samples, check_tool_points
 
 JOINTS = ("shoulder", "elbow")
 TIMING = {"duration": 2.0}
@@ -20,6 +21,10 @@ def samples() -> dict[str, Any]:
         "joints": [*JOINTS],
         "time": np.linspace(0, 2, 6).tolist(),
         "positions": [[0.1 * k, -0.2 * k] for k in range(6)],
+        "tool": [[0.1 * k, -0.2 * k, 1.0] for k in range(6)],
+        "peak_joint_speed": [0.25, 0.5],
+        "limits_passed": [],
+        "within_limits": True,
     }
 
 
@@ -47,12 +52,34 @@ def hurry(section: dict[str, Any]) -> None:
     section["time"] = [0.5 * time for time in section["time"]]
 
 
+def deny_speed(section: dict[str, Any]) -> None:
+    section["peak_joint_speed"][1] *= 0.99
+
+
+def deny_limits(section: dict[str, Any]) -> None:
+    section["limits_passed"] = [{"joint": "elbow"}]
+
+
+def move_tool(section: dict[str, Any]) -> None:
+    section["tool"][4][2] += 1e-6
+
+
+def drop_tool(section: dict[str, Any]) -> None:
+    del section["tool"][-1]
+
+
 def drop_all(section: dict[str, Any]) -> None:
     section |= {"time": [], "positions": []}
 
 
+def check(section: dict[str, Any]) -> None:
+    """Check a motion whose joints slide the tool along x and y."""
+    check_samples(section, TIMING, JOINTS)
+    check_tool_points(section, lambda row: (row[0], row[1], Fraction(1)), Fraction(1, 10**8))
+
+
 def test_samples_of_the_motion_are_accepted() -> None:
-    check_samples(samples(), TIMING, JOINTS)
+    check(samples())
 
 
 @pytest.mark.parametrize(
@@ -60,10 +87,11 @@ def test_samples_of_the_motion_are_accepted() -> None:
     [
         *(exchange_names, forget_a_name, drop_a_row, drop_a_sample),
         *(run_backwards, hurry, drop_all),
+        *(deny_speed, deny_limits, move_tool, drop_tool),
     ],
 )
 def test_samples_of_another_motion_are_refused(damage: Callable[[dict[str, Any]], None]) -> None:
     section = samples()
     damage(section)
     with pytest.raises(Fault):
-        check_samples(section, TIMING, JOINTS)
+        check(section)

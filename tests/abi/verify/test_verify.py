@@ -593,7 +593,9 @@ def test_the_command_accepts_refuses_and_complains(
     path.write_text(json.dumps(data))
     code, out, err = run(monkeypatch, capsys, path)
     assert (code, err) == (0, "")
-    assert [line.partition(":")[0] for line in out.splitlines()] == ["bspline", "quadratic", "arm"]
+    assert [line.partition(":")[0] for line in out.splitlines()] == [
+        *("bspline", "quadratic", "arm", "not checked")
+    ]
 
     data["quadratic"]["certificate"]["planes"].pop()
     path.write_text(json.dumps(data))

@@ -1,0 +1,37 @@
+"""What a plan or a verdict states that no check of this package reads."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_OF_PLANS = (
+    *("mesh", "graph", "searches", "path", "taut", "optimum"),
+    *("bspline.length", "quadratic.length", "timing.liquid_tilt", "joint_search"),
+    *("arm.clearances", "arm.nearest", "arm.contacts", "arm.joint_speed_limits"),
+    *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),
+    *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
+)
+_OF_MOTIONS = ("limits", "motion.duration")
+"""Fields, the most telling ones of each section; times of computing tell nothing of the motion."""
+
+
+def unchecked(data: object) -> tuple[str, ...]:
+    """Fields that a plan, a sequence of tasks or a verdict states and :func:`verify` does not read.
+
+    Args:
+        data: what is verified.
+    """
+    if not isinstance(data, dict):
+        return ()
+    if isinstance(legs := data.get("legs"), list):
+        return tuple(dict.fromkeys(name for leg in legs for name in unchecked(leg)))
+    names = _OF_MOTIONS if "verdict" in data else _OF_PLANS
+    return tuple(name for name in names if _is_stated(data, name))
+
+
+def _is_stated(data: dict[str, Any], name: str) -> bool:
+    section, _, field = name.partition(".")
+    value = data.get(section)
+    if field:
+        value = value.get(field) if isinstance(value, dict) else None
+    return value is not None and value != []

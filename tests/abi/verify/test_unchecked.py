@@ -1,0 +1,46 @@
+"""What no check reads is named, and a change to anything else that a plan tells is found."""
+
+from __future__ import annotations
+
+import copy
+import json
+from typing import Any
+
+import pytest
+
+from abi import load_scene, plan
+from abi.verify.unchecked import unchecked
+from abi.verify.verify import verify
+
+
+@pytest.fixture(scope="module")
+def told() -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(json.dumps(plan(load_scene("paper")).to_dict()))
+    return data
+
+
+def test_what_is_named_changes_no_verdict(told: dict[str, Any]) -> None:
+    verdicts, changed = verify(told), copy.deepcopy(told)
+    names = unchecked(told)
+    assert {"searches", "optimum", "arm.clearances", "bspline.length"} <= set(names)
+    for name in names:
+        section, _, field = name.partition(".")
+        inner = changed[section] if field else changed
+        inner[field or section] = "anything"
+    assert verify(changed) == verdicts
+    assert unchecked([told]) == ()
+    assert unchecked({"legs": [told, told]}) == names
+
+
+@pytest.mark.parametrize("name", ["tool", "peak_joint_speed", "within_limits"])
+def test_what_else_the_motion_tells_is_checked(told: dict[str, Any], name: str) -> None:
+    changed = copy.deepcopy(told)
+    arm = changed["arm"]
+    if name == "tool":
+        arm["tool"][7][0] += 1e-3
+    elif name == "peak_joint_speed":
+        arm[name] = [0.5 * one for one in arm[name]]
+    else:
+        arm[name] = not arm[name]
+    assert verify(told)[-1].proven
+    assert not verify(changed)[-1].proven
