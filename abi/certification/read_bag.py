@@ -10,6 +10,7 @@ import io
 import sqlite3
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +30,8 @@ _LISTED = 100
 """Trajectories of which one can be chosen from a list, at most."""
 _PLAIN_CDR = (b"\0\0", b"\0\1")
 """Beginnings of messages whose bytes are big- and little-endian."""
+_PADDING = 4
+"""Bytes at the end of a message, less than which may fill it up to a multiple of four."""
 _BAR = "=" * 80
 JOINT_TRAJECTORY = f"""std_msgs/Header header
 string[] joint_names
@@ -204,14 +207,30 @@ def _decoded(decoder: Callable[[bytes], Any], data: bytes) -> Any:
     """A message as plain data.
 
     Raises:
-        MotionError: it is compressed, or in a newer CDR, whose numbers are aligned otherwise.
+        MotionError: it is compressed, in a newer CDR, whose numbers are aligned otherwise, or goes
+            on where its definition ends.
     """
     if bytes(data[:2]) not in _PLAIN_CDR:
         raise MotionError(
             "A message of the bag does not begin as one in CDR does.",
             "If its messages are compressed, convert it: ros2 bag convert.",
         )
-    return _plain(decoder(data))
+    message = _plain(decoder(data))
+    if _is_decoded(decoder, data[:-_PADDING]):
+        raise MotionError(
+            "A message of the bag is longer than its definition says.",
+            "It may be of another version of its kind: record it with the definition that it has.",
+        )
+    return message
+
+
+def _is_decoded(decoder: Callable[[bytes], Any], data: bytes) -> bool:
+    """Check whether a message is whole: it ends with a number, without which it is not."""
+    whole = False
+    with suppress(Exception):  # the decoder raises whatever it meets
+        decoder(data)
+        whole = True
+    return whole
 
 
 def _check_number(count: int) -> None:

@@ -123,7 +123,9 @@ def test_a_damaged_bag_is_refused_or_read_as_it_was(data: st.DataObject) -> None
             np.testing.assert_allclose(motion.times, TIMES, atol=1e-9)
 
 
-def copied(encoding: str = "cdr", first: bytes = b"", omitted: str = "use_statistics") -> bytes:
+def copied(
+    encoding: str = "cdr", first: bytes = b"", omitted: str = "use_statistics", more: bytes = b""
+) -> bytes:
     """A bag with the same message, encoded otherwise, or without a part of the file."""
     reader = NonSeekingReader(io.BytesIO(mcap("/plan")))
     ((schema, channel, sent),) = reader.iter_messages()
@@ -134,7 +136,7 @@ def copied(encoding: str = "cdr", first: bytes = b"", omitted: str = "use_statis
     writer.start()
     kind = writer.register_schema(schema.name, schema.encoding, schema.data)
     topic = writer.register_channel(channel.topic, encoding, kind)
-    writer.add_message(topic, 0, first + sent.data[len(first) :], 0)
+    writer.add_message(topic, 0, first + sent.data[len(first) :] + more, 0)
     writer.finish()  # type: ignore[no-untyped-call]
     return file.getvalue()
 
@@ -145,6 +147,17 @@ def test_messages_that_are_encoded_otherwise_are_refused() -> None:
     for compressed_or_newer in (b"\x28\xb5\x2f\xfd", b"\0\3", b"\0\7", b"\0\x0b"):
         with pytest.raises(MotionError, match="does not begin as one in CDR"):
             read_motion("a.mcap", copied(first=compressed_or_newer), own_joints(ROBOT))
+
+
+@pytest.mark.parametrize("count", range(12))
+def test_a_message_that_goes_on_after_its_end_is_refused(count: int) -> None:
+    content = copied(more=bytes(range(count)))
+    if count < 4:  # which fills it up to a multiple of four
+        motion = read_motion("a.mcap", content, own_joints(ROBOT))
+        np.testing.assert_array_equal(motion.positions, POSITIONS)
+    else:
+        with pytest.raises(MotionError, match="longer than its definition"):
+            read_motion("a.mcap", content, own_joints(ROBOT))
 
 
 @pytest.mark.parametrize("missing", ["repeat_schemas", "repeat_channels", "use_chunking"])
