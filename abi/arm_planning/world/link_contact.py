@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from abi import arguments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
 from abi.errors import LinkContact
@@ -27,7 +28,8 @@ def link_contact(
 ) -> LinkContact | None:
     """Decide whether a link touches what one of its bodies comes too near to.
 
-    Of links with very many triangles that is not decided: the result is None.
+    Of links without shapes, and of those with very many triangles, that is not decided: the result
+    is None.
 
     Args:
         arm: the arm.
@@ -37,9 +39,12 @@ def link_contact(
         pair: name of the link, and number of an obstacle, name of another link, or ``floor``.
         clearance: distance that it is to keep from obstacles, [unit].
     """
+    pose = arguments.numbers("pose", pose, arm.scales.shape)
     link, other = pair
     links = arm.chain.robot.links
     named = [links[name] for name in pair if isinstance(name, str) and name != "floor"]
+    if not all(one.shapes for one in named):
+        return None
     if max(sum(len(shape.faces) for shape in one.shapes) for one in named) > _MOST:
         return None
     compile_kernels()
