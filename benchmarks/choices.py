@@ -54,11 +54,7 @@ class Chooser:
         session, panels = self._session, self._session.panels
         if panels.files.name != scene:
             self._set(panels.files.choice, scene)
-            # the name is there first: what is set before the scene is drawn would be overwritten
-            count = len(load_scene(scene).obstacles)  # none has as many as two-boxes
-            self._until(
-                lambda: session.resting and len(session.frame.plan.scene.obstacles) == count
-            )
+            self._shows(scene)
         begun = session._watch._begun
         self._set(panels.stages.mesh.pitch, pitch)
         self._until(lambda: session._watch._begun > begun)
@@ -74,8 +70,16 @@ class Chooser:
         self._until(lambda: max(watch.ended, watch._begun) > chosen)
         took = min(moment for moment in (watch.ended, watch._begun) if moment > chosen) - chosen
         self._set(panels.files.choice, "two-boxes")
-        self._until(lambda: session.resting and panels.files.name == "two-boxes")
+        self._shows("two-boxes")
         return took
+
+    def _shows(self, scene: str) -> None:
+        """Wait until a scene is drawn: its name is there before it, and what is set then is lost.
+
+        It is told from the one before by the number of its obstacles.
+        """
+        session, count = self._session, len(load_scene(scene).obstacles)
+        self._until(lambda: session.resting and len(session.frame.plan.scene.obstacles) == count)
 
     def _set(self, widget: Any, value: object) -> None:
         self._page.tab.evaluate(_SEND, [functions.uuid(widget), value])

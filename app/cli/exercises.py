@@ -62,6 +62,11 @@ def exercises(
         return
     if grader is not None and not (begin and file.suffix == _NOTEBOOK):
         raise click.UsageError("--grader needs --begin and a FILE that ends in .ipynb.")
+    if not begin and file.suffix == _NOTEBOOK:
+        raise click.UsageError(
+            "Only Python files (.py) are checked: a notebook checks itself, in its cells with "
+            "abi.teach.check, or save it as an executable script first."
+        )
     if begin and file.suffix == _NOTEBOOK:
         made = notebook(only, grader=grader or "", seed=GRADED if seed is None else seed)
         _write(file, json.dumps(made, indent=1, ensure_ascii=False) + "\n", new=True)

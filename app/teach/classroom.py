@@ -142,10 +142,13 @@ class Classroom:
         self._wake_all()
 
     def answer(self, tab: int, number: int, answer: Answer) -> None:
-        """Count a student's answer, the last one, if the question is still the one asked."""
+        """Count a student's answer, the last one, if the question is still the one asked.
+
+        Once the right answer has been told, none is counted any more.
+        """
         with self._lock:
             asked, student = self.asked, self._students.get(tab)
-            if asked is None or student is None:
+            if asked is None or student is None or (asked.revealed and asked.poll.has_right):
                 return
             if asked.poll.number != number or not asked.poll.takes(answer):
                 return

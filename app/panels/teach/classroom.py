@@ -289,8 +289,11 @@ class ClassroomPanel:
     def _show_controls(self, asked: Asked | None) -> None:
         """Show what the teacher can do with the present question."""
         on = self.teaches and asked is not None
-        self.reveal.visible = on and asked is not None and not asked.revealed
-        self.again.visible = on and asked is not None and len(asked.rounds) < ROUNDS
+        hidden = on and asked is not None and not asked.revealed
+        self.reveal.visible = hidden
+        # who has been told the answer has nothing to talk about
+        again = hidden or (on and asked is not None and not asked.poll.has_right)
+        self.again.visible = again and asked is not None and len(asked.rounds) < ROUNDS
         self.close_poll.visible = on
         self.results.visible = self.teaches
 

@@ -35,7 +35,8 @@ def bars(choices: tuple[str, ...], counts: tuple[int, ...], students: int, right
     """Bar plot of the answers, as HTML; ``right`` is the number of the one to be marked."""
     voted = max(sum(counts), 1)
     rows = "".join(
-        f"<div>{'✓ ' if number == right else ''}{html.escape(choice)}: <b>{count}</b>"
+        '<div style="margin-bottom:7px">'
+        f"{'✓ ' if number == right else ''}{html.escape(choice)}: <b>{count}</b>"
         '<div style="height:8px;border-radius:3px;'
         f'background:{style.css(style.POINT)};width:{100 * count / voted:.0f}%"></div></div>'
         for number, (choice, count) in enumerate(zip(choices, counts, strict=True))

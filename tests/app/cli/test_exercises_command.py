@@ -71,3 +71,6 @@ def test_a_notebook_begins_for_students_or_for_a_grader(tmp_path: Path) -> None:
         exercises, [str(tmp_path / "mine.py"), "--begin", "--grader", "otter"]
     )
     assert "ends in .ipynb" in wrong.output
+    unread = CliRunner().invoke(exercises, [str(file)])
+    assert unread.exit_code == 2
+    assert "Only Python files (.py)" in unread.output
