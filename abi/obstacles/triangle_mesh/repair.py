@@ -30,6 +30,8 @@ from abi.obstacles.triangle_mesh.welding import (
 _WELD = 1e-6
 """Corners this near, as a part of the mesh's size, are joined where that closes the surface."""
 
+_CANCELLED = "has no holes, but its triangles bound no solid, as where a surface crosses itself"
+
 _MOST = 500_000
 """Triangles of a surface that is solid in parts: no more than can be read again from a file."""
 
@@ -74,7 +76,8 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
         notes = (*notes, f"{count} no part of a solid: a thin shell, without an inside.")
         faces = faces_in_order(np.concatenate([faces, sheets, sheets[:, ::-1]]))
     elif len(sheets):
-        whole = "The surface has holes: it is treated as a thin shell, without an inside."
+        why = "has holes" if shells.has_border.any() else _CANCELLED
+        whole = f"The surface {why}: it is treated as a thin shell, without an inside."
         faces, parts, notes = np.concatenate([faces, sheets]), 0, (*notes, whole)
     vertices, faces = in_order(*compact(vertices, faces[areas_of(vertices, faces) > 0]))
     return Surface(read_only(vertices), read_only(faces), parts > 0, notes)

@@ -239,3 +239,16 @@ def test_a_closed_mesh_of_many_faces_stays_as_it_is() -> None:
     assert surface.extent == np.ptp(vertices, axis=0).max()
     low, high = surface.hull.min(axis=0), surface.hull.max(axis=0)
     np.testing.assert_array_equal([low, high], [vertices.min(axis=0), vertices.max(axis=0)])
+
+
+@pytest.mark.parametrize("crosses", [True, False])
+def test_a_closed_surface_that_crosses_itself_is_not_said_to_have_holes(crosses: bool) -> None:
+    ring = [(0, 0), (1, 1), (1, 0), (0, 1)]  # whose two lobes turn against each other
+    vertices = np.array([(x, y, z) for z in (0, 1) for x, y in ring], dtype=np.float64)
+    walls = [(k, (k + 1) % 4, (k + 1) % 4 + 4) for k in range(4)]
+    walls += [(k, (k + 1) % 4 + 4, k + 4) for k in range(4)]
+    caps = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)]
+    surface = clean(vertices, np.array([*walls, *caps] if crosses else walls, np.int32))
+    assert not surface.closed
+    (note,) = surface.notes
+    assert ("crosses itself" in note, "has holes" in note) == (crosses, not crosses)
