@@ -45,6 +45,11 @@ _GRACE = 0.2
 _PATIENCE = 0.1
 """Seconds that a plan waits for kernels to be loaded even if they have hardly run as Python."""
 
+_WORTH_WAITING = 2.0
+"""Part of the time in Python that a plan waits for kernels to be loaded: beside the thread that
+loads them, Python takes about that much longer.
+"""
+
 _BEARABLE = 0.2
 """Seconds in Python, of all plans of several threads, after which these wait for kept kernels."""
 
@@ -87,7 +92,8 @@ class _Compilation:
             kept them; all kernels where none has been called.
         kept: set once all kernels are loaded that an earlier run has kept.
         done: set once all kernels run compiled that can.
-        wanted: set once somebody waits for it, or the process ends.
+        wanted: set once somebody waits for what plans have called, or the process ends.
+        awaited: set once somebody waits for all that were kept, or the process ends.
         spare: processors on which it works only as long as nobody else does; as many as there are
             but one, unless whoever waits for it says so.
     """
@@ -97,6 +103,7 @@ class _Compilation:
         self.kept = threading.Event()
         self.done = threading.Event()
         self.wanted = threading.Event()
+        self.awaited = threading.Event()
         self.spare = _PROCESSORS - 1
         self._thread: threading.Thread | None = None
         self._missing: tuple[Kernel[..., Any], ...] = ()
@@ -123,6 +130,7 @@ class _Compilation:
         """
         self._ending = True
         self.wanted.set()
+        self.awaited.set()
         self._leave_the_rest()
         LOADING.acquire()  # and never released
 
@@ -156,7 +164,7 @@ class _Compilation:
             loaded = [self._load(kernel) for kernel in needed]
             if needed and all(loaded):
                 self.loaded.set()
-            missing = [kernel for kernel in all_kernels() if not self._load(kernel)]
+            missing = [kernel for kernel in all_kernels() if not self._load_by_the_way(kernel)]
             self.loaded.set()
             self.kept.set()
             if not missing:
@@ -180,6 +188,17 @@ class _Compilation:
         if not kernel.compiled and not self._ending and kernel.cached:
             kernel.compile()
         return kernel.compiled
+
+    def _load_by_the_way(self, kernel: Kernel[..., Any]) -> bool:
+        """Load a kernel if it was kept, and leave plans as much time as that took.
+
+        A plan's thread waits for this one, which is busy with Python, after each of its kernels.
+        """
+        begin = time.perf_counter()
+        loaded = self._load(kernel)
+        if self.loaded.is_set():  # else plans may wait for it
+            self.awaited.wait(time.perf_counter() - begin)
+        return loaded
 
     def _from_children(self, missing: list[Kernel[..., Any]]) -> None:
         """Let other processes compile missing kernels, and load each when it is cached."""
@@ -304,6 +323,7 @@ def begin(spare: int | None = None) -> None:
         _compilation.spare = spare
     _compilation.begin()
     if spare is not None:
+        _compilation.awaited.set()
         _compilation.wanted.set()
 
 
@@ -325,13 +345,15 @@ def is_done() -> bool:
 def wait_for_loading() -> None:
     """Wait until kernels that plans have called are loaded, but not for the compiler.
 
-    Nor much longer than these have run as Python so far: a plan that takes less without them does
-    not wait for them. Where none has been called, it waits for all.
+    Nor longer than twice what these have run as Python so far: a plan that takes less without them
+    does not wait for them. Where none has been called, it waits for all.
     """
     if _compilation._thread is not None and not _compilation.loaded.is_set():
         _compilation.wanted.set()
         needs = [kernel.need for kernel in KERNELS.values() if 0 < kernel.need < math.inf]
-        progress.wait(_compilation.loaded, max(sum(needs), _PATIENCE) if needs else None)
+        progress.wait(
+            _compilation.loaded, max(_WORTH_WAITING * sum(needs), _PATIENCE) if needs else None
+        )
 
 
 def wait_for_kept() -> None:
@@ -343,6 +365,7 @@ def wait_for_kept() -> None:
     if _compilation.kept.is_set() or not _is_long():
         return
     begin()
+    _compilation.awaited.set()
     _compilation.wanted.set()
     progress.wait(_compilation.kept, _LONGEST)
 

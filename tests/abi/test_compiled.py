@@ -184,7 +184,7 @@ def run(code: str, *arguments: str, **environment: str) -> str:
         check=True,
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=170,  # compilers may be at work beside it
     )
     assert out.stderr == ""
     return out.stdout
@@ -232,7 +232,7 @@ def test_a_plan_waits_for_loading_about_as_long_as_one_without_takes(
     compiling.wait_for_loading()
     kernel._interpreted = 1e-9
     compiling.wait_for_loading()
-    assert Event.timeouts == [None, 7.0, compiling._PATIENCE]
+    assert Event.timeouts == [None, 14.0, compiling._PATIENCE]
 
 
 def test_plans_of_a_crowd_wait_for_kept_kernels_once_python_took_long(
