@@ -9,6 +9,9 @@ from abi.arrays import read_only
 from abi.robot.urdf.robot import Joint, Mimic
 from abi.robot.urdf.strict_xml import XmlElement
 
+_ROUNDED = 1e-2
+"""Part of a joint's way by which numbers in a file may be rounded."""
+
 
 def with_masters(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]:
     """The joints, each that follows another following one that moves by itself.
@@ -34,8 +37,20 @@ def with_masters(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]
                 joint = replace(joint, kind="fixed", origin=pose, mimic=None)
             else:
                 joint = replace(joint, mimic=mimic)
+                if _is_past_limits(joint, mimic, by_name[mimic.joint]):
+                    note = "Taken to follow past its own limits, which do not count:"
+                    root.told.setdefault(note, []).append(f"joint {joint.name}")
         found.append(joint)
     return tuple(found)
+
+
+def _is_past_limits(joint: Joint, mimic: Mimic, master: Joint) -> bool:
+    """Check whether a joint passes its limits where its master keeps its own, but for rounding."""
+    span = joint.high - joint.low
+    if joint.kind == "continuous" or span == 0:
+        return False
+    ends = [mimic.factor * end + mimic.offset for end in (master.low, master.high)]
+    return min(ends) < joint.low - _ROUNDED * span or max(ends) > joint.high + _ROUNDED * span
 
 
 def _master(root: XmlElement, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:

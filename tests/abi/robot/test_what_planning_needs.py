@@ -263,3 +263,28 @@ def test_prefixes_that_nothing_declares_are_let_pass_and_broken_text_is_not() ->
     for broken in (text.replace("/>", ">"), text.replace('"2"', "2")):
         with pytest.raises(SceneError, match="a whole XML text"):
             read_of(arm((ALL_OF_P, broken)))
+
+
+@pytest.mark.parametrize(
+    ("follower", "passes"),
+    [
+        ('multiplier="-1"', False),
+        ('multiplier="1.005"', False),
+        ('multiplier="2"', True),
+        ('multiplier="1" offset="0.2"', True),
+        ('multiplier="0.3" offset="0.2"', False),
+    ],
+)
+def test_a_follower_that_its_master_takes_past_its_limits_is_told_of(
+    follower: str, passes: bool
+) -> None:
+    limit = '<limit lower="-0.5" upper="0.5"/>'
+    ends = '<parent link="{}"/><child link="{}"/>'
+    text = (
+        '<robot name="r"><link name="a"/><link name="b"/><link name="c"/>'
+        f'<joint name="m" type="prismatic">{ends.format("a", "b")}{limit}</joint>'
+        f'<joint name="f" type="prismatic">{ends.format("a", "c")}{limit}'
+        f'<mimic joint="m" {follower}/></joint></robot>'
+    )
+    notes = " ".join(read_of(text).notes)
+    assert ("past its own limits, which do not count: joint f" in notes) == passes
