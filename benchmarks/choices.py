@@ -59,8 +59,14 @@ class Chooser:
         self._set(panels.stages.mesh.pitch, pitch)
         self._until(lambda: session._watch._begun > begun)
         self._page.tab.wait_for_timeout(1e3 * wait)
-        if session.resting:
-            return None
+        took = None if session.resting else self._choose(arm)
+        self._set(panels.files.choice, "two-boxes")
+        self._shows("two-boxes")
+        return took
+
+    def _choose(self, arm: str) -> float:
+        """Choose an arm, or without one another scene; time until the plan has ended, [s]."""
+        session, panels = self._session, self._session.panels
         chosen = time.monotonic()
         if arm:
             self._set(panels.stages.arm.model.model, arm)
@@ -68,10 +74,7 @@ class Chooser:
             self._set(panels.files.choice, "two-boxes")
         watch = session._watch
         self._until(lambda: max(watch.ended, watch._begun) > chosen)
-        took = min(moment for moment in (watch.ended, watch._begun) if moment > chosen) - chosen
-        self._set(panels.files.choice, "two-boxes")
-        self._shows("two-boxes")
-        return took
+        return min(moment for moment in (watch.ended, watch._begun) if moment > chosen) - chosen
 
     def _shows(self, scene: str) -> None:
         """Wait until a scene is drawn: its name is there before it, and what is set then is lost.
