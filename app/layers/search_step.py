@@ -91,11 +91,14 @@ class TheatreLayer(Layer):
 
 
 def _waiting_colours(state: SearchState, nodes: IntArray) -> ByteArray:
-    """Colours (k, 3) of open nodes: how soon they are visited, as things are."""
-    values = np.zeros(len(state.cost))
-    values[state.open] = priorities(state)
-    least, most = values[state.open].min(initial=np.inf), values[state.open].max(initial=0.0)
-    return scale_colours(style.WAITING, (values[nodes] - least) / max(most - least, 1e-9))
+    """Colours (k, 3) of open nodes: how soon they are visited, as things are.
+
+    By their rank, and the first ones farther apart than the last: priorities alone would give all
+    that may be next the same colour.
+    """
+    ranks = np.zeros(len(state.cost))
+    _, ranks[state.open] = np.unique(np.round(priorities(state), 9), return_inverse=True)
+    return scale_colours(style.WAITING, np.sqrt(ranks[nodes] / max(ranks.max(initial=0.0), 1.0)))
 
 
 def _numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:

@@ -175,11 +175,11 @@ def _progress(frame: Frame, still: bool = False) -> str:
     length = ""
     if plan.followed_arc is not None and plan.followed is not None:
         length = f"{format_length(plan.followed_arc.length)} {plan.scene.unit}"
-        length = f": a {_whole(style.CURVES[plan.followed][0])} of {_whole(length)}"
+        length = f", a {_whole(style.CURVES[plan.followed][0])} of {_whole(length)}"
     if plan.joint_search is not None:
         length = "; the joints follow a curve of their own"
-    took = f"took {_whole(format_time(max(time, 1)))} " if (time := _replan_ms(plan)) else ""
-    did = f"{preview}{name} and {_whole('B-spline')} {took}on {plan.free.nodes:,} nodes{length}."
+    took = f" in {_whole(format_time(max(time, 1)))}" if (time := _replan_ms(plan)) else ""
+    did = f"{preview}Planned{took}: {name} on {plan.free.nodes:,} nodes{length}."
     if frame.lesson:  # it says itself what there is to do
         return did
     if frame.theatre is not None:

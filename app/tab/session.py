@@ -417,6 +417,7 @@ class Session:
             return made
         if loaded and self.plans:
             # nothing that is told of the last scene is true of this one, nor of the right size
+            self.playback.restore(0.0, self.playback.playing)
             frame = replace(self.frame, plan=Plan(scene), reason=None, coarse=False, partial=False)
             self._view.draw(replace(frame, outdated=True))
         elif self._planner.processor_ms > SLOW_MS:

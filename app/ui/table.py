@@ -28,15 +28,16 @@ HINTS = {
     "nodes visited": "Nodes from which the search went on to their neighbours.",
     "edges tried": "How often the search looked along an edge.",
     "longer than best": "By how much it is longer than the shortest clear path there is.",
-    "longer by at most": "The shortest clear path is not known exactly here. None is shorter than "
-    "a proven length, and this is longer than that by so much.",
+    "longer by at most": "How much longer it may be than the shortest clear path there is: "
+    "of that only a least length is proven here.",
     "distance kept": "Least distance from the obstacles anywhere along it; proven if there is a ✓.",
     "best possible": "Length of the shortest path that keeps the distance asked for, found apart "
     "from the mesh.",
     "gap": "By how much the path costs more than the cheapest in the mesh.",
     "visited": "Nodes from which the search went on to their neighbours.",
     "tried": "How often the search looked along an edge.",
-    "time": "Processor time of the search.",
+    "time": "Processor time of the search. Where few nodes are saved, A* can take longer than "
+    "others, as it computes h for each.",
 }
 """Meaning of each heading, by its text without unit and number."""
 _REST = re.compile(r"( \[|:).*")

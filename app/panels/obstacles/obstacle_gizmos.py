@@ -30,6 +30,8 @@ _MOST_NUMBERED = 40
 _POSE = {"position", "wxyz"}
 _FORESEEN = 0.4
 """Part of its opacity that a mesh has which is not planned with yet."""
+_FADED = 0.35
+"""Part of it that obstacles keep while one looks at the nodes of a search, also at those behind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +94,7 @@ class ObstacleGizmos:
         self.shown: list[ObstacleNodes] = []
         self._edges: dict[str, tuple[viser.MeshHandle, tuple[Surface, float]]] = {}
         self._added = 0
-        self._visible = True
+        self._visible, self._faded = True, False
         self._embodied: Sequence[Obstacle] | None = None
         self._accepted: Sequence[Obstacle] | None = None
         self._with_handles = -2
@@ -153,6 +155,11 @@ class ObstacleGizmos:
             self._visible = visible
             for gizmo in self.gizmos:
                 gizmo.visible = visible
+        if (faded := frame.theatre is not None) != self._faded:
+            self._faded = faded
+            for one in self.shown:
+                if one.body is not None:
+                    one.body.opacity = (one.body.opacity or 1.0) * (_FADED if faded else 1 / _FADED)
         self._number(frame)
         obstacles = frame.plan.scene.obstacles
         accepted = obstacles is self._accepted and not frame.outdated
@@ -194,6 +201,8 @@ class ObstacleGizmos:
 
     def _embody(self, one: ObstacleNodes, body: Body) -> None:
         one.body = body
+        if self._faded:
+            body.opacity = (body.opacity or 1.0) * _FADED
         body.on_click(self._choose_clicked)
         body.on_drag(self._drag_body)
 
