@@ -35,7 +35,7 @@ from abi.arm_planning.world.chain_distances import Poses, own_distances
 from abi.arrays import FloatArray
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.planner.joint_branch import HASTY
+from abi.planner.joint_space_motion import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.urdf.robot import Robot, joints_to

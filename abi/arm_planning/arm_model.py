@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, Protocol, Self
 
+from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.exclusion.arm_path_kernels import ArmSegments
 from abi.arm_planning.motion.arm_clearance import ArmClearance
@@ -13,14 +14,14 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.bspline import BSpline
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
-from abi.curves.timed_profile import PathProfile
-from abi.errors import LinkContact, format_length
+from abi.errors import format_length
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
-from abi.scene.settings import ArmSettings
 from abi.tet_mesh.node_tree import NodeTree
 from abi.tet_mesh.tet_mesh import TetMesh
 

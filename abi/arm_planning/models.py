@@ -8,7 +8,7 @@ from typing import Literal
 from abi.arm_planning.arm_model import ArmModel
 from abi.arm_planning.paper_arm_model import PaperArmModel
 from abi.arm_planning.urdf_arm_model import UrdfArmModel
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 Unit = Literal["m", "cm", "mm"]
 

@@ -1,7 +1,7 @@
 """Motion along a curve by the law that a scene asks for, and the table of the laws.
 
-A new law is a function in a file beside this one, or beside :mod:`abi.curves.speed_profile` where
-it knows nothing of joints, and an entry in the table.
+A new law is a function in a file here or, where
+it knows nothing of joints, beside :mod:`abi.curves.three_phase_profile`; and an entry in the table.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.arm_model import JointPath
 from abi.arrays import FloatArray, flat, read_only
-from abi.curves.speed_profile import three_phase
-from abi.curves.time_optimal_kernels import fastest_speeds
-from abi.curves.timed_profile import (
+from abi.curves.cubic_profile import (
+    CubicProfile,
     PathProfile,
-    TimedProfile,
     from_squared_speeds,
     jerk_limited,
 )
+from abi.curves.three_phase_profile import three_phase
+from abi.curves.time_optimal_kernels import fastest_speeds
 from abi.errors import ArgumentError
 from abi.scene.settings import Law, MotionSettings
 
@@ -151,7 +151,7 @@ def _excess(profile: PathProfile, path: JointPath, limits: JointLimits) -> float
     return max(1.0, faster * ROUNDING, math.sqrt(harder * ROUNDING))
 
 
-def _time_optimal(path: JointPath, limits: JointLimits) -> TimedProfile:
+def _time_optimal(path: JointPath, limits: JointLimits) -> CubicProfile:
     """Fastest motion along the curve under the joints' limits."""
     length = path.length
     distances = np.linspace(0.0, length, _GRID)

@@ -12,12 +12,12 @@ from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
 from abi.arm_planning.world.solid_rows import RowTable
 from abi.arm_planning.wrist_drives import wrist_positions
-from abi.curves import speed_profile
+from abi.curves import three_phase_profile
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.paper_arm import PaperArm
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
-from abi.scene.settings import ArmSettings
 
 _LONGER = 1.5
 """Longest path, as a multiple of the straight line, whose time bounds the slide beforehand."""
@@ -81,7 +81,7 @@ def _extensions(scene: Scene) -> tuple[float, float]:
     if settings.forces[1] == 0:
         return settings.q5, settings.q5
     straight = float(np.linalg.norm(np.subtract(scene.goal, scene.start)))
-    longest = speed_profile.three_phase(
+    longest = three_phase_profile.three_phase(
         _LONGER * straight, asked.speed, asked.acceleration, asked.deceleration
     )
     end = float(wrist_positions(settings, [longest.duration])[0, 1])

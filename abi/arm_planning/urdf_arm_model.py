@@ -32,7 +32,7 @@ from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, Vec3
 from abi.robot.urdf_arm import TRIED, urdf_arm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _BRANCHES = 6

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arrays import FloatArray
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 
 def wrist_positions(drives: ArmSettings, time: ArrayLike) -> FloatArray:

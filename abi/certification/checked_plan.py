@@ -13,7 +13,7 @@ from abi.arrays import FloatArray, read_only
 from abi.certification.clearance_proof import nearest
 from abi.certification.verdict import MotionVerdict
 from abi.curves.bspline import clamped
-from abi.curves.timed_profile import TimedProfile
+from abi.curves.cubic_profile import CubicProfile
 from abi.planner.plan import Plan
 from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
@@ -36,7 +36,7 @@ def checked_plan(verdict: MotionVerdict) -> Plan:
     duration = float(motion.time[-1])
     # the time itself is the distance: nothing else is known of how it was timed
     pace = read_only(np.array([[0.0], [0.0], [1.0], [0.0]]))
-    profile = TimedProfile(duration, read_only(np.array([0.0, duration])), pace)
+    profile = CubicProfile(duration, read_only(np.array([0.0, duration])), pace)
     clearance = _clearance(verdict, motion)
     return Plan(verdict.scene, profile=profile, arm=arm, motion=motion, arm_clearance=clearance)
 

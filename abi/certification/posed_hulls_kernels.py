@@ -170,7 +170,7 @@ def box_gap(bounds: FloatArray, b: int, primitives: FloatArray, s: int) -> tuple
 
 @jitable
 def outcome_of(found: int) -> int:
-    """Decision on a pair from that on its hulls."""
+    """Whether a pair of bodies is proven apart, touches or is undecided, from what its hulls do."""
     return CERTIFIED if found == APART else REFUTED if found == OVERLAP else UNDECIDED
 
 

@@ -16,7 +16,7 @@ from abi.certification.certify_motion import certify_motion
 from abi.certification.motion import Motion
 from abi.certification.verdict import MotionVerdict
 from abi.errors import MotionError
-from abi.planner.joint_branch import THOROUGH
+from abi.planner.joint_space_motion import THOROUGH
 from abi.robot.urdf_arm import urdf_arm
 
 _WIDER = (0, 1, 3)

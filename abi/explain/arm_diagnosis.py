@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import FloatArray, read_only
-from abi.errors import ArmNotClear, format_length, format_point
+from abi.errors import format_length, format_point
 from abi.explain.reason import Reason
 from abi.explain.what_if import WhatIf
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet

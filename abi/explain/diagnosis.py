@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import (
-    ArmNotClear,
     ClearanceNotHeld,
     NoPath,
     PointBlocked,

@@ -14,11 +14,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arrays import FloatArray
-from abi.errors import ArmNotClear, SceneError, StageError
+from abi.errors import SceneError, StageError
 from abi.explain.base_map import BaseMap, BaseTrial
 from abi.obstacles.pose import Vec3
-from abi.planner.joint_branch import HASTY
+from abi.planner.joint_space_motion import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene, require_scene

@@ -13,9 +13,9 @@ from abi import progress
 from abi.arrays import IntArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.branch import STAGES
+from abi.planner.branch import STAGE_NAMES
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.joint_branch import HASTY
+from abi.planner.joint_space_motion import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.planner.shared_mesh import shared_mesh
@@ -48,7 +48,7 @@ class WhatIf:
         """
         progress.check()
         plan = self._planner(self.scene.replace(**change))
-        if plan.error is None or STAGES.index(plan.error.stage) > STAGES.index(stage):
+        if plan.error is None or STAGE_NAMES.index(plan.error.stage) > STAGE_NAMES.index(stage):
             return plan
         return None
 

@@ -12,10 +12,10 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import NamedTuple
 
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import ArmBranch, BranchTask
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.errors import ArmNotClear
 from abi.planner.branch import BranchRun
 from abi.planner.plan import Plan
 from abi.planner.planning_task import PlanningTask

@@ -24,7 +24,7 @@ from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.tet_mesh.exclusion import FreeMesh
 
-STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
+STAGE_NAMES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
 """Names that errors have for the stages, in order."""
 
 

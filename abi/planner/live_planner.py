@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abi.planner.joint_branch import HASTY
+from abi.planner.joint_space_motion import HASTY
 from abi.planner.node_budget import NodeBudget
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner

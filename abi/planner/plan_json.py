@@ -21,10 +21,10 @@ from abi.arm_planning.motion.trajectory import ArmMotion, Violation
 from abi.arrays import FloatArray
 from abi.curves.bspline import BSpline
 from abi.curves.clearance.certificate import Certificate
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.curves.speed_profile import SpeedProfile
-from abi.curves.timed_profile import PathProfile
+from abi.curves.three_phase_profile import ThreePhaseProfile
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_certificate_json import arm_certificate
@@ -193,7 +193,7 @@ def timing(
     """Stage 5, the motion along the curve that the arm follows, and its phases if it has any."""
     if profile is None:
         return None
-    phases = profile if isinstance(profile, SpeedProfile) else None
+    phases = profile if isinstance(profile, ThreePhaseProfile) else None
     return {
         "curve": followed,
         "t1": None if phases is None else phases.t1,

@@ -14,14 +14,15 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from abi import compiling, progress
+from abi.arm_planning.arm_errors import ArmNotClear, NoJointMotion
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort
 from abi.compiled import interpreted_calls
-from abi.errors import ArmNotClear, NoJointMotion, StageError
+from abi.errors import StageError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
 from abi.planner.branch import BranchRun
-from abi.planner.joint_branch import THOROUGH, asks_for_joints, may_search_joints
+from abi.planner.joint_space_motion import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
 from abi.planner.stage_results import QuadraticOnSpline, SplineOnPath, TimedMotion

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from abi.arm_planning.arm_model import ArmModel
-from abi.curves.timed_profile import PathProfile
+from abi.curves.cubic_profile import PathProfile
 from abi.errors import TooManySamples
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene

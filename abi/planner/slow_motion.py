@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arm_planning.joint_rates import joint_rates
-from abi.curves.speed_profile import three_phase
+from abi.curves.three_phase_profile import three_phase
 from abi.errors import TooSlow
 from abi.planner.plan import Plan
 

@@ -10,10 +10,10 @@ from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.curves.bspline import BSpline
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.curves.timed_profile import PathProfile
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.taut.lower_bound import Bound

@@ -17,15 +17,15 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.curves import fit_bspline, fit_quadratic
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import arc_length
-from abi.curves.timed_profile import PathProfile
 from abi.errors import ClearanceNotHeld
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.joint_branch import move_joints
+from abi.planner.joint_space_motion import move_joints
 from abi.planner.planning_task import PlanningTask, sample_count
+from abi.planner.remembered_call import RememberedCall
 from abi.planner.shared_mesh import shared_mesh
-from abi.planner.stage import Stage
 from abi.planner.stage_results import (
     CurveName,
     QuadraticOnSpline,
@@ -50,33 +50,33 @@ class ToolStages:
     """What the tool's stages call, each of which remembers its last result."""
 
     def __init__(self, searches: Mapping[str, SearchFunction] = SEARCHES) -> None:
-        self.obstacles = Stage(ObstacleSet)
-        self.mesh = Stage(shared_mesh)
-        self.exclude = Stage(ExclusionCache())
-        self.graph = Stage(build_graph)
+        self.obstacles = RememberedCall(ObstacleSet)
+        self.mesh = RememberedCall(shared_mesh)
+        self.exclude = RememberedCall(ExclusionCache())
+        self.graph = RememberedCall(build_graph)
         # compared with each other: what else the machine did meanwhile is not theirs
         clock = time.thread_time
-        self.searches = {name: Stage(search, clock) for name, search in searches.items()}
-        self.path_clearance = Stage(ObstacleSet.polyline_clearance)
-        self.taut = Stage(pull_taut)
-        self.optimum = Stage(lower_bound)
-        self.bspline = Stage(fit_bspline.fit)
-        self.bspline_arc = Stage(arc_length)
-        self.quadratic = Stage(fit_quadratic.fit)
-        self.quadratic_arc = Stage(arc_length)
-        self.profiles = Stage(_profiles)
-        self.model = Stage(model_of)
+        self.searches = {name: RememberedCall(search, clock) for name, search in searches.items()}
+        self.path_clearance = RememberedCall(ObstacleSet.polyline_clearance)
+        self.taut = RememberedCall(pull_taut)
+        self.optimum = RememberedCall(lower_bound)
+        self.bspline = RememberedCall(fit_bspline.fit)
+        self.bspline_arc = RememberedCall(arc_length)
+        self.quadratic = RememberedCall(fit_quadratic.fit)
+        self.quadratic_arc = RememberedCall(arc_length)
+        self.profiles = RememberedCall(_profiles)
+        self.model = RememberedCall(model_of)
         # methods of any arm, and their arguments
-        self.collision_world: Stage[..., CollisionWorld] = Stage(operator.call)
-        self.joint_paths: Stage[..., Sequence[JointPath]] = Stage(operator.call)
-        self.motions: list[Stage[..., ArmMotion]]
-        self.motions = [Stage(operator.call) for _ in range(_JOINT_PATHS)]
-        self.arm_clearances: list[Stage[..., ArmClearance]]
-        self.joints = Stage(move_joints)
-        self.arm_clearances = [Stage(operator.call) for _ in range(_JOINT_PATHS)]
+        self.collision_world: RememberedCall[..., CollisionWorld] = RememberedCall(operator.call)
+        self.joint_paths: RememberedCall[..., Sequence[JointPath]] = RememberedCall(operator.call)
+        self.motions: list[RememberedCall[..., ArmMotion]]
+        self.motions = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
+        self.arm_clearances: list[RememberedCall[..., ArmClearance]]
+        self.joints = RememberedCall(move_joints)
+        self.arm_clearances = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
 
     @property
-    def parts(self) -> dict[str, Sequence[Stage[..., Any]]]:
+    def parts(self) -> dict[str, Sequence[RememberedCall[..., Any]]]:
         """Parts of each stage of which a plan has the time."""
         return {
             "mesh": (self.mesh, self.exclude),
@@ -93,7 +93,7 @@ class ToolStages:
         }
 
     @property
-    def along_joint_paths(self) -> tuple[Stage[..., Any], ...]:
+    def along_joint_paths(self) -> tuple[RememberedCall[..., Any], ...]:
         """Stages that run once for each joint_path."""
         return (*self.motions, *self.arm_clearances)
 
@@ -223,7 +223,7 @@ class ToolBranch:
         return refuted
 
     @staticmethod
-    def _skip(*stages: Stage[..., Any]) -> None:
+    def _skip(*stages: RememberedCall[..., Any]) -> None:
         """Let stages that do not run take no time."""
         for stage in stages:
             stage.ms = 0.0

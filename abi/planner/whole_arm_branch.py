@@ -8,6 +8,7 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.arm_path import fit_clear, pull_clear, search_clear
@@ -19,7 +20,7 @@ from abi.arrays import FloatArray
 from abi.curves import fit_quadratic
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
-from abi.errors import ArmNotClear, NoPath
+from abi.errors import NoPath
 from abi.planner.planning_task import PlanningTask, sample_count
 from abi.planner.stage_results import (
     CurveName,

@@ -8,9 +8,10 @@ from pydantic import Field, Strict
 
 from abi.obstacles.pose import Vec3
 from abi.scene.arm_end import ArmEnd
+from abi.scene.arm_settings import HeldJoints
 from abi.scene.held_axis import HeldAxis
 from abi.scene.section import Settings
-from abi.scene.settings import Count, Flag, HeldJoints
+from abi.scene.settings import Count, Flag
 
 MOST_LEGS = 50
 

@@ -26,6 +26,7 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
 from abi.scene.arm_end import ENDS, with_arm_ends, without_stale_ends
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.field_errors import first_error
 from abi.scene.held_axis import check_axis
 from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
@@ -34,7 +35,6 @@ from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import ENDINGS, parse, read_file, write
 from abi.scene.section import Settings
 from abi.scene.settings import (
-    ArmSettings,
     Count,
     MeshSettings,
     MotionSettings,

@@ -2,92 +2,38 @@
 
 import functools
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import (
     BeforeValidator,
     Field,
-    PrivateAttr,
     Strict,
-    ValidationInfo,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
     model_validator,
 )
 
 from abi.errors import SceneError
-from abi.obstacles.obstacle_set import Obstacle
-from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3, rotation
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.attached_object import STANDING, with_object
-from abi.robot.gripper import Opening, gripper_at
-from abi.robot.urdf.held_joints import (
-    held_in_metres,
-    planned_joints,
-    planned_sentence,
-    positions_held,
-)
-from abi.robot.urdf.robot import Robot, bases_to, joints_to, part_from
-from abi.robot.urdf.robot_files import SHIPPED, load_robot
-from abi.robot.urdf.tip_pose import tip_pose
-from abi.robot.urdf.urdf_joints import some_of
-from abi.robot.urdf.usual_tip import usual_tip
-from abi.scene.arm_end import ArmEnd
-from abi.scene.held_axis import Axis, HeldAxis, check_axis
+from abi.obstacles.pose import LARGEST, Vec3
 from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.section import Settings
 
 MOST_SAMPLES = 20_000
 """Largest number of samples of a motion that a scene may ask for."""
 
-Elbow = Literal["up", "down"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
 Law = Literal["three_phase", "slowed", "time_optimal", "jerk_limited"]
 
 
-def _plain(value: object) -> object:
+def as_python(value: object) -> object:
     """A count or a truth value of numpy as Python's own, as strict fields want it."""
     return value.item() if isinstance(value, np.integer | np.bool_) else value
 
 
-def _end(value: object) -> object:
-    """A list of joint positions as the fields of an end."""
-    return {"joints": value} if isinstance(value, list | tuple) else value
-
-
-def _opening(value: object, check: ValidatorFunctionWrapHandler) -> Any:
-    """``open`` or ``closed`` as it is, until the unit of lengths is known."""
-    return value if value in ("open", "closed") else check(value)
-
-
-Count = Annotated[int, Strict(), BeforeValidator(_plain)]
-Flag = Annotated[bool, Strict(), BeforeValidator(_plain)]
+Count = Annotated[int, Strict(), BeforeValidator(as_python)]
+Flag = Annotated[bool, Strict(), BeforeValidator(as_python)]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
-HeldJoints = Annotated[
-    dict[Annotated[str, Strict()], Number], Field(max_length=150), WrapValidator(_opening)
-]
-"""Positions of joints by name; in a scene that is checked ``open`` and ``closed`` are such, too."""
-
-
-def _contact(value: object) -> object:
-    """A link, and another one or the number of an obstacle.
-
-    Raises:
-        SceneError: it is anything else.
-    """
-    pair = [_plain(one) for one in value] if isinstance(value, list | tuple) else []
-    if len(pair) == 2 and isinstance(pair[0], str) and type(pair[1]) in (str, int):
-        return (*pair,)
-    expected = "two names of links, or a link and the number of an obstacle, the first being 0"
-    raise SceneError("arm.allowed", value, expected)
-
-
-AllowedPair = Annotated[tuple[str, str | int], BeforeValidator(_contact)]
-
 FINEST_PITCH = 1e-6
 """Smallest pitch, [unit]; also the shortest side that a workspace may have."""
 
@@ -212,243 +158,3 @@ class MotionSettings(Settings):
         if self.samples is not None and self.time_step is not None:
             raise SceneError("motion.time_step", self.time_step, "none beside motion.samples")
         return self
-
-
-_POINT_ALONE = "a point: joints and orientation can be asked only of an arm from a URDF"
-
-
-class ArmSettings(Settings):
-    """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
-
-    ``model`` is ``abi``, the paper's arm, or ``urdf``. In the latter case ``urdf`` names a shipped
-    arm, or a ``.urdf`` or ``.zip`` file, ``srdf`` a file with the robot's disabled pairs of links
-    and named states, by default the one beside the URDF, ``tip`` is the link whose origin is the
-    tool, ``base_link`` the one that stands at ``base``, by default the root; what does not hang
-    from it is left out. ``gripper`` holds joints that are not planned at positions by their names,
-    [rad], slides in [unit], or is ``open`` or ``closed``; without it they rest nearest to 0.
-    ``allowed`` are pairs of links, or of a link and the number of an obstacle from 0, that may
-    touch. ``axis`` is the direction in which the tip's z axis must point, None for any, exactly and
-    throughout or as :class:`abi.scene.held_axis.HeldAxis` says, and ``base_wxyz`` the orientation
-    of the base link, as a quaternion. All fields not named here but ``base`` belong to the paper's
-    arm. With ``avoid`` the plan keeps the whole arm clear, its links
-    ``clearance`` [unit] from every obstacle; ``elbow`` auto takes the branch with the shorter path.
-    ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
-    forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
-
-    ``attached`` is an object that the tip holds, a shape whose pose is that in the tip's frame.
-    While it is taken or set down, with ``grasping``, it counts as 1 mm smaller, so that it may
-    stand, and it and the links behind the last joint need not keep ``clearance``, only not touch.
-    ``start`` and ``goal`` say more than the places of the tool: the joints there, or the tool's
-    orientation, too. ``search`` is where a motion is sought: on the mesh of places of the tool, in
-    the space of the joints, or by ``auto`` in that if the mesh has none, or joints are asked for.
-    """
-
-    model: Literal["abi", "urdf"] = "abi"
-    urdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] = "ur5e"
-    srdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] | None = None
-    tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
-    base_link: Annotated[str, Strict(), Field(max_length=100)] | None = None
-    gripper: HeldJoints = Field(default_factory=dict)
-    allowed: Annotated[tuple[AllowedPair, ...], Field(max_length=10_000)] = ()
-    attached: Obstacle | None = None
-    grasping: Flag = False
-    axis: Axis | None = None
-    start: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
-    goal: Annotated[ArmEnd | None, BeforeValidator(_end)] = None
-    search: Literal["auto", "mesh", "joints"] = "auto"
-    base: Vec3 = (3.0, -3.0, 0.0)
-    base_wxyz: Quaternion = UNTURNED
-    a1: Length = 1.0
-    a2: Length = 2.0
-    a3: Length = 6.0
-    a4: Length = 3.0
-    a5: Length = 2.5
-    elbow: Literal["up", "down", "auto"] = "up"
-    avoid: Flag = True
-    clearance: Annotated[Number, Field(ge=0)] = 0.0
-    q5: Annotated[Number, Field(ge=0)] = 0.0
-    forces: Vec3 = (0.0, 0.0, 0.0)
-    masses: Rates = (1.0, 1.0, 1.0)
-    radii: Rates = (1.0, 1.0, 1.0)
-    dynamics: Literal["corrected", "as_printed"] = "corrected"
-
-    _robot: Robot | None = PrivateAttr(None)
-
-    @model_validator(mode="after")
-    def _load(self, info: ValidationInfo) -> Self:
-        check_axis("arm.axis", self.axis, self.model, self.search)
-        if self.model == "abi" and abs(self.base_wxyz[0]) < math.hypot(*self.base_wxyz):
-            expected = "[1, 0, 0, 0]: the paper's arm stands upright, only a URDF may be turned"
-            raise SceneError("arm.base_wxyz", self.base_wxyz, expected)
-        if self.search == "joints" and self.model != "urdf":
-            raise SceneError("arm.search", self.search, "auto or mesh for the paper's arm")
-        asked = self.start is not None or self.goal is not None or self.search == "joints"
-        if self.exact_axis is not None and asked:
-            expected = (
-                "{direction: [x, y, z], tolerance: 0.1} where joints or poses are asked for: "
-                "a direction alone is held exactly, on the mesh"
-            )
-            raise SceneError("arm.axis", self.exact_axis, expected)
-        if self.model == "urdf":
-            meshes = (info.context or {}).get("meshes", MeshSource())
-            self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)
-            if self.base_link is not None:
-                self._robot = self._from_base(self._robot, self.base_link)
-            joints_to(self._robot, self.tool)
-        return self
-
-    def __hash__(self) -> int:
-        others = (value for name, value in self if name != "gripper")
-        return hash((*others, frozenset(self.gripper.items())))
-
-    def held(
-        self, field: str, gripper: Mapping[str, float] | Opening, metres: float
-    ) -> dict[str, float]:
-        """Positions of joints by name, [rad] or [unit], of a gripper that may be said in one word.
-
-        Args:
-            field: of the scene that says so, for errors.
-            gripper: ``open``, ``closed``, or positions.
-            metres: one [unit] of the scene in metres.
-
-        Raises:
-            SceneError: the arm has no gripper.
-        """
-        if not isinstance(gripper, str):
-            return dict(gripper)
-        if self.model != "urdf":
-            raise SceneError(field, gripper, "positions of joints by name")
-        at = gripper_at(field, self.robot, self.tool, gripper)
-        return held_in_metres(self.robot, at, 1 / metres)
-
-    def check_gripper(self, metres: float) -> None:
-        """Raise a SceneError where ``gripper`` names no joint to hold, or not within its limits.
-
-        Args:
-            metres: one [unit] of the scene in metres.
-        """
-        if self.model == "urdf":
-            held = held_in_metres(self.robot, self.gripper, metres)
-            positions_held(self.robot, planned_joints(self.robot, self.tool), held)
-
-    def check_allowed(self, obstacles: int) -> None:
-        """Raise a SceneError where ``allowed`` names no link of the arm, or no obstacle.
-
-        Args:
-            obstacles: how many the scene has.
-        """
-        if self.model != "urdf":
-            return
-        links = self.robot.links
-        for pair in self.allowed:
-            for one in pair:
-                if isinstance(one, str) and one not in links:
-                    raise SceneError("arm.allowed", one, f"a link: {some_of(tuple(links), 6)}")
-                if not isinstance(one, str) and not 0 <= one < obstacles:
-                    expected = f"the number of an obstacle, below {obstacles}"
-                    raise SceneError("arm.allowed", one, expected)
-
-    def joints_at(self, name: Literal["start", "goal"], metres: float) -> dict[str, float] | None:
-        """Positions of all planned joints that ``start`` or ``goal`` asks for, [rad] or [m].
-
-        None if it asks for none.
-
-        Args:
-            name: of the end.
-            metres: one [unit] of the scene in metres.
-
-        Raises:
-            SceneError: the arm has no such joints, limits or state.
-        """
-        end: ArmEnd | None = getattr(self, name)
-        if end is None or end.is_pose:
-            return None
-        return end.positions(f"arm.{name}", self.robot, self.tool, metres)
-
-    def tool_at(self, name: Literal["start", "goal"], metres: float) -> Vec3 | None:
-        """Place of the tool that ``start`` or ``goal`` asks for, [unit], world; None for any.
-
-        Args:
-            name: of the end.
-            metres: one [unit] of the scene in metres.
-
-        Raises:
-            SceneError: the arm has no such joints, limits or state.
-        """
-        end: ArmEnd | None = getattr(self, name)
-        if end is None:
-            return None
-        if self.model != "urdf":
-            raise SceneError(f"arm.{name}", end.model_dump(exclude_none=True), _POINT_ALONE)
-        joints = self.joints_at(name, metres)
-        if joints is None:
-            return end.position
-        place = tip_pose(self.robot, self.tool, joints)[:3, 3] / metres
-        x, y, z = (rotation(self.base_wxyz) @ place + np.array(self.base)).tolist()
-        return (x, y, z)
-
-    def notes(self, metres: float) -> tuple[str, ...]:
-        """Sentences on a URDF: which link and joints are planned, and what is left out of it.
-
-        Args:
-            metres: one [unit] of the scene in metres.
-        """
-        if self.model != "urdf":
-            return ()
-        held = held_in_metres(self.robot, self.gripper, metres)
-        return planned_sentence(self.robot, self.tool, held), *self.robot.notes
-
-    def _from_base(self, robot: Robot, base: str) -> Robot:
-        """The part of a robot that its base link carries, the tip among it."""
-        named = self.tip or SHIPPED.get(self.urdf)
-        part = part_from(robot, base) if base in robot.links else robot
-        tip = named or usual_tip(part)
-        bases = bases_to(robot, tip)
-        if base not in bases and tip in robot.links:
-            names = ", ".join(bases) or "none"
-            raise SceneError("arm.base_link", base, f"a link from which joints move {tip}: {names}")
-        return part
-
-    @property
-    def robot(self) -> Robot:
-        """The robot that ``urdf`` names, or the part on the base link, if that is the model."""
-        assert self._robot is not None
-        return self._robot
-
-    def with_attached(self, metres: float) -> Robot:
-        """The robot with the object that it holds.
-
-        Args:
-            metres: one [unit] of the scene in metres.
-
-        Raises:
-            SceneError: the object is a flat mesh.
-        """
-        if self.attached is None:
-            return self.robot
-        inset = STANDING if self.grasping else 0.0
-        return with_object(self.robot, self.tool, self.attached, metres, inset)
-
-    @property
-    def tool(self) -> str:
-        """Name of the link whose origin is the tool: ``tip``, or the arm's usual one."""
-        return self.tip or SHIPPED.get(self.urdf) or usual_tip(self.robot)
-
-    @property
-    def exact_axis(self) -> Vec3 | None:
-        """Direction that the tip's z axis is held to exactly and throughout; None for none."""
-        return None if isinstance(self.axis, HeldAxis) else self.axis
-
-    @property
-    def held_axis(self) -> HeldAxis | None:
-        """Direction that it is held to within a tolerance, for a part of the motion."""
-        return self.axis if isinstance(self.axis, HeldAxis) else None
-
-    @property
-    def branches(self) -> tuple[Elbow, ...]:
-        """Elbow branches that may be taken, the preferred first."""
-        return ("up", "down") if self.elbow == "auto" else (self.elbow,)
-
-    def on(self, elbow: Elbow) -> Self:
-        """A copy of the settings with one elbow branch."""
-        return self if self.elbow == elbow else self.model_copy(update={"elbow": elbow})

@@ -20,10 +20,10 @@ from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.errors import NoPath
 from abi.scene.settings import Algorithm
 from abi.search.best_first_kernels import best_first
+from abi.search.expansion import Expansion, problem_of
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
 from abi.search.label_kernels import bellman_ford
-from abi.search.problem import Expansion, problem_of
 from abi.search.search_kernels import NO_METRIC, places_along, reconstruct_path
 
 

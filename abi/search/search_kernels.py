@@ -35,7 +35,7 @@ NONE, INSIDE, ON_A_FACE = 0, 1, 2
 
 
 class Norm(NamedTuple):
-    """Costs of a cell of a lattice.
+    """Costs of the edges of one cell of a lattice, from which A*'s heuristic is computed.
 
     Attributes:
         axes: along x, y and z; of rows the cost of a unit of length, three times.
@@ -51,7 +51,7 @@ class Norm(NamedTuple):
 
 
 class Metric(NamedTuple):
-    """A heuristic towards a goal.
+    """Data of A*'s heuristic: the goal, and what edges cost.
 
     Attributes:
         kind: ``NONE`` for Dijkstra's algorithm; ``ON_A_FACE`` where the goal is on a face of the
@@ -73,7 +73,7 @@ NO_METRIC = Metric(NONE, Norm(_ZERO, _ZERO, 0.0, 0.0), _ZERO)
 
 @jitable(forceinline=True)
 def to_go(shape: MeshSizes, metric: Metric, place: Vec3) -> float:
-    """A bound from below of the cost from a place to the goal; the place as the goal is given.
+    """Lower bound of the cost from a place to the goal; the place is given as the goal is.
 
     For rows the straight line. In a lattice the cost of the steps that lead there, which is exact
     where nothing is in the way. Two things remain of the box around ``bcc``: its faces have

@@ -40,7 +40,7 @@ from abi.verify.held_direction import check_held
 from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.samples import check_samples, check_tool_points
-from abi.verify.sides import check_apart
+from abi.verify.separation import check_apart
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""

@@ -16,7 +16,7 @@ from abi.verify.certificate import CertifiedPlane, Fault, claimed_margin, planes
 from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.plan_fields import mapping
-from abi.verify.sides import check_apart
+from abi.verify.separation import check_apart
 from abi.verify.tool_path import check_ends
 
 _TOUCH = Fraction(1, 10**9)

@@ -32,7 +32,7 @@ from abi.verify.exact_path import ExactPath, exact_path
 from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
-from abi.verify.sides import check_apart
+from abi.verify.separation import check_apart
 
 _BITS = 200
 _ONE = 1 << _BITS

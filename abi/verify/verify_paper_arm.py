@@ -37,7 +37,7 @@ from abi.verify.exact_paper_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
 from abi.verify.interval import enclose, rounded
 from abi.verify.plan_fields import finite, mapping
-from abi.verify.sides import check_apart
+from abi.verify.separation import check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at
 
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)

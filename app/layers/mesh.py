@@ -15,7 +15,7 @@ from app.drawing.straight_lines import straight_lines
 from app.layers.line_set import LineSet
 from app.layers.points import Points
 from app.shared.once_a_plan import once_a_plan
-from app.stages.catalogue import STAGES
+from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.layout import Layout
@@ -34,7 +34,7 @@ _VIEW_NAMES = {
 }
 _FEW = 300
 """Nodes taken out up to which each is drawn in full size."""
-_ABOUT_EDGES = frozenset(name for name, one in STAGES.items() if "edges" in one.layers)
+_ABOUT_EDGES = frozenset(name for name, one in SHOWN_STAGES.items() if "edges" in one.layers)
 """Stages of a lecture that show nothing but the mesh, which is to be seen from the last row."""
 _ARM_NOTE = ", or the arm would, with its tool tip there"
 

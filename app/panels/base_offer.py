@@ -5,7 +5,7 @@ It stands over the scene; the search itself, its region and its results are in s
 
 from __future__ import annotations
 
-from abi.errors import ArmNotClear, NotFollowed, OutOfReach
+from abi.arm_planning.arm_errors import ArmNotClear, NotFollowed, OutOfReach
 from app.panels.stages.find_base import FindBasePanel
 from app.state.frame import Frame
 from app.ui.overlay import button

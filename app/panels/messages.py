@@ -20,7 +20,7 @@ from app.panels.legs import LegsCard
 from app.panels.stages.find_base import FindBasePanel
 from app.panels.teach.lesson_mark import LessonMark
 from app.panels.widgets import Wake, hidden_button, pressed
-from app.stages.catalogue import STAGES
+from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
 from app.ui import style
 from app.ui.arm_size import scene_size_note
@@ -96,7 +96,7 @@ class Messages:
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         elif frame.stage:
-            content = f'<div class="abi-card">{STAGES[frame.stage].sentence}</div>'
+            content = f'<div class="abi-card">{SHOWN_STAGES[frame.stage].sentence}</div>'
             contact = self.banner.html(frame.plan) if _ARM in frame.shown else ""
         else:
             progress = f"{_progress(frame, still)} {self._remark(frame)}".strip()

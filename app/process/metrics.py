@@ -24,7 +24,7 @@ _SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 
 TABS = Gauge("abi_tabs", "Tabs that are open.", multiprocess_mode="livesum")
 SESSIONS = Counter("abi_sessions", "Tabs opened since the start.")
 PLANS = Histogram("abi_plan_seconds", "Time of a plan.", buckets=_SECONDS)
-STAGES = Histogram(
+STAGE_SECONDS = Histogram(
     "abi_stage_seconds", "Time of a stage, when it ran.", ["stage"], buckets=_SECONDS
 )
 UPDATES = Histogram(
@@ -64,7 +64,7 @@ def measure_memory() -> None:
 @functools.cache
 def _stage(name: str) -> Histogram:
     """Times of one stage, which take longer to find than to count."""
-    return STAGES.labels(name)
+    return STAGE_SECONDS.labels(name)
 
 
 def text() -> tuple[str, str]:

@@ -42,7 +42,7 @@ class ShownStage(NamedTuple):
     errors: tuple[str, ...] = ()
 
 
-STAGES = {
+SHOWN_STAGES = {
     "mesh": ShownStage(
         "Mesh",
         "The box becomes nodes; those in an obstacle, or too near one, are removed.",
@@ -96,7 +96,7 @@ STAGES = {
     ),
 }
 """The stages in order, by the names that plans have for them."""
-STAGE_OF_ERROR = {part: name for name, one in STAGES.items() for part in (name, *one.errors)}
+STAGE_OF_ERROR = {part: name for name, one in SHOWN_STAGES.items() for part in (name, *one.errors)}
 """Stage beside which an error is shown, by the name that the error has for its stage."""
-TITLES = {name: f"{k} · {stage.title}" for k, (name, stage) in enumerate(STAGES.items(), 1)}
+TITLES = {name: f"{k} · {stage.title}" for k, (name, stage) in enumerate(SHOWN_STAGES.items(), 1)}
 """Headings of the stages, numbered."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from abi.curves.speed_profile import SpeedProfile
+from abi.curves.three_phase_profile import ThreePhaseProfile
 from abi.planner.plan import Plan
 from app.stages.curve_numbers import Number, curve_numbers, excess, judged
 from app.ui import style
@@ -87,7 +87,7 @@ def quadratic_numbers(plan: Plan) -> list[Number]:
             "Greatest speed of the tool tip along the curve that the arm follows.",
         ),
     ]
-    if isinstance(profile, SpeedProfile):
+    if isinstance(profile, ThreePhaseProfile):
         phases = f"{profile.t1:.2f} + {profile.t2:.2f} + {profile.t3:.2f} s"
         hint = "Times of the three phases, one after the other."
         numbers.append((phases, "speed up, cruise, brake", hint))

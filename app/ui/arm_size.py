@@ -6,8 +6,8 @@ import numpy as np
 
 from abi.obstacles.pose import METRES
 from abi.robot.urdf.robot import Robot, joints_to
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
-from abi.scene.settings import ArmSettings
 from app.ui.numbers import format_setting
 
 MADE_FOR_ARMS = "kitchen-ur5e"

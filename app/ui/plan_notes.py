@@ -8,7 +8,7 @@ import math
 from abi.arm_planning.joint_search.held_part import HeldSpan
 from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion_law import LAWS
-from abi.curves.timed_profile import TimedProfile
+from abi.curves.cubic_profile import CubicProfile
 from abi.explain.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
@@ -104,7 +104,7 @@ def _motion(plan: Plan) -> str:
     profile, unit = plan.profile, f"{plan.scene.unit}/s"
     if plan.followed is None and plan.joint_search is None:  # it was planned elsewhere
         return style.paragraph(f"{profile.duration:.2f} s in all.{_tilt(plan)}")
-    if isinstance(profile, TimedProfile):
+    if isinstance(profile, CubicProfile):
         label = LAWS[plan.scene.motion.law].label
         text = f"{label[0].upper()}{label[1:]}, up to {format_length(profile.peak_speed)} {unit}: "
         return style.paragraph(f"{text}{profile.duration:.2f} s in all.{_tilt(plan)}")

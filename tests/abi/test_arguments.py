@@ -21,10 +21,10 @@ from abi.curves.bspline import BSpline, clamped
 from abi.curves.clear_quadratic import Target
 from abi.curves.clearance.bezier import Bezier
 from abi.curves.clearance.certificate import certify
+from abi.curves.cubic_profile import CubicProfile, from_squared_speeds
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
-from abi.curves.speed_profile import three_phase
-from abi.curves.timed_profile import TimedProfile, from_squared_speeds
+from abi.curves.three_phase_profile import three_phase
 from abi.errors import ArgumentError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -38,7 +38,7 @@ from abi.robot.kinematics.inverse_dynamics import joint_torques
 from abi.robot.paper_arm.paper_arm import PaperArm, forward, place
 from abi.robot.urdf.robot import Link, LinkShape
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from abi.search.arcs import Arcs
 from abi.search.graph import Graph
 from abi.search.lifelong_a_star import lifelong_a_star
@@ -208,7 +208,7 @@ def of_tet_mesh(**fields: Any) -> Any:
 
 def of_profile(**fields: Any) -> Any:
     powers = np.array([[0.0, 0], [1, 0], [0, 2], [0, 1]])
-    made = TimedProfile(5.0, np.array([0.0, 1, 3]), powers)
+    made = CubicProfile(5.0, np.array([0.0, 1, 3]), powers)
     return replace(made, **fields)(np.array([0.0, 0.5, 2]))
 
 
@@ -341,7 +341,7 @@ def entries() -> dict[str, Entry]:
             lambda squared: from_squared_speeds(3.0, np.array([0.0, 1, 3]), squared)(0.5),
             np.array([0.0, 4, 1]),
         ),
-        "SpeedProfile()": Entry(three_phase(3, 1, 1, 1), np.array([0.0, 1]), any_shape=True),
+        "ThreePhaseProfile()": Entry(three_phase(3, 1, 1, 1), np.array([0.0, 1]), any_shape=True),
         "polyline_length": Entry(polyline_length, POINTS),
         "tree_over": Entry(tree_over, np.concatenate([POINTS, OTHERS])),
         "within": Entry(lambda at: within(at, np.zeros(3), np.ones(3)), POINTS),
@@ -368,8 +368,8 @@ def entries() -> dict[str, Entry]:
             lambda limits: tighten_near_meshes(CURVE, ObstacleSet((BOX,)), limits),
             np.array([0.0, 1, 0, 0]),
         ),
-        "TimedProfile: breaks": Entry(lambda at: of_profile(breaks=at), np.array([0.0, 1, 3])),
-        "TimedProfile: coefficients": Entry(
+        "CubicProfile: breaks": Entry(lambda at: of_profile(breaks=at), np.array([0.0, 1, 3])),
+        "CubicProfile: coefficients": Entry(
             lambda at: of_profile(coefficients=at), np.array([[0.0, 0], [1, 0], [0, 2], [0, 1]])
         ),
         "Target: breaks": Entry(

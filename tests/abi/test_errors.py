@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 
 from abi import Scene
+from abi.arm_planning.arm_errors import ArmNotClear, NotFollowed, OutOfReach
 from abi.errors import (
     AbiError,
-    ArmNotClear,
     ClearanceNotHeld,
     ExportError,
     NoPath,
-    NotFollowed,
-    OutOfReach,
     PointBlocked,
     SceneError,
     StageError,

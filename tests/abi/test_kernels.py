@@ -15,7 +15,7 @@ from abi.curves.clearance.curve_clearance import Clearance, curve_clearance
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.robot.paper_arm import inverse_kinematics as ik
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from tests.abi.shape_distances import gradient, segment_distance
 from tests.kernel_forms import compiled, plain
 from tests.random_geometry import random_obstacle

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from abi import arguments
+from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
@@ -26,7 +27,6 @@ from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arm_planning.world.link_contact import link_contact
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.curve import ArcLength, Curve
-from abi.errors import LinkContact
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.tet_mesh.node_tree import NodeTree

@@ -15,12 +15,12 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, flat, read_only
+from abi.curves.cubic_profile import CubicProfile, PathProfile
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINT_SPEED, MOVED, PaperArm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 _POSES_TO_REFUTE, _TRIES_TO_REFUTE = 49, 5_000
 
@@ -86,7 +86,7 @@ class PaperArmJointPath:
         table = self.arm.table(elbow)
         low, high = float(slide.low.min()), float(slide.high.max())
         if low < high:
-            if isinstance(timed, TimedProfile):
+            if isinstance(timed, CubicProfile):
                 return False
             tries = _TRIES_TO_REFUTE
             found = certify_arm(

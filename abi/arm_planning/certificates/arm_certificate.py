@@ -33,10 +33,10 @@ from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.curves.clearance.bezier import PolynomialCurve
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
+from abi.curves.cubic_profile import CubicProfile, PathProfile
 from abi.curves.curve import ArcLength
-from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 _MOST_TRIES = 50_000  # and 20 for each pair of capsule and obstacle
 _PARTS = 16  # of each polynomial, at whose ends q5 is known
@@ -164,7 +164,7 @@ def slide_bounds(
     if settings.forces[1] == 0 or profile.duration == 0:
         still = read_only(np.full(2, float(settings.q5)))
         return Slide(flat(breaks[[0, -1]]), still, still)
-    if isinstance(profile, TimedProfile):
+    if isinstance(profile, CubicProfile):
         # a proof is checked again from the duration alone
         ends = np.sort(wrist_positions(settings, np.array([0.0, profile.duration]))[:, 1])
         pad = _SLIDE_PAD * float(np.ptp(ends))

@@ -47,7 +47,7 @@ NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
 
 @jitable(forceinline=True)
 def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
-    """Check whether one of the latest directions keeps the part of a mesh in row s from a capsule.
+    """Check whether a direction found lately separates a capsule from the part of a mesh in row s.
 
     Near triangles have one in common with those beside and behind them.
     """

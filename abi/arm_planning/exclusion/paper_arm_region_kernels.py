@@ -41,7 +41,7 @@ _TETRAHEDRA = (
 
 @compiled(example=(FLOATS, NO_NUMBERS, 1.0, NEW_FLOATS))
 def reach_rooms(points: FloatArray, arm: ArmNumbers, forearm: float, rooms: FloatArray) -> None:
-    """Depth of places within the arm's reach and limits, in its own lengths; < 0 outside.
+    """Margin of places to the arm's reach and limits, as parts of its lengths; < 0 beyond them.
 
     Args:
         points: flat (3 n,), [unit], world.
@@ -74,7 +74,7 @@ def arm_gaps(
     most: float,
     gaps: FloatArray,
 ) -> None:
-    """Least distance of the moving capsules to what is asked of them, with the tool at places.
+    """Least distance of the moving links to the obstacles asked for, with the tool at places.
 
     A box around others counts as what is in it only where it has nothing inside.
 

@@ -13,7 +13,7 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import Vec3
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.scene.settings import Elbow
+from abi.scene.arm_settings import Elbow
 
 _SHADOW_PLACES, _MESH_PLACES, _REACH_PLACES = 20, 12, 28
 """Grid points along the longest side; fewer if there is a triangle mesh."""

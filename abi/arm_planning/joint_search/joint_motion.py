@@ -18,8 +18,8 @@ from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.bspline import clamped
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import arc_length
-from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import UrdfArm
 

@@ -7,8 +7,8 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.motion.trajectory import Trajectory
 from abi.arrays import FloatArray
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.timed_profile import PathProfile
 from abi.obstacles.pose import METRES
 from abi.robot.kinematics.inverse_dynamics import GRAVITY
 

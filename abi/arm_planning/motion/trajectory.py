@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi import arguments
+from abi.arm_planning.arm_errors import NotFollowed, OutOfReach
 from abi.arm_planning.certificates.arm_certificate import slide_bounds
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.timed_profile import PathProfile
-from abi.errors import NotFollowed, OutOfReach
 from abi.obstacles.pose import Vec3
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, SLIDES, PaperArm, forward
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 Quantity = Literal["position", "speed", "acceleration", "torque"]
 """A quantity of a joint that is limited."""

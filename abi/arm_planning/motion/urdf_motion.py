@@ -37,8 +37,8 @@ from abi.arm_planning.world.collision_world import OWN, CollisionWorld
 from abi.arm_planning.world.link_contact import link_contact
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import REACHED, UrdfArm
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from abi import arguments
+from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
-from abi.errors import LinkContact
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
 from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, depth, distance, touch

@@ -9,7 +9,7 @@ import numpy as np
 from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import least_squares
-from abi.curves.speed_profile import three_phase
+from abi.curves.three_phase_profile import three_phase
 from abi.explain.paper import printed
 from abi.explain.paper.comparison import PaperComparison
 from abi.length_text import format_lower_bound

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from abi.curves.speed_profile import SpeedProfile, three_phase
+from abi.curves.three_phase_profile import ThreePhaseProfile, three_phase
 from abi.teach.numbers import text
 from abi.teach.quiz.question import QuizQuestion, fixed, of_number
 from abi.teach.topics.elbow import right_angles
@@ -130,20 +130,20 @@ def reachable_distance(random: np.random.Generator) -> QuizQuestion:
     )
 
 
-def _profile(random: np.random.Generator) -> SpeedProfile:
+def _profile(random: np.random.Generator) -> ThreePhaseProfile:
     length = round(float(random.uniform(2.0, 15.0)), 1)
     up, down = random.uniform(1.0, 9.0, 2).round(1).tolist()
     speed = round(float(random.uniform(1.0, 9.0)), 1)
     return three_phase(length, speed, up, down)
 
 
-def _top(profile: SpeedProfile) -> float:
+def _top(profile: ThreePhaseProfile) -> float:
     """The speed that it would reach without a limit."""
     a, b = profile.acceleration, profile.deceleration
     return math.sqrt(2 * profile.length * a * b / (a + b))
 
 
-def _told(profile: SpeedProfile) -> str:
+def _told(profile: ThreePhaseProfile) -> str:
     return (
         f"A motion from rest to rest over {text(profile.length)} cm may move at "
         f"{text(profile.speed)} cm/s; it speeds up by {text(profile.acceleration)} and slows down "
@@ -151,7 +151,7 @@ def _told(profile: SpeedProfile) -> str:
     )
 
 
-def _facts(profile: SpeedProfile) -> dict[str, float]:
+def _facts(profile: ThreePhaseProfile) -> dict[str, float]:
     return {
         "length": profile.length,
         "speed": profile.speed,

@@ -11,7 +11,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.scene.settings import Elbow
+from abi.scene.arm_settings import Elbow
 from app.drawing.lines import rows_at
 from app.layers.arm.arm_playback import samples_of
 from app.layers.arm.other_poses import OtherPoses

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abi.planner.plan import Plan
 from app.shared.once_a_plan import once_a_plan
-from app.stages.catalogue import STAGES
+from app.stages.catalogue import SHOWN_STAGES
 from app.stages.curve_numbers import blocks, curve_numbers
 from app.state.frame import Frame, Layer
 from app.ui.layout import Layout
@@ -38,4 +38,4 @@ def headline(plan: Plan) -> str:
 @once_a_plan
 def stage_headline(plan: Plan, stage: str) -> str:
     """The numbers of a stage as HTML; empty where the plan did not get so far."""
-    return blocks(STAGES[stage].numbers(plan))
+    return blocks(SHOWN_STAGES[stage].numbers(plan))

@@ -6,8 +6,8 @@ from typing import Any
 
 import viser
 
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
-from abi.scene.settings import ArmSettings
 from app.panels.length_step import fine_step, length_step
 from app.panels.stages.arm_ends import ArmEndsPanel
 from app.panels.stages.arm_model import ArmModelPanel

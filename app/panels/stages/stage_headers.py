@@ -7,10 +7,10 @@ import viser
 from abi.errors import AbiError, SceneError
 from abi.planner.plan import Plan
 from app.shared.once_a_plan import once_a_plan
-from app.stages.catalogue import STAGE_OF_ERROR, STAGES, TITLES
+from app.stages.catalogue import SHOWN_STAGES, STAGE_OF_ERROR, TITLES
 from app.state.frame import Frame
 
-_STAGE_OF_FIELD = {field: name for name, stage in STAGES.items() for field in stage.fields}
+_STAGE_OF_FIELD = {field: name for name, stage in SHOWN_STAGES.items() for field in stage.fields}
 _FOLDED = ("graph", "arm")
 """Stages whose folders are closed at first."""
 
@@ -36,7 +36,9 @@ class StageHeaders:
         results = dict(_results(plan))
         if frame.lesson:
             # a stage with a layer of its name is of no use to a lesson that does not show that
-            unused = {name for name, one in STAGES.items() if name in one.layers - frame.shown}
+            unused = {
+                name for name, one in SHOWN_STAGES.items() if name in one.layers - frame.shown
+            }
             results |= dict.fromkeys(results if frame.asks else unused, "")
         if not frame.current:
             # what is true of the plan is not of what was asked for
@@ -61,8 +63,8 @@ def _stage(error: AbiError | None) -> str | None:
 @once_a_plan
 def _results(plan: Plan) -> dict[str, str]:
     """Each stage's result, short enough for a heading on one line."""
-    results = {name: stage.result(plan) for name, stage in STAGES.items()}
+    results = {name: stage.result(plan) for name, stage in SHOWN_STAGES.items()}
     if plan.error is not None:
         ended = STAGE_OF_ERROR[plan.error.stage]
-        results[ended] = STAGES[ended].failure or results[ended]
+        results[ended] = SHOWN_STAGES[ended].failure or results[ended]
     return results

@@ -7,13 +7,13 @@ from functools import partial
 from app.panels.teach.search_strip import SearchStrip
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, hidden_button, pressed
-from app.stages.catalogue import STAGES, TITLES
+from app.stages.catalogue import SHOWN_STAGES, TITLES
 from app.state.frame import Frame
 from app.ui import page
 from app.ui.layout import Layout
 from app.ui.overlay import button
 
-_STEPS = (None, *STAGES)
+_STEPS = (None, *SHOWN_STAGES)
 """All stages together are a step before the first and after the last."""
 VIEWS = {
     "Whole": (0.82, -0.42, 0.38),
@@ -62,7 +62,7 @@ class Lecture:
         if self.on and steps:
             step = _STEPS.index(self._stage) + steps
             self._stage = _STEPS[step % len(_STEPS)]
-        return switches if self._stage is None else STAGES[self._stage].layers
+        return switches if self._stage is None else SHOWN_STAGES[self._stage].layers
 
     @property
     def stage(self) -> str:

@@ -20,13 +20,13 @@ from abi.arm_planning.world.paper_arm_distance_kernels import (
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
-from abi.curves.speed_profile import three_phase
+from abi.curves.three_phase_profile import three_phase
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.paper_arm.paper_arm import PaperArm, place
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
 from tests.random_scenes import mesh_source

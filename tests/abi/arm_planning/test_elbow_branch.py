@@ -11,7 +11,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.link_capsules import COLUMN
 from abi.robot.paper_arm.paper_arm import PaperArm, place
-from abi.scene.settings import Elbow
+from abi.scene.arm_settings import Elbow
 from tests.random_arms import arm_scene
 
 _SLACK = 0.006

@@ -15,7 +15,7 @@ from abi.arm_planning.motion.liquid import tilts
 from abi.arm_planning.motion.trajectory import Trajectory
 from abi.arm_planning.motion_law import LAWS, second_derivatives
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.speed_profile import SpeedProfile
+from abi.curves.three_phase_profile import ThreePhaseProfile
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.kinematics.inverse_dynamics import GRAVITY
@@ -100,7 +100,7 @@ def test_gentler_motions_take_longer(scene: str) -> None:
         assert durations == sorted(durations)
     assert durations[1] <= durations[2] < durations[3]
     assert durations[0] < durations[2]
-    assert isinstance(slowed.profile, SpeedProfile)
+    assert isinstance(slowed.profile, ThreePhaseProfile)
     assert slowed.profile.theorem_residual == pytest.approx(0, abs=1e-12)
 
 

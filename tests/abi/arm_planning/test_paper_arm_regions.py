@@ -16,8 +16,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.pose_kernels import CAPSULE, capsule_ends, pose_of
+from abi.scene.arm_settings import Elbow
 from abi.scene.scene import Scene
-from abi.scene.settings import Elbow
 from tests.random_arms import arm_scene
 
 

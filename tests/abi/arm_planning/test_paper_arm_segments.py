@@ -14,7 +14,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.pose_kernels import bend_near, pose_of, rates_near, reaches
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
 

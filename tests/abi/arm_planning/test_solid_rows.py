@@ -14,7 +14,7 @@ from abi.obstacles.primitive_tree_kernels import TREE
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from tests.abi import meshes
 
 _SURFACES = clean(*meshes.sphere(1, 0.4)), clean(*meshes.soup(40))

@@ -11,16 +11,17 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
+from abi.arm_planning.arm_errors import OutOfReach
 from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, follow
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.curves.clearance.bezier import Bezier
 from abi.curves.curve import arc_length
-from abi.curves.speed_profile import three_phase
-from abi.errors import ArgumentError, OutOfReach
+from abi.curves.three_phase_profile import three_phase
+from abi.errors import ArgumentError
 from abi.explain.paper import printed
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from tests.abi.bezier import interpolated
 
 POSITIVE = st.floats(-1, 1).map(lambda power: 10.0**power)

@@ -10,18 +10,18 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_trapezoid
 
 from abi.arrays import FloatArray
-from abi.curves.speed_profile import SpeedProfile, three_phase
+from abi.curves.three_phase_profile import ThreePhaseProfile, three_phase
 from abi.errors import SceneError
 
 MAGNITUDE = st.floats(-3, 3).map(lambda power: 10.0**power)
 
 
 @st.composite
-def profiles(draw: st.DrawFn) -> SpeedProfile:
+def profiles(draw: st.DrawFn) -> ThreePhaseProfile:
     return three_phase(draw(MAGNITUDE), draw(MAGNITUDE), draw(MAGNITUDE), draw(MAGNITUDE))
 
 
-def inside(profile: SpeedProfile) -> FloatArray:
+def inside(profile: ThreePhaseProfile) -> FloatArray:
     """Times strictly inside each phase that lasts."""
     ends = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
     shares = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
@@ -31,7 +31,7 @@ def inside(profile: SpeedProfile) -> FloatArray:
 
 @settings(max_examples=200)
 @given(profiles())
-def test_rests_at_start_and_end_and_travels_the_length(profile: SpeedProfile) -> None:
+def test_rests_at_start_and_end_and_travels_the_length(profile: ThreePhaseProfile) -> None:
     assert profile(0.0) == 0
     assert profile(profile.duration) == pytest.approx(profile.length, rel=1e-12)
     assert profile(0.0, 1) == 0
@@ -40,7 +40,7 @@ def test_rests_at_start_and_end_and_travels_the_length(profile: SpeedProfile) ->
 
 @settings(max_examples=200)
 @given(profiles())
-def test_phases_meet(profile: SpeedProfile) -> None:
+def test_phases_meet(profile: ThreePhaseProfile) -> None:
     for time in (profile.t1, profile.t1 + profile.t2):
         before, after = np.nextafter(time, 0), np.nextafter(time, np.inf)
         tick = 4 * np.spacing(profile.duration)
@@ -53,7 +53,7 @@ def test_phases_meet(profile: SpeedProfile) -> None:
 
 @settings(max_examples=200)
 @given(profiles())
-def test_distance_is_monotone_and_the_speed_is_kept(profile: SpeedProfile) -> None:
+def test_distance_is_monotone_and_the_speed_is_kept(profile: ThreePhaseProfile) -> None:
     time = np.linspace(-0.1, 1.1, 500) * profile.duration
     assert np.all(np.diff(profile(time)) >= -1e-13 * profile.length)
     assert np.all(profile(time, 1) >= 0)
@@ -63,7 +63,7 @@ def test_distance_is_monotone_and_the_speed_is_kept(profile: SpeedProfile) -> No
 
 @settings(max_examples=200)
 @given(profiles())
-def test_accelerations_are_exact(profile: SpeedProfile) -> None:
+def test_accelerations_are_exact(profile: ThreePhaseProfile) -> None:
     assert profile(profile.t1 / 2, 2) == profile.acceleration
     assert profile(profile.duration - profile.t3 / 2, 2) == -profile.deceleration
     if profile.t2 > 1e-9 * profile.duration:
@@ -73,7 +73,7 @@ def test_accelerations_are_exact(profile: SpeedProfile) -> None:
 @pytest.mark.slow
 @settings(max_examples=80)
 @given(profiles())
-def test_orders_are_derivatives_of_each_other(profile: SpeedProfile) -> None:
+def test_orders_are_derivatives_of_each_other(profile: ThreePhaseProfile) -> None:
     time = inside(profile)
     step = 1e-6 * profile.duration * np.ones_like(time)
     ends = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
@@ -90,7 +90,7 @@ def test_orders_are_derivatives_of_each_other(profile: SpeedProfile) -> None:
 
 @settings(max_examples=100)
 @given(profiles())
-def test_distance_is_the_integral_of_the_speed(profile: SpeedProfile) -> None:
+def test_distance_is_the_integral_of_the_speed(profile: ThreePhaseProfile) -> None:
     ends = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
     time = np.unique(np.concatenate([np.linspace(0, profile.duration, 200), ends]))
     travelled = cumulative_trapezoid(profile(time, 1), time, initial=0)
@@ -104,7 +104,7 @@ def test_distance_is_the_integral_of_the_speed(profile: SpeedProfile) -> None:
 @given(profiles())
 @example(three_phase(1.0, 10.0, 2.0, 3.0))
 @example(three_phase(100.0, 1.0, 2.0, 3.0))
-def test_theorem_1(profile: SpeedProfile) -> None:
+def test_theorem_1(profile: ThreePhaseProfile) -> None:
     assert abs(profile.theorem_residual) <= 4e-16 * profile.t1
     assert profile.t1 * profile.acceleration == pytest.approx(profile.peak_speed, rel=1e-14)
     assert profile.t3 * profile.deceleration == pytest.approx(profile.peak_speed, rel=1e-14)

@@ -13,16 +13,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, flat
-from abi.curves.speed_profile import three_phase
+from abi.curves.cubic_profile import CubicProfile, from_squared_speeds, jerk_limited
+from abi.curves.three_phase_profile import three_phase
 from abi.curves.time_optimal_kernels import fastest_speeds
-from abi.curves.timed_profile import TimedProfile, from_squared_speeds, jerk_limited
 from tests.kernel_forms import compiled, plain
 
 rates = st.floats(0.1, 30)
 lengths = st.floats(1e-3, 1e3)
 
 
-def check_derivatives(profile: TimedProfile) -> None:
+def check_derivatives(profile: CubicProfile) -> None:
     """Each derivative integrates to the one before it."""
     times = np.linspace(0, profile.duration, 2001)
     times = np.unique(np.concatenate([times, profile.breaks]))

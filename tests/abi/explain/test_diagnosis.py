@@ -20,7 +20,7 @@ from abi.explain.reason import Reason
 from abi.explain.what_if import MOST_NODES, WhatIf, rounded_down
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner import shared_mesh
-from abi.planner.branch import STAGES
+from abi.planner.branch import STAGE_NAMES
 from abi.planner.plan import Plan
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
@@ -33,7 +33,7 @@ def is_within(box: Workspace, point: Any) -> bool:
 
 
 def passes(made: Plan, stage: str) -> bool:
-    return made.error is None or STAGES.index(made.error.stage) > STAGES.index(stage)
+    return made.error is None or STAGE_NAMES.index(made.error.stage) > STAGE_NAMES.index(stage)
 
 
 def reason_of(scene: Scene) -> tuple[Plan, Reason]:

@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from abi import Planner, load_scene, plan
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.world.collision_world import paper_arm_world
-from abi.errors import ArmNotClear
 from abi.explain.arm_diagnosis import _bases
 from abi.explain.diagnosis import explain
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.robot.paper_arm.paper_arm import PaperArm
+from abi.scene.arm_settings import Elbow
 from abi.scene.scene import Scene
-from abi.scene.settings import Elbow
 from abi.search.build_graph import build_graph
 from abi.search.without_edges import without_edges
 from abi.tet_mesh.exclusion import FreeMesh, exclude

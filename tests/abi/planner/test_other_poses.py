@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from abi import compiling
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import BranchTask, OtherBranches
 from abi.arm_planning.urdf_arm_model import UrdfArmModel
-from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
 from abi.robot.urdf_arm import UrdfArm

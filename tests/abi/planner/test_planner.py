@@ -14,7 +14,7 @@ from abi import compiling
 from abi.arm_planning.arm_model import JointPath
 from abi.arm_planning.motion_law import motion_law
 from abi.curves import fit_bspline
-from abi.curves.timed_profile import PathProfile
+from abi.curves.cubic_profile import PathProfile
 from abi.errors import StageError
 from abi.planner import tool_branch
 from abi.planner.branch import BranchRun

@@ -5,7 +5,7 @@ import pytest
 
 from abi.arrays import read_only
 from abi.errors import StageError
-from abi.planner.stage import Stage
+from abi.planner.remembered_call import RememberedCall
 from abi.search.search_kernels import reconstruct_path
 from tests.kernel_forms import kernels_as
 
@@ -41,7 +41,7 @@ def work() -> Work:
 
 
 def test_equal_arguments_give_back_the_same_object_and_its_time(work: Work) -> None:
-    stage = Stage(work, work.clock)
+    stage = RememberedCall(work, work.clock)
     first = stage((1.0, "a"))
     assert stage((1.0, "a")) is first
     assert work.calls == 1
@@ -54,7 +54,7 @@ def test_equal_arguments_give_back_the_same_object_and_its_time(work: Work) -> N
 
 
 def test_a_remembered_error_does_not_gather_frames(work: Work) -> None:
-    stage, error = Stage(work, work.clock), StageError("mesh", "none", "None.", "")
+    stage, error = RememberedCall(work, work.clock), StageError("mesh", "none", "None.", "")
     depths = []
     for _ in range(3):
         with pytest.raises(StageError) as caught:
@@ -64,14 +64,14 @@ def test_a_remembered_error_does_not_gather_frames(work: Work) -> None:
 
 
 def test_arrays_are_the_same_only_as_objects(work: Work) -> None:
-    stage, array = Stage(work), np.zeros(3)
+    stage, array = RememberedCall(work), np.zeros(3)
     first = stage(array)
     assert stage(array) is first
     assert stage(array.copy()) is not first
 
 
 def test_an_error_of_the_stage_is_remembered_and_any_other_is_not(work: Work) -> None:
-    stage = Stage(work)
+    stage = RememberedCall(work)
     known = StageError("mesh", "kind", "It is so.", "Do this.")
     for _ in range(2):
         with pytest.raises(StageError) as raised:
@@ -86,14 +86,14 @@ def test_an_error_of_the_stage_is_remembered_and_any_other_is_not(work: Work) ->
 
 
 def test_named_arguments_count_as_well() -> None:
-    stage = Stage(lambda a, b=0: (a, b))
+    stage = RememberedCall(lambda a, b=0: (a, b))
     assert stage(1, b=0) == (1, 0)
     assert stage(1, b=5) == (1, 5)
     assert stage(1, b=5) is stage(1, b=5)
 
 
 def test_a_stage_tells_whether_its_inner_loops_ran_as_python() -> None:
-    stage = Stage(reconstruct_path)
+    stage = RememberedCall(reconstruct_path)
     with kernels_as(compiled=False):
         stage(np.array([-1, 0], np.int32), 1)
         assert stage.interpreted

@@ -16,9 +16,10 @@ import pytest
 import trimesh
 from mcap.reader import make_reader
 
+from abi.arm_planning.arm_errors import NoJointMotion
 from abi.arrays import FloatArray
 from abi.certification.certify import certify
-from abi.errors import NoJointMotion, SceneError
+from abi.errors import SceneError
 from abi.explain.arm_faults import limits_warning
 from abi.export.carried_objects import carried_objects
 from abi.export.formats import export

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from abi import compiling
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     bound_configurations,
@@ -21,7 +22,7 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
 )
 from abi.arm_planning.joint_rates import joint_rates
 from abi.arrays import FloatArray
-from abi.errors import ArmNotClear, ExportError, SceneError
+from abi.errors import ExportError, SceneError
 from abi.export.formats import FORMATS
 from abi.planner.arm_words import arm_result
 from abi.planner.plan import Plan

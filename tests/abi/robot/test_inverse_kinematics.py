@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.robot.paper_arm.inverse_kinematics import Solution, solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 Elbow = Literal["up", "down"]
 ELBOWS: tuple[Elbow, Elbow] = ("up", "down")

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.robot.paper_arm.link_capsules import FOREARM, SLIDE, UPPER_ARM
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm, forward, place, urdf
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 LENGTH = st.floats(-0.7, 0.7).map(lambda power: 3 * 10.0**power)
 

@@ -20,7 +20,7 @@ from abi.robot.bodies.link_solid import LinkSolid
 from abi.robot.bodies.urdf_writer import DENSITY, inertia
 from abi.robot.paper_arm import arm_links
 from abi.robot.paper_arm.paper_arm import JOINTS, STROKE, PaperArm, forward, urdf
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 
 LENGTH = st.floats(-1.5, 1.5).map(lambda power: 10.0**power)
 COORDINATE = st.floats(-20, 20)

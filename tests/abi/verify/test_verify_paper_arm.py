@@ -18,7 +18,7 @@ from abi import Scene, load_scene, plan
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.scene.settings import ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from abi.verify.arm_capsules import capsules_of
 from abi.verify.exact_paper_arm import ExactArm
 from abi.verify.verify import Verdict, verify

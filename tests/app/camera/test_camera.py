@@ -14,7 +14,7 @@ from app.camera.camera import View
 from app.camera.extent import extent
 from app.camera.framing import Window, axes, covered, holds, stand, widest
 from app.drawing.box import box_corners
-from app.stages.catalogue import STAGES
+from app.stages.catalogue import SHOWN_STAGES
 from app.tab.session import Session
 from app.ui.page_area import PageArea
 from tests.app.fake_tab import FakeTab, until
@@ -101,7 +101,7 @@ def test_a_lecture_turns_to_the_workspace_alone_until_the_arm_is_shown(
     fake.set(lecture.toggle, True)
     until(lambda: lecture.on and session.resting)
     whole = camera.position
-    for stage in STAGES:
+    for stage in SHOWN_STAGES:
         fake.set(lecture._forward, True)
         until(lambda: session.frame.stage == stage and session.resting)  # noqa: B023
         assert np.allclose(camera.position, whole) == (stage == "arm")

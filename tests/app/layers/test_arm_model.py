@@ -19,8 +19,8 @@ from abi.robot.kinematics.chain_kernels import POSE
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene, load_scene
-from abi.scene.settings import ArmSettings
 from app.layers.arm.arm import ArmLayer
 from app.layers.arm.arm_ghosts import ArmGhostsLayer, _poses_of
 from app.layers.arm.arm_nodes import JointNode

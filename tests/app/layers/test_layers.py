@@ -38,7 +38,7 @@ from app.panels.messages import _change_label, _progress
 from app.panels.teach.lecture import VIEWS
 from app.server.address import Address
 from app.server.server import Server, start
-from app.stages.catalogue import STAGES
+from app.stages.catalogue import SHOWN_STAGES
 from app.state.appearance import PLAIN
 from app.state.frame import Frame
 from app.tab.session import Session
@@ -435,15 +435,15 @@ def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) ->
     until(lambda: session.frame.lecture)
     assert " length" in shown["numbers"]
     seen = []
-    for stage in STAGES:
+    for stage in SHOWN_STAGES:
         fake.set(panels.lecture._forward, True)
         until(lambda: session.frame.stage == stage)  # noqa: B023
         numbers = stage_headline(session.frame.plan, stage)
         until(lambda: shown["numbers"] == numbers)  # noqa: B023
-        until(lambda: STAGES[stage].sentence in shown["message"])  # noqa: B023
+        until(lambda: SHOWN_STAGES[stage].sentence in shown["message"])  # noqa: B023
         seen.append(numbers)
     assert all(seen)
-    assert len(set(seen)) == len(STAGES)
+    assert len(set(seen)) == len(SHOWN_STAGES)
     fake.set(panels.lecture._forward, True)
     until(lambda: not session.frame.stage and " length" in shown["numbers"])
     fake.set(panels.lecture.toggle, True)

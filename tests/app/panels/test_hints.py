@@ -10,7 +10,7 @@ import abi
 from abi.planner.plan import Plan
 from app.layers.result.headline import headline
 from app.layers.result.tables import _searches, _stages
-from app.stages.catalogue import STAGES
+from app.stages.catalogue import SHOWN_STAGES
 from app.tab.session import Session
 from app.tab.view import SWITCHES
 from app.ui.numbers import format_setting
@@ -50,9 +50,11 @@ def test_each_large_number_is_explained(plan: Plan) -> None:
 
 
 def test_each_number_of_a_stage_is_explained_and_is_its_own(plan: Plan) -> None:
-    shown = [number for stage in STAGES for number in STAGES[stage].numbers(plan)]
+    shown = [number for stage in SHOWN_STAGES for number in SHOWN_STAGES[stage].numbers(plan)]
     assert all(len(hint) > 10 for _, _, hint in shown)
-    told = {stage: {name for _, name, _ in one.numbers(plan)} for stage, one in STAGES.items()}
+    told = {
+        stage: {name for _, name, _ in one.numbers(plan)} for stage, one in SHOWN_STAGES.items()
+    }
     assert all(1 < len(names) < 4 for names in told.values() if names)
     assert not told["mesh"] & told["graph"]
     assert not told["quadratic"] & told["arm"]
@@ -61,17 +63,17 @@ def test_each_number_of_a_stage_is_explained_and_is_its_own(plan: Plan) -> None:
 def test_the_numbers_of_grid_and_graph_are_the_plans(plan: Plan) -> None:
     assert plan.free is not None
     assert plan.graph is not None
-    (free, *_), (tetrahedra, *_), (removed, *_) = STAGES["mesh"].numbers(plan)
+    (free, *_), (tetrahedra, *_), (removed, *_) = SHOWN_STAGES["mesh"].numbers(plan)
     points = len(plan.free.mesh.points)
     assert int(free.replace(",", "")) + int(removed.replace(",", "")) == points
     assert int(tetrahedra.replace(",", "")) == plan.free.tetrahedra_kept
-    kept, whole = STAGES["graph"].numbers(plan)[0][0].replace(",", "").split(" of ")
+    kept, whole = SHOWN_STAGES["graph"].numbers(plan)[0][0].replace(",", "").split(" of ")
     assert int(whole) - int(kept) == plan.graph.removed_edges
 
 
 def test_the_quadratic_tells_how_near_it_comes_itself() -> None:
     made = abi.plan(abi.load_scene("paper"))
-    numbers = {name: value for value, name, _ in STAGES["quadratic"].numbers(made)}
+    numbers = {name: value for value, name, _ in SHOWN_STAGES["quadratic"].numbers(made)}
     assert "✗" in numbers["closest to an obstacle (curve)"]
     assert numbers["top speed"] == "4.000 cm/s"
     assert numbers["speed up, cruise, brake"] == "0.67 + 2.19 + 0.67 s"

@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, read_only
-from abi.curves.speed_profile import SpeedProfile
+from abi.curves.three_phase_profile import ThreePhaseProfile
 from abi.errors import ArgumentError
 
 _TINY = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TimedProfile(ShortRepr):
+class CubicProfile(ShortRepr):
     """Motion from rest to rest that never moves backwards.
 
     Attributes:
@@ -60,11 +60,11 @@ class TimedProfile(ShortRepr):
         inner = np.clip(inner, 0, np.diff(self.breaks))
         return float(max(self(self.breaks, 1).max(), ((3 * a * inner + 2 * b) * inner + c).max()))
 
-    def stretched(self, factor: float) -> TimedProfile:
+    def stretched(self, factor: float) -> CubicProfile:
         """Slow the motion down, so that it takes ``factor`` times as long."""
         powers = factor ** np.array([-3.0, -2.0, -1.0, 0.0])[:, None]
         slower = read_only(self.coefficients * powers)
-        return TimedProfile(self.length, read_only(self.breaks * factor), slower)
+        return CubicProfile(self.length, read_only(self.breaks * factor), slower)
 
     def __call__(self, time: ArrayLike, order: int = 0) -> FloatArray:
         """Distance travelled, or its derivative by time.
@@ -90,11 +90,11 @@ class TimedProfile(ShortRepr):
         return np.where(given == t, value, 0.0)
 
 
-PathProfile = SpeedProfile | TimedProfile
+PathProfile = ThreePhaseProfile | CubicProfile
 """Distance along a curve as a function of time."""
 
 
-def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) -> TimedProfile:
+def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) -> CubicProfile:
     """Fastest motion from rest to rest under a speed, an acceleration and a jerk.
 
     Seven pieces of constant jerk, some of which may take no time (Biagiotti and Melchiorri,
@@ -122,7 +122,7 @@ def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) 
     a, v, d = rates[:, :-1]
     breaks = np.concatenate([[0.0], np.cumsum(durations)])
     coefficients = np.stack([jerks / 6, a / 2, v, d])
-    return TimedProfile(length, read_only(breaks), read_only(coefficients))
+    return CubicProfile(length, read_only(breaks), read_only(coefficients))
 
 
 def _top_speed(length: float, speed: float, acceleration: float, jerk: float) -> float:
@@ -134,7 +134,7 @@ def _top_speed(length: float, speed: float, acceleration: float, jerk: float) ->
     return min(speed, long_way if long_way >= acceleration * change else short_way)
 
 
-def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArray) -> TimedProfile:
+def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArray) -> CubicProfile:
     """The motion whose acceleration is constant between distances, from its speeds there.
 
     Args:
@@ -156,4 +156,4 @@ def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArra
     accelerations = np.diff(squared) / (2 * steps)
     breaks = np.concatenate([[0.0], np.cumsum(times)])
     coefficients = np.stack([np.zeros_like(steps), accelerations / 2, speeds[:-1], distances[:-1]])
-    return TimedProfile(length, read_only(breaks), read_only(coefficients))
+    return CubicProfile(length, read_only(breaks), read_only(coefficients))

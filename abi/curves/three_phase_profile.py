@@ -15,7 +15,7 @@ from abi.errors import SceneError
 
 
 @dataclass(frozen=True, eq=False)
-class SpeedProfile:
+class ThreePhaseProfile:
     """Motion from rest to rest: speeding up, cruising, slowing down.
 
     The distance travelled is the area of a trapezoid (paper, stage 5), or of a triangle if the
@@ -110,7 +110,7 @@ class SpeedProfile:
 @lru_cache(maxsize=64)
 def three_phase(
     length: float, speed: float, acceleration: float, deceleration: float
-) -> SpeedProfile:
+) -> ThreePhaseProfile:
     """Fastest motion from rest to rest along a length under a speed and two accelerations.
 
     With V = a1·t1 = a3·t3 the trapezoid's area is (t1 + 2·t2 + t3)·V / 2 = length (paper, stage 5);
@@ -135,7 +135,7 @@ def three_phase(
     mean_slowness = (1 / acceleration + 1 / deceleration) / 2
     triangular = speed * speed * mean_slowness > length
     peak = min(speed, math.sqrt(length / mean_slowness)) if triangular else speed
-    return SpeedProfile(
+    return ThreePhaseProfile(
         length=length,
         speed=speed,
         acceleration=acceleration,

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from abi import progress
+from abi.arm_planning.arm_errors import NoJointMotion
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.joint_search.held_part import HeldPart
 from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
@@ -29,16 +30,15 @@ from abi.arm_planning.world.chain_distances import inside_meshes, obstacle_dista
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.link_contact import link_contact
 from abi.arrays import FloatArray
-from abi.errors import NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, rotation
-from abi.planner.held_branch import move_holding
+from abi.planner.held_direction_motion import move_holding
 from abi.planner.planning_task import sample_count
 from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.scene.arm_end import ENDS
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
-from abi.scene.settings import ArmSettings
 
 THOROUGH, HASTY = (
     JointSearchEffort(samples=3_000, shortcuts=60),

@@ -15,7 +15,7 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 
-class Stage(Generic[_P, _R]):
+class RememberedCall(Generic[_P, _R]):
     """A function that remembers its last call: equal arguments return the same object.
 
     Attributes:

@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from abi.arm_planning.arm_errors import DirectionNotHeld, NoJointMotion
 from abi.arm_planning.joint_search.held_part import HeldPart
 from abi.arm_planning.joint_search.held_path import HeldPath, path_holding
 from abi.arm_planning.joint_search.held_search import HeldSearch
@@ -27,7 +28,6 @@ from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
 from abi.arm_planning.motion_law import motion_law
 from abi.arrays import FloatArray
-from abi.errors import DirectionNotHeld, NoJointMotion
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planning_task import sample_count
 from abi.planner.stage_results import TimedMotion

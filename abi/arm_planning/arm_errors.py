@@ -1,0 +1,284 @@
+"""Why an arm has no motion: it is out of reach, not clear, or cannot keep what is asked of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from abi.errors import StageError, format_length
+
+
+class LinkContact(NamedTuple):
+    """What a link's shapes, as they are given, do where the convex pieces around it come too near.
+
+    Attributes:
+        touches: whether they touch the other.
+        depth: how far they are in it, at least, [unit].
+        distance: from it, at most, [unit], where they do not touch.
+        clearance: distance that is to be kept from it, [unit].
+    """
+
+    touches: bool
+    depth: float
+    distance: float
+    clearance: float
+
+
+class OutOfReach(StageError):
+    """Error for a stretch of the curve that the arm cannot reach.
+
+    Args:
+        first: time of the first point out of reach, [s].
+        last: time of the last point out of reach, [s].
+        shortfall: the largest distance missing, [unit].
+        too_near: True when the worst point is too near to the shoulder rather than too far.
+        slide: extension of the slide q5 at that time and its limit, [unit], if it is past the limit
+            and so makes the forearm too long or too short.
+    """
+
+    def __init__(
+        self,
+        first: float,
+        last: float,
+        shortfall: float,
+        too_near: bool,
+        slide: tuple[float, float] | None = None,
+    ) -> None:
+        place = "too near to the shoulder" if too_near else "too far away"
+        hint = (
+            "Move the base away from the curve, or make the upper arm as long as forearm and slide "
+            "together."
+            if too_near
+            else "Move the base nearer, or lengthen upper arm, forearm or slide."
+        )
+        if slide is not None:
+            extension, limit = slide
+            hint = (
+                f"The slide would run to {format_length(extension)}, and it ends at "
+                f"{format_length(limit)}: go faster, or set the slide's force to 0."
+            )
+        super().__init__(
+            "arm",
+            "out_of_reach",
+            f"The arm cannot reach the curve from {first:.2f} s to {last:.2f} s: it is {place}, "
+            f"by up to {format_length(shortfall)}.",
+            hint,
+        )
+        self.first = first
+        self.last = last
+        self.shortfall = shortfall
+        self.slide = slide
+
+
+class ArmNotClear(StageError):
+    """Error if no motion was found on which the whole arm is proven clear; the tool has one.
+
+    Args:
+        branch: branch of the arm that was searched, as the beginning of a sentence.
+        where: ``start`` or ``goal`` if the arm is not clear there; ``path`` if the mesh has no
+            clear path; ``curve`` if no curve near the path is clear.
+        link: link that is in the way at start or goal; empty if the arm is out of reach there.
+        obstacle: index of what it touches, from 0, or its name; None if out of reach.
+        sentences: message to use instead of the one that follows from the other arguments.
+        has_elbow: whether the branches are the two sides of an elbow.
+        why: why start or goal cannot be taken, with joint, limit or distance, as a predicate.
+        contact: whether the link itself touches that; None where it is not known.
+    """
+
+    def __init__(
+        self,
+        branch: str,
+        where: str,
+        link: str = "",
+        obstacle: int | str | None = None,
+        sentences: str = "",
+        has_elbow: bool = True,
+        why: str = "",
+        contact: LinkContact | None = None,
+    ) -> None:
+        message = {
+            "path": f"{branch}, no path was found that keeps the whole arm clear.",
+            "curve": f"{branch}, the arm is clear along a path, but it is not proven "
+            "clear along any curve found near it.",
+        }.get(where)
+        if message is None:
+            fault = f"the arm cannot reach the {where} within its joint limits"
+            if why:
+                fault = f"the arm {why} at the {where}"
+            if obstacle is not None:
+                # bodies of other arms than the paper's are a little larger than their links
+                fault = _touched(link, obstacle, contact, f" at the {where}", has_elbow)
+            message = f"{branch}, {fault}."
+        other = "let the elbow be auto" if has_elbow else "leave the direction of the gripper free"
+        super().__init__(
+            "arm",
+            "arm_not_clear",
+            sentences or message,
+            "The plan shown is for the tool tip alone. Move an obstacle or the arm's base, or "
+            f"{other}.",
+        )
+        self.branch = branch
+        self.where = where
+        self.link = link
+        self.obstacle = obstacle
+        self.has_elbow = has_elbow
+
+    @classmethod
+    def of_all(
+        cls, faults: Sequence[ArmNotClear], others: Sequence[ArmNotClear] = (), note: str = ""
+    ) -> ArmNotClear:
+        """Combine the errors of all branches; for start poses, the one that got farthest counts.
+
+        Args:
+            faults: errors of the branches, at least one.
+            others: errors of branches with redundant joints drawn elsewhere.
+            note: sentence on why there are no such branches.
+        """
+        order = ("start", "goal", "path", "curve")
+        first = faults[0]
+        text = " ".join(fault._sentences[0] for fault in faults)
+        if not first.has_elbow:
+            first = max((*faults, *others), key=lambda fault: order.index(fault.where))
+            tried = ""
+            if len(faults) > 1 or others:
+                poses = "one pose" if len(faults) == 1 else f"{len(faults)} poses"
+                tried = f"The arm was tried from {poses} at the start"
+            if others:
+                ways = "one other way" if len(others) == 1 else f"{len(others)} other ways"
+                tried += f", and held in {ways}"
+            text = " ".join(filter(None, (f"{tried}." if tried else "", first._sentences[0], note)))
+        return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
+
+    def nor_in_joints(self, fault: NoJointMotion) -> ArmNotClear:
+        """A copy whose text adds why there is no motion in the space of the joints, either."""
+        text = " ".join(self._sentences[:1] + fault._sentences[:1])
+        return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
+
+    def along_tool(self, touched: str) -> ArmNotClear:
+        """A copy whose text adds what the arm touches along the curve of the tool alone."""
+        text = f"{self._sentences[0]} Along the curve of the tool tip alone {touched}."
+        return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
+
+
+class NoJointMotion(StageError):
+    """Error if no motion of the arm was found in the space of its joints.
+
+    Args:
+        where: ``start`` or ``goal`` if the arm has no clear pose there, ``path`` if the search has
+            found none in its time, ``curve`` if no smooth curve near its path is clear, ``same`` if
+            the joints are at the goal already.
+        link: link that is in the way at start or goal; empty if no pose was found there.
+        obstacle: index of what it touches, from 0, or its name.
+        poses: number of poses that were tried there.
+        samples: number of random positions that were searched towards.
+        contact: whether the link itself touches that; None where it is not known.
+    """
+
+    def __init__(
+        self,
+        where: str,
+        link: str = "",
+        obstacle: int | str | None = None,
+        poses: int = 0,
+        samples: int = 0,
+        contact: LinkContact | None = None,
+    ) -> None:
+        message = {
+            "path": "No motion was found in the space of the joints, towards "
+            f"{samples:,} random positions of them.",
+            "curve": "A path was found in the space of the joints, but no smooth curve near it "
+            "along which the arm is proven clear.",
+            "same": "The joints are at the goal already.",
+        }.get(where)
+        if message is None:
+            message = f"No joint positions were found for what is asked at the {where}."
+            if obstacle is not None:
+                tried = "In the first of the" if poses > 1 else "In the"
+                poses_there = f"{poses} poses found" if poses > 1 else "pose asked for"
+                touched = _touched(link, obstacle, contact)
+                message = f"{tried} {poses_there} at the {where} {touched}."
+        hint = "Move an obstacle or the arm's base, or ask for another start or goal."
+        super().__init__("arm", "no_joint_motion", message, hint)
+        self.where = where
+
+
+class DirectionNotHeld(StageError):
+    """Error if no motion of the arm keeps the direction of its tool where that is asked for.
+
+    Args:
+        where: ``start`` or ``goal`` if the tool is turned otherwise there, ``path`` if no motion
+            was found.
+        tolerance: angle within which the direction is to be kept, [rad].
+        part: shares of the motion's time between which it is.
+        angle: by how much it is off at start or goal, at least, [rad].
+    """
+
+    def __init__(
+        self, where: str, tolerance: float, part: tuple[float, float], angle: float = 0.0
+    ) -> None:
+        within = f"{math.degrees(tolerance):.3g}°"
+        begin, end = (f"{100 * share:.3g} %" for share in part)
+        message = (
+            f"No motion was found that keeps the tool within {within} of its direction from "
+            f"{begin} to {end} of its time."
+        )
+        hint = "Allow a larger tolerance (arm.axis.tolerance), or a shorter part of the motion."
+        if where != "path":
+            message = (
+                f"At the {where} the tool is {math.degrees(angle):.3g}° off the direction that it "
+                f"has to keep within {within} there."
+            )
+            name = "from" if where == "start" else "to"
+            hint = f"Turn the tool at the {where}, or let arm.axis.{name} leave the {where} out."
+        super().__init__("arm", "direction_not_held", message, hint)
+        self.where = where
+
+
+class NotFollowed(StageError):
+    """Error for a stretch of the curve that a URDF arm cannot follow.
+
+    Args:
+        first: time of the first point it misses, [s].
+        last: time of the last point it misses, [s].
+        shortfall: the largest distance by which it misses the curve, [unit].
+    """
+
+    def __init__(self, first: float, last: float, shortfall: float) -> None:
+        super().__init__(
+            "arm",
+            "out_of_reach",
+            f"From t = {first:.2f} s to {last:.2f} s the arm cannot follow the curve: out of reach "
+            f"or past a joint's limit by up to {format_length(shortfall)}.",
+            "Move the base nearer, or leave the direction of the gripper free.",
+        )
+        self.first = first
+        self.last = last
+        self.shortfall = shortfall
+
+
+def _touched(
+    link: str, obstacle: int | str, contact: LinkContact | None, at: str = "", exact: bool = False
+) -> str:
+    """Clause on a link that is in the way at start or goal.
+
+    Args:
+        link: its name.
+        obstacle: index of what it touches, from 0, or its name.
+        contact: of its shapes; None where that is not known.
+        at: where that is, to stand behind the name of the obstacle.
+        exact: whether what is known without ``contact`` is of the link itself.
+    """
+    name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
+    name, link = f"{name}{at}", f"the {link.replace('_', ' ')}"
+    if contact is None:
+        return f"{link} {'touches' if exact else 'may touch'} {name}"
+    if contact.touches:
+        deep = f", {format_length(contact.depth)} deep" if contact.depth > 0 else ""
+        return f"{link} touches {name}{deep}"
+    away = f"{link} does not touch {name}"
+    if contact.distance < contact.clearance:
+        asked = f"the clearance is {format_length(contact.clearance)}"
+        return f"{away} but is at most {format_length(contact.distance)} from it, {asked}"
+    at_most = f", at most {format_length(contact.distance)} away" if contact.distance > 0 else ""
+    return f"{away}{at_most}, but the convex pieces that contain it come too near"
