@@ -209,13 +209,14 @@ def test_no_clear_quadratic_on_a_grid_is_nearer(seed: int) -> None:
     directions = rng.normal(size=(400, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     t, fine = np.linspace(0, 1, 80), np.linspace(0, 1, 1500)
+    allowance = 1.1e-5 * spline.curve.extent  # as much more is aimed at
     for radius in (0.5 * moved, 0.8 * moved, 0.94 * moved):
         change = radius * directions[:, None] * (t * t - t)[None, :, None]
         distance, _ = obstacles.nearest((first.curve(t) + change).reshape(-1, 3))
         seemingly = distance.reshape(400, -1).min(axis=1) >= spline.required
         for direction in directions[seemingly]:
             points = first.curve(fine) + radius * direction * (fine * fine - fine)[:, None]
-            assert obstacles.nearest(points)[0].min() < spline.required
+            assert obstacles.nearest(points)[0].min() < spline.required + allowance
 
 
 def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
