@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from decimal import ROUND_FLOOR, Context
 
 import numpy as np
 
@@ -16,6 +17,12 @@ def format_lower_bound(distance: float) -> str:
     """A distance as a length, but rounded down, which leaves a lower bound one."""
     shift = 10.0 ** _decimals(distance)
     return format_length(math.floor(shift * distance + 1e-6) / shift)
+
+
+def format_proven(distance: float, digits: int = 4) -> str:
+    """A distance that is proven, in some digits, rounded down so that the text is proven, too."""
+    rounded = Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(repr(float(distance)))
+    return f"{rounded.normalize():f}"
 
 
 def format_setting(number: float, digits: int = 4) -> str:

@@ -10,6 +10,7 @@ from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import ShortRepr
 from abi.certification.clearance_proof import MotionTask, Separation
 from abi.certification.joint_limits import LimitsKept
+from abi.length_text import format_proven
 from abi.scene.scene import Scene
 
 State = Literal["clear", "touches", "undecided"]
@@ -111,7 +112,9 @@ class MotionVerdict(ShortRepr):
         if self.state == "clear":
             if math.isinf(self.clearance):
                 return "Proven clear: the robot touches neither itself nor the floor at any time."
-            kept = f"its moving links keep {self.clearance:.4g} {unit} from every obstacle"
+            kept = (
+                f"its moving links keep {format_proven(self.clearance)} {unit} from every obstacle"
+            )
             return (
                 f"Proven clear: {kept if self.clearance > 0 else 'its moving links touch nothing'}."
             )

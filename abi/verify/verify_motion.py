@@ -181,8 +181,9 @@ def _check_told(data: dict[str, Any]) -> None:
         raise Fault("its stretches are not all clear")
     sentence = str(data.get("sentence"))
     told = {float(number) for number in re.findall(r"\d[\d.e+-]*\d|\d", sentence)}
-    margin = data.get("clearance")
-    if not sentence.startswith("Proven clear") or told - {float(f"{margin or 0.0:.4g}")}:
+    margin = finite("clearance", data.get("clearance") or 0.0)
+    as_proven = all(0.999 * margin <= number <= margin for number in told)
+    if not sentence.startswith("Proven clear") or not as_proven:
         raise Fault("its sentence says something else")
 
 

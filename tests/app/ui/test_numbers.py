@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from abi import load_scene, plan
 from abi.errors import UNIT, SceneError, format_point
 from abi.explain.arm_faults import limit_sentence
+from abi.length_text import format_proven
 from abi.scene.scene import scene_names
 from app.layers.result.tables import _searches, _stages
 from app.panels.stages.stage_headers import _results
@@ -32,6 +33,11 @@ from app.ui.plan_notes import _clearance, _control_points, notes
 
 def _number(text: str) -> float:
     return float(text.replace("−", "-").replace(",", ""))
+
+
+@given(st.floats(1e-9, 1e9))
+def test_a_proven_distance_is_told_rounded_down(distance: float) -> None:
+    assert 0.999 * distance <= float(format_proven(distance)) <= distance
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 99.9995, 1e2, 1e3, 1e6])
