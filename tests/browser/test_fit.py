@@ -430,12 +430,12 @@ def test_the_numbers_under_a_slider_are_below_its_knob(page: Page) -> None:
 
 def test_no_line_of_the_sentence_ends_within_a_word_or_before_a_unit(page: Page) -> None:
     words = page.tab.locator("#abi-overlay [data-part=message] span")
-    assert words.count() == 4
+    assert words.count() >= 2  # curve and length, and how long it took where that is known
     lines = [
         page.tab.evaluate("part => part.getClientRects().length", part)
         for part in words.element_handles()
     ]
-    assert lines == [1, 1, 1, 1]
+    assert set(lines) == {1}
 
 
 def test_a_checkbox_is_level_with_its_label(page: Page) -> None:
