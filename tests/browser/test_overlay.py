@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from playwright.sync_api import Browser
@@ -91,6 +93,14 @@ def test_the_sheet_of_keys_opens_and_closes(page: Page, way: str) -> None:
     page.until(lambda: not is_open(), "the sheet to close again")
 
 
+def _is_under_the_mouse(page: Page, gizmo: str) -> bool:
+    """Move the mouse onto what moves by itself; whether it is still there two frames later."""
+    before = page.pixel(gizmo)
+    page.tab.mouse.move(*before)
+    page.frames(2)  # what is under the mouse is found while drawing
+    return math.dist(before, page.pixel(gizmo)) < 10
+
+
 @pytest.mark.parametrize("touched", ["a button", "the obstacle"])
 def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: str) -> None:
     paper = abi.load_scene("paper")
@@ -110,9 +120,13 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
         else:
             page.until(lambda: len(drawn.obstacles(page)) == 1, "the obstacle")
             (gizmo,) = drawn.obstacles(page)
-            # it moves on, by less than its size in the few frames until the press
+            page.until(lambda: _is_under_the_mouse(page, gizmo), "the obstacle under the mouse")
+            page.tab.mouse.down()
+            page.frames(2)
             x, y = page.pixel(gizmo)
-            page.drag((x, y), (x + 50, y + 40))
+            page.tab.mouse.move(x + 50, y + 40, steps=8)
+            page.frames(2)
+            page.tab.mouse.up()
             page.until(lambda: not session._pause.demo.running, "the end of the demonstration")
             page.until(lambda: session.resting and scene() != paper, "the obstacle's new place")
             page.until(lambda: drawn.shows(page, session.plan), "the plan")
