@@ -258,7 +258,7 @@ def test_the_arms_foot_is_above_the_headline_numbers(page: Page, session: Sessio
                     lambda: width > 1000 or page.tab.evaluate(_SCENE_WIDTH) > 0.85 * width,  # noqa: B023
                     "the page",
                 )
-                page.until(lambda: _are_above(page, seen), f"the arm of {name} at {width}", 20)  # noqa: B023
+                page.until(lambda: _are_above(page, seen), f"the arm of {name} at {width}")  # noqa: B023
             page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) < 0.6 * 1280, "the panels")
     finally:
         _put_back(page)

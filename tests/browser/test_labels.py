@@ -69,7 +69,7 @@ def test_labels_of_the_shipped_scenes_keep_apart(page: Page, session: Session) -
         page.choose("scene", name)
         page.until(lambda: session.resting and session.panels.files.name == name, f"scene {name}")  # noqa: B023
         page.settle()
-        page.until(lambda: _overlapping(page) == [], f"labels apart in {name}", 20)
+        page.until(lambda: _overlapping(page) == [], f"labels apart in {name}")
         assert {"/start/label", "/goal/label"} <= set(_labels(page))
         shifts = _shifts(page)
         assert all(shift < _FARTHEST for shift in shifts)
@@ -82,7 +82,7 @@ def test_labels_keep_apart_when_the_camera_turns(page: Page) -> None:
     for end in ((420.0, 520.0), (800.0, 150.0)):
         page.drag((600.0, 560.0), end)
         page.settle()
-        page.until(lambda: _overlapping(page) == [], "labels apart", 20)
+        page.until(lambda: _overlapping(page) == [], "labels apart")
 
 
 # Turns the camera once round in so many jumps; for each jump, pairs that lie over each other in the
@@ -131,7 +131,7 @@ def test_a_label_that_is_moved_keeps_apart_at_once(page: Page) -> None:
     offs = page.tab.evaluate(_FOLLOWED)
     assert offs
     assert max(offs) < 1e-9
-    page.until(lambda: _overlapping(page) == [], "labels apart", 20)
+    page.until(lambda: _overlapping(page) == [], "labels apart")
 
 
 # Ground and letters of labels as they are drawn: their grey, from 0 to 1.

@@ -104,7 +104,7 @@ def test_everything_is_large_enough_for_a_finger(chromium: Browser, server: Serv
         assert page.tab.evaluate(_SMALL) == []
         page.tab.get_by_text(TITLE, exact=True).click()
         page.until(lambda: _are_both_seen(page), "the sheet")
-        page.until(lambda: page.tab.evaluate(_HEADING, 14), "a finger's width of the heading", 20)
+        page.until(lambda: page.tab.evaluate(_HEADING, 14), "a finger's width of the heading")
         page.tab.get_by_text("Result · Search ·").click()
         page.until(lambda: _in_sight(page), "the tabs")
         for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
@@ -124,7 +124,7 @@ def test_a_lecture_shows_every_headline_whole(chromium: Browser, server: Server)
         page.tab.keyboard.press("l")
         for height in (844, 790):
             page.tab.set_viewport_size({"width": 390, "height": height})
-            page.until(lambda: bool(page.tab.evaluate(_WHOLE_HEADLINES)), f"them at {height}", 20)
+            page.until(lambda: bool(page.tab.evaluate(_WHOLE_HEADLINES)), f"them at {height}")
     finally:
         page.close()
 
@@ -140,7 +140,7 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, serve
         page.settle()
         for corner in ([0.0, 0.0, 0.0], [6.0, 6.0, 6.0], [6.0, 0.0, 6.0], [0.0, 6.0, 0.0]):
             # the camera follows what the server hears of the sheet
-            page.until(lambda: page.is_free(page.pixel("/workspace", corner)), f"{corner}", 20)  # noqa: B023
+            page.until(lambda: page.is_free(page.pixel("/workspace", corner)), f"{corner}")  # noqa: B023
         page.tab.get_by_text("Result · Search ·").click()
         page.until(lambda: _in_sight(page), "the tabs")
         for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
