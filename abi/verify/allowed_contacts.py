@@ -18,11 +18,12 @@ import scipy
 
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
-from abi.verify.certificate import ARM, Fault
-from abi.verify.exact import ExactSolid
-from abi.verify.exact_chain import ExactChain
-from abi.verify.exact_mesh import ExactMesh
-from abi.verify.link_corners import LinkPiece
+from abi.verify.certificate import ARM
+from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.link_corners import LinkPiece
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactSolid
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plumb_line import is_beneath
 

@@ -12,8 +12,9 @@ from fractions import Fraction
 from operator import attrgetter
 from typing import Any
 
-from abi.verify.certificate import ARM, Fault
-from abi.verify.exact_paper_arm import Body, ExactArm, ExactCapsule
+from abi.verify.certificate import ARM
+from abi.verify.exact.paper_arm import Body, ExactArm, ExactCapsule
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping
 
 _BODIES: dict[str, Body] = {

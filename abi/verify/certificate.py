@@ -7,8 +7,9 @@ from fractions import Fraction
 from operator import attrgetter
 from typing import Any, NamedTuple, TypeVar
 
-from abi.verify.exact import ExactSolid, Vec3
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactSolid, Vec3
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
 
 ARM = "arm.certificate"
@@ -20,10 +21,6 @@ CapsuleKey = tuple[int, int | str]
 
 _Key = TypeVar("_Key")
 _NONE = Fraction(0)
-
-
-class Fault(Exception):
-    """Fault of a certificate that leaves its claim unproven."""
 
 
 class CertifiedPlane(NamedTuple):

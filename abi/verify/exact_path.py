@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from abi.errors import SceneError
-from abi.verify.certificate import Fault
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import list_of, numbers_of
 
 Row = list[Fraction]

@@ -12,9 +12,9 @@ from fractions import Fraction
 from typing import Any
 
 from abi.scene.held_axis import HeldAxis
-from abi.verify.certificate import Fault
-from abi.verify.exact import dot, sqrt_bounds, sub, vector
-from abi.verify.exact_chain import ExactChain, ExactFrame, nearly_sine_and_cosine
+from abi.verify.exact.chain import ExactChain, ExactFrame, nearly_sine_and_cosine
+from abi.verify.exact.solids import dot, sqrt_bounds, sub, vector
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import numbers_of
 
 _SLACK = Fraction(1, 10**9)

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from abi.errors import SceneError
-from abi.verify.exact import ExactCurve, ExactSpan, exact_quadratic, exact_spline
+from abi.verify.exact.solids import ExactCurve, ExactSpan, exact_quadratic, exact_spline
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 
 CURVES = ("bspline", "quadratic")

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from abi.errors import SceneError
-from abi.verify.exact import Vec3, vector
+from abi.verify.exact.solids import Vec3, vector
 
 
 def number_of(value: object) -> Fraction | None:

@@ -14,8 +14,8 @@ from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
-from abi.verify.exact import ExactSolid
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactSolid
 from abi.verify.plan_fields import list_of, mapping, numbers_of, vector_of
 
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.verify.exact import ExactSolid, in_body, vector
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactSolid, in_body, vector
 
 _ABOVE, _BELOW = 0.02, 0.2
 """Ends of the line: distances from the base's origin, along its z axis and against, [m]."""

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.verify.certificate import Fault
-from abi.verify.exact import Vec3, sub
+from abi.verify.exact.solids import Vec3, sub
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, numbers_of, vector_of
 
 _SAME = 1e-9

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-from abi.verify.certificate import CertifiedPlane, Fault
-from abi.verify.exact import ExactFloor, ExactSolid
-from abi.verify.exact_mesh import ExactMesh, Side
+from abi.verify.certificate import CertifiedPlane
+from abi.verify.exact.mesh import ExactMesh, Side
+from abi.verify.exact.solids import ExactFloor, ExactSolid
+from abi.verify.fault import Fault
 
 Span = tuple[Fraction, Fraction]
 """First and last parameter of a motion."""

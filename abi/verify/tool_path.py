@@ -18,11 +18,11 @@ import scipy
 
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
-from abi.verify.certificate import Fault
-from abi.verify.exact import ExactCurve, Vec3, sub, vector
-from abi.verify.exact_chain import nearly_sine_and_cosine
-from abi.verify.exact_paper_arm import ExactArm
-from abi.verify.exact_slide import ExactSlide
+from abi.verify.exact.chain import nearly_sine_and_cosine
+from abi.verify.exact.paper_arm import ExactArm
+from abi.verify.exact.slide import ExactSlide
+from abi.verify.exact.solids import ExactCurve, Vec3, sub, vector
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import list_of, numbers_of
 from abi.verify.samples import check_samples, check_tool_points
 

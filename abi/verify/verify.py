@@ -16,9 +16,9 @@ from typing import Any
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
-from abi.verify.certificate import Fault
-from abi.verify.exact import ExactSolid
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactSolid
+from abi.verify.fault import Fault
 from abi.verify.plan_curves import CURVES, curve_of
 from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plan_obstacles import obstacles_of

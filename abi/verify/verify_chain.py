@@ -27,17 +27,17 @@ from abi.verify.certificate import (
     ARM,
     CapsuleKey,
     CertifiedPlane,
-    Fault,
     capsule_of,
     claimed_margin,
     planes_of,
     words_of,
 )
-from abi.verify.exact import ExactFloor, ExactSolid, Vec3, dot, sub, times_length, vector
-from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact.chain import ExactChain, ExactFrame, exact_chain
+from abi.verify.exact.link_corners import LinkPiece, check_corners
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, dot, sub, times_length, vector
+from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held
-from abi.verify.link_corners import LinkPiece, check_corners
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.samples import check_samples, check_tool_points
 from abi.verify.separation import check_apart

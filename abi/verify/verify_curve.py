@@ -12,9 +12,10 @@ from typing import Any
 
 from abi.errors import SceneError
 from abi.scene.scene import Scene
-from abi.verify.certificate import CertifiedPlane, Fault, claimed_margin, planes_of
-from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.certificate import CertifiedPlane, claimed_margin, planes_of
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactCurve, ExactSolid, Vec3, dot, hull
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import mapping
 from abi.verify.separation import check_apart
 from abi.verify.tool_path import check_ends

@@ -24,12 +24,13 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor
-from abi.verify.certificate import MOTION, CertifiedPlane, Fault, planes_of, words_of
-from abi.verify.exact import ExactFloor, ExactSolid, Vec3, times_length
-from abi.verify.exact_chain import Exact, ExactChain, ExactFrame, exact_joints
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.certificate import MOTION, CertifiedPlane, planes_of, words_of
+from abi.verify.exact.chain import Exact, ExactChain, ExactFrame, exact_joints
+from abi.verify.exact.link_corners import LinkPiece, check_corners
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, times_length
 from abi.verify.exact_path import ExactPath, exact_path
-from abi.verify.link_corners import LinkPiece, check_corners
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.separation import check_apart

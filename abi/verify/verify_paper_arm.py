@@ -16,13 +16,16 @@ from abi.verify.certificate import (
     ARM,
     CapsuleKey,
     CertifiedPlane,
-    Fault,
     capsule_of,
     claimed_margin,
     planes_of,
     words_of,
 )
-from abi.verify.exact import (
+from abi.verify.exact.interval import enclose, rounded
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.paper_arm import ExactArm, ExactCapsule, ExactPose
+from abi.verify.exact.slide import ExactSlide, ExactTiming, anywhere, moving
+from abi.verify.exact.solids import (
     ExactCurve,
     ExactFloor,
     ExactSolid,
@@ -32,10 +35,7 @@ from abi.verify.exact import (
     times_length,
     vector,
 )
-from abi.verify.exact_mesh import ExactMesh
-from abi.verify.exact_paper_arm import ExactArm, ExactCapsule, ExactPose
-from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
-from abi.verify.interval import enclose, rounded
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, mapping
 from abi.verify.separation import check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at

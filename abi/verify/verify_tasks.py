@@ -15,8 +15,8 @@ from abi.arrays import FloatArray
 from abi.obstacles.pose import METRES, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
-from abi.verify.certificate import Fault
-from abi.verify.exact_chain import exact_chain
+from abi.verify.exact.chain import exact_chain
+from abi.verify.fault import Fault
 from abi.verify.plan_fields import list_of, mapping, numbers_of
 
 _SAME = 1e-9

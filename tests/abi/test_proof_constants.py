@@ -42,10 +42,11 @@ from abi.robot.urdf.urdf_reader import MAX_LINKS
 from abi.scene.scene import load_scene
 from abi.search.taut import geodesic_kernels
 from abi.search.taut.geodesic_kernels import around_box
-from abi.verify import exact_chain, verify_paper_arm
-from abi.verify.exact import vector
-from abi.verify.exact_paper_arm import ExactArm
-from abi.verify.interval import Interval
+from abi.verify import verify_paper_arm
+from abi.verify.exact import chain as exact_chain
+from abi.verify.exact.interval import Interval
+from abi.verify.exact.paper_arm import ExactArm
+from abi.verify.exact.solids import vector
 from abi.verify.plan_curves import curve_of
 from tests.abi import meshes
 from tests.kernel_forms import kernels_as
@@ -235,10 +236,10 @@ CONSTANTS = [
     Constant("abi.arm_planning.certificates.separate_pairs_kernels", "LONGER", longer, 1),
     Constant("abi.robot.paper_arm.pose_kernels", "COSINE_ROUNDING", cosine_of_elbow),
     Constant("abi.arm_planning.certificates.separate_chain_kernels", "WIDER", wider, 1),
-    Constant("abi.verify.exact_chain", "WIDER", verifier_wider, 1),
-    Constant("abi.verify.exact_mesh", "_ROUNDING", mesh_rounding),
-    Constant("abi.verify.exact_mesh", "_SMALLEST", mesh_smallest),
-    Constant("abi.verify.exact_slide", "_MOVED", slide_moved),
+    Constant("abi.verify.exact.chain", "WIDER", verifier_wider, 1),
+    Constant("abi.verify.exact.mesh", "_ROUNDING", mesh_rounding),
+    Constant("abi.verify.exact.mesh", "_SMALLEST", mesh_smallest),
+    Constant("abi.verify.exact.slide", "_MOVED", slide_moved),
     Constant("abi.search.taut.lower_bound", "_ROUND_DOWN", round_down, 1),
     Constant("abi.search.taut.lower_bound", "_ROUNDING", around_a_ball),
 ]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from abi.verify.certificate import Fault
+from abi.verify.fault import Fault
 from abi.verify.samples import check_samples, check_tool_points
 
 JOINTS = ("shoulder", "elbow")

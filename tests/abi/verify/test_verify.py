@@ -27,8 +27,8 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene, scene_names
-from abi.verify.exact import ExactSolid, exact_spline, in_body, sqrt_bounds, vector
-from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.solids import ExactSolid, exact_spline, in_body, sqrt_bounds, vector
 from abi.verify.verify import Verdict, verify
 from app.__main__ import main
 from benchmarks.certificates import as_plan, name_of, true_clearance

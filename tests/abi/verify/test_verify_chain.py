@@ -21,8 +21,8 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import Scene, load_scene
-from abi.verify.exact import Vec3, vector
-from abi.verify.exact_chain import exact_chain, sine_and_cosine
+from abi.verify.exact.chain import exact_chain, sine_and_cosine
+from abi.verify.exact.solids import Vec3, vector
 from abi.verify.verify import Verdict, verify
 from tests.abi.robot.robots import OWN, packed
 

@@ -20,7 +20,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import ArmSettings
 from abi.verify.arm_capsules import capsules_of
-from abi.verify.exact_paper_arm import ExactArm
+from abi.verify.exact.paper_arm import ExactArm
 from abi.verify.verify import Verdict, verify
 from tests.abi import meshes
 

@@ -16,7 +16,7 @@ from abi.arm_planning.joint_search.search_joints import JointSearchEffort
 from abi.arm_planning.world.collision_world import chain_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.verify.exact import vector
+from abi.verify.exact.solids import vector
 from tests.abi.arm_planning.test_chain_certificate import between, some_arm
 
 ARMS = ("ur5e", "panda", "sliding", "linkage")

@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import NamedTuple
 
-from abi.verify.exact import Vec3, sqrt_bounds
+from abi.verify.exact.solids import Vec3, sqrt_bounds
 
 _ONE = 1 << 90
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, NamedTuple
 
-from abi.verify.exact import Vec3, dot
-from abi.verify.interval import Interval, enclose
+from abi.verify.exact.interval import Interval, enclose
+from abi.verify.exact.solids import Vec3, dot
 
 Vec3I = tuple[Interval, Interval, Interval]
 

@@ -17,8 +17,8 @@ import scipy
 
 from abi.arrays import BoolArray, FloatArray
 from abi.robot.urdf.robot import LinkShape, Robot
-from abi.verify.certificate import Fault
-from abi.verify.exact_chain import ExactChain
+from abi.verify.exact.chain import ExactChain
+from abi.verify.fault import Fault
 
 _NEAR = 1e-6
 """Distance that a corner may be outside, over the largest coordinate of its link and 1 m."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.verify.exact import Vec3, dot, in_body, sub, times_length, vector
+from abi.verify.exact.solids import Vec3, dot, in_body, sub, times_length, vector
 
 _ROUNDING = 2.0**-50
 """Rounding of a sum of products, as a part of the sum of their magnitudes."""

@@ -11,8 +11,8 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from fractions import Fraction
 
-from abi.verify.exact import ExactCurve, dot, sub
-from abi.verify.interval import Interval, enclose, rounded
+from abi.verify.exact.interval import Interval, enclose, rounded
+from abi.verify.exact.solids import ExactCurve, dot, sub
 
 _MOVED = Fraction(1, 1 << 59)
 """How much longer or shorter a step may be whose ends were rounded, [unit]."""

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from abi.robot.urdf.held_joints import NOT_HELD
 from abi.robot.urdf.robot import Joint, Robot, joints_to
-from abi.verify.certificate import Fault
-from abi.verify.exact import Vec3, in_body, sqrt_bounds
+from abi.verify.exact.solids import Vec3, in_body, sqrt_bounds
+from abi.verify.fault import Fault
 
 _BITS = 200
 _ONE = 1 << _BITS

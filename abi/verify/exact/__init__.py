@@ -1,0 +1,1 @@
+"""Curves, solids and arms in exact rational numbers, without the code that plans."""
