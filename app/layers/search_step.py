@@ -14,8 +14,9 @@ from app.drawing.lines import NO_SEGMENTS, add_line, segments
 from app.layers.line_set import LineSet
 from app.layers.points import Points
 from app.state.frame import Frame, Layer
+from app.theatre.compared import LETTERS, lettered, lots
 from app.theatre.text import describe
-from app.theatre.theatre import Theatre, formula, priorities
+from app.theatre.theatre import Theatre, formula, order_label, priorities
 from app.ui import page, style
 from app.ui.colour_scale import scale_colours
 from app.ui.layout import Layout
@@ -23,7 +24,6 @@ from app.ui.numbers import unbroken
 
 NODE_BUDGET = 20_000
 """Nodes of each kind that a tab is sent at the most."""
-_MIX = np.uint64(2654435761)
 
 
 class TheatreLayer(Layer):
@@ -102,7 +102,7 @@ def _waiting_colours(state: SearchState, nodes: IntArray) -> ByteArray:
 
 
 def _numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
-    """What the page says of a node at the pointer, and which nodes it rings.
+    """What the page says of a node at the pointer, and which nodes it rings or gives letters.
 
     g and h of visited and waiting nodes are in the order in which these are drawn.
     """
@@ -111,14 +111,29 @@ def _numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
     kinds = {"closed": few(state.closed, n), "open": few(state.open, n)}
     both = {kind: np.stack([state.cost[k], state.to_go(k)], axis=1) for kind, k in kinds.items()}
     best_first = state.trace.queue == "best_first"
+    line = priorities(state)[np.isin(state.open, kinds["open"])]
     return {
-        **{kind: b64encode(table.astype("<f4").tobytes()).decode() for kind, table in both.items()},
+        **{kind: _packed(table) for kind, table in both.items()},
         "ringed": np.flatnonzero(np.isin(kinds["open"], theatre.ringed)).tolist(),
         "size": 1.25 * _size(state),
         "factors": state.trace.factors if best_first else None,
         "formula": formula(state),
+        "line": _packed(line) if state.trace.queue == "first_in" else None,
+        "letters": [
+            {
+                "letter": letter,
+                "number": order_label(state, node),
+                "place": state.trace.arcs.points[node % n].tolist(),
+            }
+            for letter, node in zip(LETTERS, lettered(theatre).tolist(), strict=False)
+        ],
+        "answer": theatre.widget,
         "unit": scene.unit if scene.search.weight == "length" else "edges",
     }
+
+
+def _packed(numbers: FloatArray) -> str:
+    return b64encode(numbers.astype("<f4").tobytes()).decode()
 
 
 def _tree(state: SearchState) -> bytes:
@@ -136,8 +151,7 @@ def few(nodes: IntArray, n: int) -> IntArray:
     """At most about ``NODE_BUDGET`` of the nodes, by a lot that each has drawn for good."""
     if n <= NODE_BUDGET:
         return nodes
-    lot = (nodes.astype(np.uint64) * _MIX) & np.uint64(0xFFFFFFFF)
-    return nodes[lot < np.uint64(NODE_BUDGET / n * 2**32)]
+    return nodes[lots(nodes) < NODE_BUDGET / n * 2.0**31]
 
 
 def order_colours(state: SearchState, nodes: IntArray) -> FloatArray:

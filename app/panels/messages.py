@@ -22,6 +22,7 @@ from app.panels.teach.lesson_mark import LessonMark
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
+from app.theatre.text import question
 from app.ui import style
 from app.ui.arm_size import scene_size_note
 from app.ui.labels import LABELS, kept, sentence
@@ -183,6 +184,8 @@ def _progress(frame: Frame, still: bool = False) -> str:
     if frame.lesson:  # it says itself what there is to do
         return did
     if frame.theatre is not None:
+        if frame.theatre.asking and not frame.theatre.state.done:
+            return question(frame.theatre)
         return (
             "<b>A search, step by step.</b> Point at a node, or tap it, for its g, h and f. "
             "Paths, curves and arm are hidden until you close it."

@@ -5,7 +5,8 @@ from __future__ import annotations
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
-from app.theatre.theatre import Theatre, formula, labels, priorities, where
+from app.theatre.compared import LETTERS, lettered
+from app.theatre.theatre import Theatre, formula, labels, order_label, priorities, where
 from app.ui import style
 from app.ui.numbers import format_count, format_length
 from app.ui.table import table
@@ -41,24 +42,50 @@ def describe(theatre: Theatre, scene: Scene) -> str:
         queue = state.queue(len(_PLACES)).tolist()
         sides = (" ←" if node >= n else "" for node in queue)
         named += zip(_PLACES, queue, sides, strict=False)
+    letters = list(zip(LETTERS, lettered(theatre).tolist(), strict=False))
+    named += [(f"<b>{letter}</b>", node, "") for letter, node in letters]
     rows = [
-        (_at(state, node, f"{name} {where(state, node)}{side}"), *labels(state, node))
+        (_at(state, node, f"{name} {where(state, node)}{side}"), *_numbers(state, node))
         for name, node, side in named
         if node >= 0
     ]
     text = style.paragraph(text)
     if rows:
         cost = _unit(scene)
+        last = "no. in line" if trace.queue == "first_in" else f"f [{cost}]"
         text += table(
-            (f"node at [{scene.unit}]", f"g so far [{cost}]", f"h to go [{cost}]", f"f [{cost}]"),
-            rows,
+            (f"node at [{scene.unit}]", f"g so far [{cost}]", f"h to go [{cost}]", last), rows
         )
     if theatre.asking and not state.done:
-        asked = "<b>Which node is visited next?</b> Click or tap one of those that wait."
-        text += style.paragraph(asked)
+        text += style.paragraph(f"{question(theatre)} {_rule(state)}")
     if theatre.answer.text:
         text += style.paragraph(theatre.answer.text)
     return text
+
+
+def question(theatre: Theatre) -> str:
+    """The question which node is next, as HTML."""
+    asked, letters = "<b>Which node is visited next?</b>", LETTERS[: len(lettered(theatre))]
+    if len(letters) < 2:
+        return f"{asked} Click or tap one of those that wait."
+    return f"{asked} Compare {letters[0]} to {letters[-1]}, and click or tap one of them."
+
+
+def _rule(state: SearchState) -> str:
+    """Which of those that wait is next, in words."""
+    if state.trace.queue == "rounds":
+        return "In a round all are."
+    if state.trace.queue == "first_in":
+        return (
+            "It is the one that waits longest, with the least number in line: first in, first out."
+        )
+    return f"It has the least {_ordering(state)} of all that wait; where several tie, any is right."
+
+
+def _numbers(state: SearchState, node: int) -> tuple[str, str, str]:
+    """g, h, and what orders those that wait, as text."""
+    g, h, f = labels(state, node)
+    return g, h, f if state.trace.queue != "first_in" else order_label(state, node)
 
 
 def legend(theatre: Theatre, lesson: bool = False) -> str:
@@ -76,7 +103,8 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     elif lesson and theatre.asking and not state.done:
         parts.append(f"waiting, from the next one {_scale()} to the last")
     elif state.trace.queue == "first_in":
-        parts.append(f"waiting; longest first: {_scale()}")
+        first, last = f"{values.min():.0f}", f"{values.max():.0f}"
+        parts.append(f"waiting; least number in line is next: {first} {_scale()} {last}")
     else:
         by = _ordering(state)
         span = least if least == most else f"{least} {_scale()} {most}"

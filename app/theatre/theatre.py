@@ -44,6 +44,7 @@ class Theatre:
         asking: whether the next node is to be guessed.
         voted: whether a class votes on it, so that nothing may tell it.
         answer: of the click before.
+        widget: name by which the page sets the widget that takes a letter for an answer.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Theatre:
     asking: bool = False
     voted: bool = False
     answer: JudgedGuess = JudgedGuess()
+    widget: str = ""
 
     @property
     def ringed(self) -> IntArray:
@@ -87,7 +89,7 @@ def judge(state: SearchState, node: int) -> tuple[bool, str]:
     queue = state.trace.queue
     if state.may_follow(node):
         if queue == "first_in":
-            return True, "it has waited longest."
+            return True, f"no. {order_label(state, node)} has waited longest: first in, first out."
         same = "" if node == state.following else " Several are as good, and any of them is right."
         return True, f"{_sum(state, node)} is the least of all that wait.{same}"
     if not np.isfinite(state.cost[node]):
@@ -95,20 +97,36 @@ def judge(state: SearchState, node: int) -> tuple[bool, str]:
     if node in state.closed:
         return False, "it has been visited, and its cost has not fallen since."
     if queue == "first_in":
-        return False, "it waits, but others have waited longer: first in, first out."
+        first = order_label(state, state.following)
+        own = order_label(state, node)
+        return (
+            False,
+            f"it is no. {own} in the line, and no. {first} still waits: first in, first out.",
+        )
     least = state.promise(np.array([state.following], np.int32))[0]
     return False, f"{_sum(state, node)}, and one that waits has only {format_length(float(least))}."
 
 
 def priorities(state: SearchState) -> FloatArray:
-    """What orders the open nodes (o,), least first: f, or the place in a line; 0 in rounds."""
+    """What orders the open nodes (o,), least first: f, or a number in line; 0 in rounds.
+
+    The numbers in line go on from step to step: the node visited last has the step's.
+    """
     if state.trace.queue == "best_first":
         return state.promise(state.open)
     places = np.zeros(len(state.cost))
     if state.trace.queue == "first_in":
         line = state.queue(len(state.open))
-        places[line] = np.arange(1, len(line) + 1)
+        places[line] = state.step + np.arange(1, len(line) + 1)
     return places[state.open]
+
+
+def order_label(state: SearchState, node: int) -> str:
+    """What orders one open node, as text; "–" of another in a line."""
+    if state.trace.queue == "best_first":
+        return labels(state, node)[2]
+    places = priorities(state)[state.open == node]
+    return f"{places[0]:.0f}" if len(places) else "–"
 
 
 def labels(state: SearchState, node: int) -> tuple[str, str, str]:

@@ -1,8 +1,10 @@
-// The nodes of a search that is stepped through: rings around those that may be next, and g, h and f
-// of the one that is pointed at, in the scene or in the table. Positions are those of the clouds.
+// The nodes of a search that is stepped through: rings around those that may be next, letters at those
+// to compare where one is asked, and g, h and f of the one that is pointed at, in the scene or in the
+// table. Positions are those of the clouds.
 window.abiNodes = {
   REACH: {mouse: 14, touch: 26},  // [px] from a node within which it is meant
   KINDS: ["closed", "open"],
+  MOST_KEPT_FREE: 150,  // waiting nodes that no letter covers; of more there is no place for one
   numbers: null,  // as app/layers/search_step.py sends them
   pointer: null,  // where the pointer is over the scene [px], and its reach
   row: null,  // place [unit] of the node of the row that is pointed at
@@ -11,6 +13,7 @@ window.abiNodes = {
   show(numbers) {
     const decode = text => new Float32Array(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)).buffer);
     for (const kind of numbers ? this.KINDS : []) numbers[kind] = decode(numbers[kind]);
+    if (numbers?.line) numbers.line = decode(numbers.line);
     this.numbers = numbers;
     this.draw();
   },
@@ -37,8 +40,8 @@ window.abiNodes = {
 
   pointerMoved(event) {
     if (!this.numbers || event.buttons > 1 || (event.type === "pointermove" && event.buttons)) return;
-    const row = event.target.closest?.("tr")?.querySelector("[data-place]");
-    this.row = row ? this.place(row) : null;
+    const row = event.target.closest?.("tr, .abi-letter"), place = row?.matches("tr") ? row.querySelector("[data-place]") : row;
+    this.row = place ? this.place(place) : null;
     const {canvas} = window.__viserMutable, view = canvas.getBoundingClientRect();
     this.pointer = event.target !== canvas ? null : {
       x: event.clientX - view.left, y: event.clientY - view.top, reach: this.REACH[event.pointerType] ?? this.REACH.mouse,
@@ -66,7 +69,7 @@ window.abiNodes = {
     this.pointed = pointed;
     for (const part of document.querySelectorAll("[data-place]")) {
       part.dataset.marked = "";
-      part.closest("tr").classList.toggle("abi-pointed", Boolean(node && this.same(this.place(part), node.place)));
+      part.closest("tr, .abi-letter").classList.toggle("abi-pointed", Boolean(node && this.same(this.place(part), node.place)));
     }
   },
 
@@ -78,6 +81,7 @@ window.abiNodes = {
     if (!this.numbers) {
       svg?.remove();
       card?.remove();
+      this.showLetters(root, []);
       return;
     }
     if (!svg) {
@@ -86,6 +90,7 @@ window.abiNodes = {
     }
     const ringed = new Set(this.numbers.ringed), nodes = [...this.each()], pointed = this.meant(nodes);
     const circles = nodes.filter(node => node.kind === "open" && ringed.has(node.k)).map(node => this.circle(node, ""));
+    circles.push(...this.placeLetters(root));
     this.mark(pointed);
     if (pointed) circles.push(this.circle(pointed, "abi-pointed"));
     svg.innerHTML = circles.join("");
@@ -100,6 +105,41 @@ window.abiNodes = {
     card.style.transform = `translate(${left}px, ${top}px)`;
   },
 
+  // One button for each letter, the same one while letters and numbers stay: a click has to end on it.
+  showLetters(root, letters) {
+    const html = letters.map(({letter, number, place}) => `<button class="abi-letter abi-card" data-place="${place.join(" ")}"
+      data-choose="${this.numbers.answer}" data-value="${letter}"><b>${letter}</b> ${number}</button>`).join("");
+    let box = root.querySelector(".abi-letters");
+    if (box?.shown === html || (!box && !html)) return box;
+    if (!box) root.prepend(box = Object.assign(document.createElement("div"), {className: "abi-letters"}));
+    [box.innerHTML, box.shown] = [html, html];
+    return box;
+  },
+
+  // Put the letters beside their nodes, where they cover neither each other nor a node; lines lead there.
+  placeLetters(root) {
+    const {letters} = this.numbers, buttons = [...this.showLetters(root, letters)?.children ?? []];
+    if (!buttons.length) return [];
+    const {nodeRefFromName, camera, canvas} = window.__viserMutable, group = nodeRefFromName["/theatre/open"];
+    const view = canvas.getBoundingClientRect(), {abiLabels} = window;
+    if (!group) return [];
+    const taken = abiLabels.written(view);
+    for (const {box: [a, b, c, d], shift: [x, y] = [0, 0]} of abiLabels.seen(view)) taken.push([a + x, b + y, c + x, d + y]);
+    const nodes = [...this.each()].filter(node => node.kind === "open").map(({x, y}) => [x - 6, y - 6, x + 6, y + 6]);
+    if (nodes.length <= this.MOST_KEPT_FREE) taken.push(...nodes);
+    return letters.map(({place}, k) => {
+      const seen = group.localToWorld(group.position.clone().set(...place)).project(camera);
+      const x = view.width * (1 + seen.x) / 2, y = view.height * (1 - seen.y) / 2;
+      const {offsetWidth: width, offsetHeight: height} = buttons[k], left = x + 12, top = y - height / 2;
+      const [right, down] = abiLabels.free({box: [left, top, left + width, top + height]}, taken, view);
+      const [a, b] = [left + right, top + down];
+      taken.push([a - 3, b - 3, a + width + 3, b + height + 3]);
+      buttons[k].style.transform = `translate(${a.toFixed(1)}px, ${b.toFixed(1)}px)`;
+      const [u, v] = [Math.min(Math.max(x, a), a + width), Math.min(Math.max(y, b), b + height)];
+      return `<line x1="${x.toFixed(1)}" y1="${y.toFixed(1)}" x2="${u.toFixed(1)}" y2="${v.toFixed(1)}"/>`;
+    });
+  },
+
   circle({x, y, place, view}, kind) {
     const {camera, nodeRefFromName} = window.__viserMutable, group = nodeRefFromName["/theatre/open"];
     const away = group.localToWorld(group.position.clone().set(...place)).distanceTo(camera.position);
@@ -109,10 +149,11 @@ window.abiNodes = {
   },
 
   text({kind, k}) {
-    const {formula, factors, ringed, unit} = this.numbers, [g, h] = this.numbers[kind].subarray(2 * k, 2 * k + 2);
+    const {formula, factors, line, ringed, unit} = this.numbers, [g, h] = this.numbers[kind].subarray(2 * k, 2 * k + 2);
     const written = x => x.toFixed(3).replace("-", "\u2212");
     const rows = [["g so far", written(g)], ["h to go", written(h)]];
     if (factors) rows.push([`f = ${formula}`, written(factors[0] * g + factors[1] * h)]);
+    if (line && kind === "open") rows.push(["no. in line", String(line[k])]);
     const state = kind === "closed" ? "visited" : ringed.includes(k) ? "waits, may be next" : "waits";
     const lines = rows.map(([name, number]) => `<tr><td>${name}</td><td>${number}</td></tr>`);
     return `<b>${state}</b> [${unit}]<table>${lines.join("")}</table>`;

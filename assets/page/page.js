@@ -714,6 +714,14 @@ body:has(:is(:active, .mantine-NumberInput-input:focus:hover)) .mantine-Tooltip-
 .abi-rings { position: absolute; inset: 0; width: 100%; height: 100%; pointer-events: none; }
 .abi-rings circle { fill: none; stroke: light-dark(#111, #fff); stroke-width: 2; }
 .abi-rings circle.abi-pointed { stroke: #1f84d6; stroke-width: 3; }
+.abi-rings line { stroke: light-dark(#111, #fff); stroke-width: 1.5; }
+.abi-letters { position: absolute; inset: 0; pointer-events: none; }
+#abi-overlay .abi-letter {
+  position: absolute; left: 0; top: 0; width: auto; min-width: 0; min-height: 0; padding: 1px 5px; cursor: pointer;
+  pointer-events: auto; font-size: 12px; white-space: nowrap; font-variant-numeric: tabular-nums;
+  border: 1px solid rgba(128, 128, 128, .6); border-radius: 5px;
+}
+#abi-overlay .abi-letter.abi-pointed { border-color: #1f84d6; box-shadow: 0 0 0 1px #1f84d6; }
 #abi-overlay .abi-node {
   position: absolute; left: 0; top: 0; z-index: 1; pointer-events: none; font-size: 13px; white-space: nowrap;
   border: 1px solid rgba(128, 128, 128, .5); font-variant-numeric: tabular-nums;

@@ -44,8 +44,6 @@ class SearchStrip:
         else:
             steps, step, title = state.trace.steps, state.step, COMPARED[theatre.name].label
         text = f"{title}: {format_count(step)} of {format_count(steps)}"
-        if theatre.asking and not state.done:
-            text += ". Which node next?"
         said = theatre.answer.text
         answer = f'<div class="abi-card">{said}</div>' if said else ""
         return (

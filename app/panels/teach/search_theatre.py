@@ -18,13 +18,14 @@ from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import replay
 from abi.search.search import SEARCHES
-from abi.search.trace import SearchTrace
+from abi.search.trace import NO_NODES, SearchTrace
 from app.panels.widgets import Wake, clamp
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue
+from app.theatre.compared import LETTERS, lettered
 from app.theatre.searches import EDGES, TheatreSearches
 from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, one_way_search, race_of, where
-from app.ui import notices, style
+from app.ui import notices, page, style
 
 FRAME = 1 / 20
 """Seconds between two pictures while it plays."""
@@ -91,6 +92,7 @@ class TheatrePanel:
         self.race = gui.add_checkbox(
             "race of three", False, hint="Three searches side by side, step for step."
         )
+        self._letter = gui.add_text("letter", "", visible=False)
         self.playing = self.yields_clicks = self.voted = False
         self._pair: tuple[Scene, tuple[int, ...], tuple[int, ...]] | None = None
         self._inputs: deque[int | None] = deque()
@@ -104,6 +106,7 @@ class TheatrePanel:
             widget.on_update(wake)
         for widget in (self.speed, self.ask, self.race):
             widget.on_update(wake)
+        self._letter.on_update(wake)
         self.play.on_click(self._toggle)
         self.one.on_click(self._one_step)
         gui.add_command("Search: play or pause", hotkey="P").on_trigger(self._toggle)
@@ -275,11 +278,10 @@ class TheatrePanel:
             self.playing = self._position < steps
         before = self._written
         self._position = clamp(self._position, 0.0, float(steps))
-        if self.voted or self.yields_clicks:
-            self._click = None
-        clicked = self._click is not None
-        if clicked:
-            self._take(trace, asking)
+        node = self._pointed_node(trace, asking)
+        clicked = node is not None
+        if node is not None and node >= 0:
+            self._take(trace, asking, node)
         step = int(self._position)
         if step != before and not clicked:
             self._answer = JudgedGuess(self._answer.node)
@@ -287,23 +289,34 @@ class TheatrePanel:
             self.step.value = step
         self._written = step
 
-    def _take(self, trace: SearchTrace, asking: bool) -> None:
-        """Judge the node that was clicked, or look it up."""
-        assert self._click is not None
-        (origin, direction), self._click = self._click, None
+    def _pointed_node(self, trace: SearchTrace, asking: bool) -> int | None:
+        """The node that was clicked, itself or its letter; -1 beside all, None for no click."""
+        click, letter = self._click, self._letter.value
+        self._click = None
+        if letter:
+            self._letter.value = ""
+        if self.voted or self.yields_clicks:
+            return None
+        if letter:
+            named = NO_NODES if self._last is None else lettered(self._last)
+            place = LETTERS.find(letter)
+            return int(named[place]) if 0 <= place < len(named) else -1
+        if click is None:
+            return None
         state = replay(trace, min(int(self._position), trace.steps))
         reached = np.flatnonzero(np.isfinite(state.cost)).astype(np.int32)
         # of both searches' nodes the one that waits
         points: FloatArray = np.concatenate([trace.arcs.points] * trace.sides)
         nodes: IntArray = state.open if asking else reached
-        node = node_at(points, nodes, origin, direction)
-        if node < 0 and asking:
-            node = node_at(points, reached, origin, direction)
-        if node < 0:
-            return
+        node = node_at(points, nodes, *click)
+        return node_at(points, reached, *click) if node < 0 and asking else node
+
+    def _take(self, trace: SearchTrace, asking: bool, node: int) -> None:
+        """Judge the node that was clicked, or look it up."""
         self._answer = JudgedGuess(node)
         if not asking or trace.queue == "rounds":
             return
+        state = replay(trace, min(int(self._position), trace.steps))
         right, why = judge(state, node)
         word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
         self._answer = JudgedGuess(node, f"The node at {where(state, node)}. {word} {why}", right)
@@ -332,6 +345,7 @@ class TheatrePanel:
             asking=asking,
             voted=self.voted,
             answer=self._answer,
+            widget=page.uuid(self._letter),
         )
 
     def _toggle(self, event: Any) -> None:

@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi import load_scene, plan
+from abi.planner.comparison import search_task
+from abi.search.compare import COMPARED
+from abi.search.replay import replay
+from app.theatre.compared import LETTERS, compared, lettered
+from app.theatre.text import describe, question
+from app.theatre.theatre import Theatre, priorities, where
+
+PLAN = plan(load_scene("drag-a-box"))
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_numbers_of_the_nodes_that_are_compared_tell_which_is_next(name: str) -> None:
+    trace = COMPARED[name].find(search_task(PLAN))
+    if trace.queue == "rounds":
+        assert not len(compared(replay(trace, 1)))
+        return
+    places = set()
+    for step in range(trace.steps):
+        state = replay(trace, step)
+        nodes = compared(state)
+        assert len(set(nodes.tolist())) == len(nodes) <= len(LETTERS)
+        assert set(nodes.tolist()) <= set(state.open.tolist())
+        order = dict(zip(state.open.tolist(), priorities(state), strict=True))
+        numbers = np.array([order[node] for node in nodes.tolist()])
+        right = np.array([state.may_follow(node) for node in nodes.tolist()])
+        # others may be right, too: searches take what differs by a thousandth for equal
+        assert right[numbers <= numbers.min()].all()
+        assert right.sum() <= 2 or not len(np.setdiff1d(state.open, [*state.candidates(), *nodes]))
+        places.add(int(numbers.argmin()))
+    # no place in the table is always the right one's
+    assert len(places) > 1
+
+
+def test_who_is_asked_reads_letters_and_their_numbers_and_a_vote_reads_none() -> None:
+    state = replay(COMPARED["a_star"].find(search_task(PLAN)), 6)
+    asked = Theatre("a_star", state, asking=True)
+    text = describe(asked, PLAN.scene)
+    for letter, node in zip(LETTERS, lettered(asked).tolist(), strict=True):
+        assert f"<b>{letter}</b> {where(state, node)}" in text
+    assert "Compare A to E" in question(asked)
+    assert not len(lettered(Theatre("a_star", state)))
+    voted = Theatre("a_star", state, asking=True, voted=True)
+    assert not len(lettered(voted))
+    assert "Compare" not in question(voted)
