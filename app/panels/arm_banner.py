@@ -17,6 +17,7 @@ from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.widgets import Wake, hidden_button, pressed
+from app.shared.puzzles import is_puzzle
 from app.ui import style
 from app.ui.arm_size import MADE_FOR_ARMS, fitting_lengths, scene_size_note
 from app.ui.numbers import distance_to_show, format_lower_bound, format_setting
@@ -58,6 +59,9 @@ class ArmBanner:
             title, numbers = size  # nothing else makes it fit
             fault = f"{title}.", "✗"
             return _card(fault, html.escape(numbers), self.other_size(plan.scene))
+        if is_puzzle(plan.scene):
+            calm = "This scene is planned for the tool tip alone.", ""
+            return _card(calm, html.escape(fault[0]), self._buttons(plan))
         return _card(fault, _remark(plan), self._buttons(plan))
 
     def accepted_change(self) -> dict[str, Any] | None:
@@ -173,7 +177,7 @@ def _kept_clearance(plan: Plan) -> float:
 def _card(fault: tuple[str, str], remark: str, buttons: str = "") -> str:
     sentence, sign = fault
     look = "abi-card abi-error" if sign == "✗" else "abi-card"
-    text = f"<b>{html.escape(sentence)} {sign}</b> {remark}".strip()
+    text = f"<b>{html.escape(f'{sentence} {sign}'.strip())}</b> {remark}".strip()
     if buttons:
         text += f'<div class="abi-buttons" style="margin-top:4px">{buttons}</div>'
     return f'<div class="{look}" role="status">{text}</div>'

@@ -20,6 +20,7 @@ from app.panels.legs import LegsCard
 from app.panels.stages.find_base import FindBasePanel
 from app.panels.teach.lesson_mark import LessonMark
 from app.panels.widgets import Wake, hidden_button, pressed
+from app.shared.puzzles import is_puzzle
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
 from app.theatre.text import question
@@ -148,7 +149,8 @@ class Messages:
                 _error(f"{title}.", numbers), self.banner.other_size(frame.plan.scene)
             )
         hints = (explained.hint, dots, self._base.sentence(frame))
-        content = _error(explained.message, " ".join(filter(None, hints)))
+        tell = _puzzle if is_puzzle(frame.plan.scene) else _error
+        content = tell(explained.message, " ".join(filter(None, hints)))
         buttons = ""
         if reason is not None and reason.change is not None:
             buttons = button(self.accept, _change_label(reason))
@@ -256,6 +258,14 @@ def _with_buttons(content: str, buttons: str) -> str:
     if not buttons:
         return content
     return f'{content}<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
+
+
+def _puzzle(message: str, hint: str) -> str:
+    """Message and hint of a scene that is shipped with a fault, as HTML."""
+    return (
+        '<div class="abi-card" role="status"><b>This scene asks for a change.</b> '
+        f"{html.escape(message)} {html.escape(hint)}</div>"
+    )
 
 
 def _error(message: str, hint: str) -> str:

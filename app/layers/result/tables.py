@@ -153,7 +153,9 @@ def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
             continue
         executed = "<b> ▸</b>" if name == plan.followed else ""
         shown, certified = distance_to_show(fit.clearance), fit.clearance.certified
-        clearance = _clearance(shown, plan.scene.spline.clearance, proven=certified)
+        clearance = _clearance(
+            shown, plan.scene.spline.clearance, certified, alarming=name == plan.followed
+        )
         row = _stage_row(title + executed, arc.length, best, clearance)
         # the bound is on clear curves: one that is not has no gap to it
         rows.append(row if fit.holds else (*row[:2], "–", row[3]))
@@ -167,11 +169,16 @@ def _stage_row(
     return title, format_length(length), longer, clearance
 
 
-def _clearance(distance: float, required: float, proven: bool) -> str:
-    """The distance, with ✓ where the required one is proven, ? where only measured, else ✗."""
+def _clearance(distance: float, required: float, proven: bool, alarming: bool = True) -> str:
+    """The distance, with ✓ where the required one is proven, ? where only measured, else ✗.
+
+    Unless it is ``alarming``, ✗ is not red: of a curve that the arm does not follow.
+    """
     if math.isinf(distance):
         return "–"
     kept = distance >= required - 1e-9
     colour, sign = (style.GOOD, "✓" if proven else "?") if kept else (style.BAD, "✗")
     shown = max(distance, 0.0) if kept else distance
+    if not kept and not alarming:
+        return f"{format_lower_bound(shown)} {sign}"
     return f'<span style="color:{style.readable(colour)}">{format_lower_bound(shown)} {sign}</span>'

@@ -56,6 +56,18 @@ def test_what_only_the_arms_stage_told_is_over_the_scene(
     assert sentence in unescape(banner.html(made))
 
 
+def test_a_scene_that_is_shipped_with_a_fault_tells_it_calmly_until_it_is_changed(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    banner = tab[1].panels.messages.banner
+    shipped = banner.html(_plan("wall-with-window", {}))
+    assert "abi-error" not in shipped
+    assert "✗" not in shipped
+    assert "Avoid with the whole arm" in shipped
+    changed = banner.html(_plan("wall-with-window", {"motion": {"speed": 3.9}}))
+    assert "abi-error" in changed
+
+
 def test_a_button_takes_the_link_clearance_that_is_kept(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     fake.set(session.panels.stages.arm.clearance, 0.5)
