@@ -26,6 +26,9 @@ BIN := .venv/bin
 RUN := .venv/.installed-run
 DEV := .venv/.installed-dev
 DOCS := .venv/.installed-docs
+# else each process that a test starts compiles all modules anew
+unexport PYTHONDONTWRITEBYTECODE
+
 PARALLEL := --numprocesses auto --dist loadgroup
 PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \

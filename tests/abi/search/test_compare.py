@@ -25,6 +25,8 @@ from tests.kernel_forms import compiled, plain
 from tests.random_scenes import scattered
 
 SEEDS = range(6)
+_DISTANT = (0, 1, 3, 4, 5, 6)
+"""Seeds of graphs whose path has two edges or more."""
 WEIGHTS: tuple[Weight, ...] = ("length", "hops")
 
 
@@ -157,11 +159,10 @@ def test_lazy_theta_star_is_clear_and_no_longer_than_the_graphs_path() -> None:
     assert shorter > 2
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", _DISTANT)
 def test_a_negative_arc_deceives_dijkstra_and_not_bellman_ford(seed: int) -> None:
     task = task_of(random_graph(seed))
-    if COMPARED["dijkstra"].find(task).hops < 2:
-        return
+    assert COMPARED["dijkstra"].find(task).hops >= 2
     changed = with_negative_arc(task, cycle=False)
     assert changed.arcs.negative is not None
     oracle = digraph(changed.arcs)
@@ -183,11 +184,10 @@ def test_a_negative_arc_goes_through_no_obstacle(name: str, cycle: bool) -> None
     assert ObstacleSet(scene.obstacles).signed_distance(line).min() > 0
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", _DISTANT)
 def test_a_negative_cycle_is_found(seed: int) -> None:
     task = task_of(random_graph(seed))
-    if COMPARED["dijkstra"].find(task).hops < 2:
-        return
+    assert COMPARED["dijkstra"].find(task).hops >= 2
     changed = with_negative_arc(task, cycle=True)
     trace = COMPARED["bellman_ford_rounds"].find(changed)
     cycle = trace.cycle.tolist()

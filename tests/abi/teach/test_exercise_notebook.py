@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import nbformat
 import pytest
 
 import abi.teach
@@ -15,6 +14,8 @@ from abi.teach.exercise_notebook import GRADED
 
 @pytest.mark.parametrize("grader", ["", "nbgrader", "otter"])
 def test_a_notebook_is_valid_and_asks_each_exercise(grader: str) -> None:
+    import nbformat  # builds grammars for a second, in each worker that collects this file
+
     made = abi.teach.notebook(grader=grader)
     nbformat.validate(nbformat.reads(json.dumps(made), as_version=4))
     for name, one in abi.teach.exercises().items():
