@@ -1,4 +1,4 @@
-"""The tile in the launcher of JupyterLab and JupyterHub, through jupyter-server-proxy."""
+"""Launcher entry for JupyterLab and JupyterHub, through jupyter-server-proxy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 
 
 def server() -> dict[str, object]:
-    """Entry of jupyter-server-proxy: how it starts the visualiser and asks it for pages.
+    """Configuration for jupyter-server-proxy: the command to start and where its pages are.
 
     Jupyter knows who its users are. The token keeps others on the same machine out: it goes from
     the proxy to the visualiser with every request, and never to a browser.

@@ -21,34 +21,34 @@ from app.ui.arm_size import oversize
 from app.ui.page_area import PageArea
 
 _ASPECT = 0.8
-"""Width over height of the picture; from a narrower one the camera steps back."""
+"""Aspect ratio of the picture below which the camera steps back."""
 _MAX_DISTANCE_FACTOR = 2.5
 _MOST_COVERED = 0.4
-"""Part of the picture's height to which text on one edge counts; the rest is for the scene."""
+"""Largest part of the picture's height that text at one edge is taken to cover."""
 _SAME_SHAPE = 0.1
-"""Part by which the picture's shape may differ from one that the page tells of, both rounded."""
+"""Relative difference of aspect ratios that counts as none, as both are rounded."""
 _HEADLINE = 0.11
-"""Part of the picture's height over which the headline lies, at least."""
+"""Least part of the picture's height that the headline covers."""
 _ARROWS = 0.36
 """Reach of the axes' arrows and letters beyond the workspace, as a part of its longest side."""
 _FOOT = 0.07
 """Radius of the arm's foot, as a part of the scene's size."""
 _TOLERANCE = 1e-3
-"""Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
+"""Difference between the page's camera and ours, over the scene's size, that counts as unmoved."""
 _FARTHEST = 1e8
 """Largest coordinate of a camera that is kept, [unit]: a hundred times that of a scene."""
 _NEAREST = 1e-7
 """Least distance of its position and target, [unit]; about that between two numbers of that size,
 so that neither is rounded to the other while a camera moves there."""
 _LONGEST_UP = 1e6
-"""Length of an upward direction, and the inverse of the least."""
+"""Largest length of an upward direction; its inverse is the least."""
 _REMEMBERED = 8
-"""Number of our last places for the camera that the page may still tell of."""
+"""Number of our latest cameras that the page may still report."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Camera of a tab, rounded: position and target, [unit], and the upward direction, world."""
+    """Camera of a tab, rounded: position, target, [unit], and the upward direction, world."""
 
     position: tuple[float, ...]
     target: tuple[float, ...]
@@ -56,7 +56,7 @@ class View:
 
     @classmethod
     def of(cls, numbers: object) -> View | None:
-        """The view of nine numbers from which something can be seen; None for anything else."""
+        """Parse nine numbers into a view; None if nothing can be seen from it."""
         try:
             position, target, up = np.asarray(numbers, dtype=float).reshape(3, 3)
         except (ValueError, TypeError, OverflowError):
@@ -72,11 +72,11 @@ class View:
 
     @classmethod
     def of_camera(cls, camera: viser.CameraHandle) -> View | None:
-        """The view of a page's camera; None where it reports none."""
+        """Read the view of a page's camera; None if the page reports none."""
         return cls.of([camera.position, camera.look_at, camera.up_direction])
 
     def show(self, camera: viser.CameraHandle) -> None:
-        """Put a camera there."""
+        """Move a camera to this view."""
         camera.up_direction = np.array(self.up)
         camera.position = np.array(self.position)
         camera.look_at = np.array(self.target)
@@ -87,7 +87,7 @@ class View:
 
 
 class Viewpoint:
-    """Camera position that follows scene and picture as long as the user leaves it alone."""
+    """Camera that follows the scene and the picture's size until the user moves it."""
 
     def __init__(self, camera: viser.CameraHandle, scene: Scene) -> None:
         self._camera = camera
@@ -109,7 +109,7 @@ class Viewpoint:
         self._place()
 
     def face(self, plan: Plan) -> None:
-        """Turn around the scene to where most of a plan with a B-spline is seen.
+        """Turn around the scene to the side that shows most of a plan with a B-spline.
 
         It steps back where the arm would be cut off in its motion, or be behind the headline. Not
         where the user has moved the camera.
@@ -123,7 +123,7 @@ class Viewpoint:
         self._place()
 
     def surround(self, points: FloatArray | None, wide: bool = False) -> None:
-        """Keep all points (n, 3), [unit], in what is free of the picture; None ends that.
+        """Keep all points (n, 3), [unit], in the uncovered part of the picture; None ends that.
 
         The camera moves at the begin, at the end, and with a new scene, unless the user moved it:
         what a hand drags is not to move under it. :meth:`follow` is for when the hand has let go.
@@ -145,7 +145,7 @@ class Viewpoint:
         self._shown = False
 
     def follow(self) -> None:
-        """Step to where all points to surround are seen again, unless the user moved the camera."""
+        """Step back until all points are in view again, unless the user moved the camera."""
         if self._points is None or self._is_moved():
             return
         camera = self._camera
@@ -160,7 +160,7 @@ class Viewpoint:
         self._place()
 
     def mirror(self, scene: Scene, view: View | None) -> None:
-        """Look at another tab's ``scene`` as that tab does; a camera in its place is left alone."""
+        """Show another tab's ``scene`` from that tab's camera; one already there is left alone."""
         shown = self._scene.workspace, self._scene.arm.base
         if shown != (scene.workspace, scene.arm.base):
             self.show(scene)
@@ -169,7 +169,7 @@ class Viewpoint:
             view.show(self._camera)
 
     def fit(self, area: PageArea | None, arrives: bool = False) -> None:
-        """Follow the picture's shape and what covers it, unless the user moved the camera.
+        """Adapt to the picture's shape and to what covers it, unless the user moved the camera.
 
         Args:
             area: of the page; None while that is not known.
@@ -189,7 +189,7 @@ class Viewpoint:
             self._place()
 
     def _free(self, area: PageArea | None) -> Window:
-        """Free part of the picture; text that comes and goes counts while the shape stays.
+        """Uncovered part of the picture; while its shape stays, temporary text counts as covering.
 
         The text above counts only where all points are to be surrounded: it changes with each plan,
         at which the scene is not to move.
@@ -206,7 +206,7 @@ class Viewpoint:
         return now
 
     def _place(self) -> None:
-        """Put the camera to where it is as long as the user leaves it alone."""
+        """Move the camera to its place, unless the user moved it."""
         if self._points is None:
             look_at(self._camera, self._scene, self._distance_factor, self._direction)
             position, target, _ = _view(self._scene, self._distance_factor, self._direction)
@@ -234,7 +234,7 @@ class Viewpoint:
 
 
 def aspect(camera: viser.CameraHandle) -> float:
-    """Width over height of a page's picture, which may have neither; 0.1 to 10."""
+    """Aspect ratio of a page's picture, between 0.1 and 10, also for a page without area."""
     return min(max(camera.image_width / max(camera.image_height, 1), 0.1), 10.0)
 
 
@@ -244,7 +244,7 @@ def look_at(
     distance_factor: float = 1.0,
     direction: FloatArray = USUAL,
 ) -> None:
-    """Turn ``camera`` to workspace and arm, ``distance_factor`` times as far as fills a picture."""
+    """Turn ``camera`` to workspace and arm, ``distance_factor`` times as far away as just fits."""
     camera.position, camera.look_at, size = _view(scene, distance_factor, direction)
     camera.near, camera.far = size / 500, size * 50
 
@@ -254,7 +254,7 @@ def _rounded(vector: FloatArray) -> tuple[float, ...]:
 
 
 def _outline(scene: Scene) -> FloatArray:
-    """Corners of the workspace, and points around the arm's foot (n, 3), [unit], world."""
+    """Corners of the workspace and points around the arm's foot (n, 3), [unit], world."""
     corners = box_corners(scene.workspace.min, scene.workspace.max)
     radius = _FOOT * _view(scene, 1.0)[2]
     rim = radius * np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
@@ -262,7 +262,7 @@ def _outline(scene: Scene) -> FloatArray:
 
 
 def _axes_tips(scene: Scene) -> FloatArray:
-    """Points (n, 3), [unit], world, that the arrows beside the workspace's corner lead to."""
+    """Tips (n, 3), [unit], world, of the axes' arrows beside the workspace's corner."""
     workspace = scene.workspace
     corner = np.array([workspace.max[0], workspace.min[1], workspace.min[2]])
     size = max(workspace.size)
@@ -270,7 +270,7 @@ def _axes_tips(scene: Scene) -> FloatArray:
 
 
 def _around_oversize(scene: Scene) -> FloatArray:
-    """Corners (n, 3), [unit], world, around an arm that is far too large; none for another arm."""
+    """Corners (n, 3), [unit], world, around an arm that is far too large; otherwise none."""
     length = oversize(scene)
     if not length:
         return np.zeros((0, 3))

@@ -12,11 +12,11 @@ from app.drawing.box import box_corners
 
 _CURVE_POINTS = 40
 _POSES = 40
-"""Moments of the motion at which the arm is looked at."""
+"""Number of poses of the motion that are looked at."""
 
 
 def extent(plan: Plan) -> FloatArray:
-    """Points (n, 3) whose convex hull holds nearly all of it, [unit], world."""
+    """Points (n, 3) whose convex hull contains nearly all of a plan, [unit], world."""
     corners = box_corners(plan.scene.workspace.min, plan.scene.workspace.max)
     parts = [corners, np.array([plan.scene.arm.base], dtype=float)]
     if plan.bspline is not None:
@@ -31,7 +31,7 @@ def extent(plan: Plan) -> FloatArray:
 
 
 def _positions(plan: Plan) -> FloatArray:
-    """Joint positions (k, n) at which the arm is drawn; none of another arm that stands still."""
+    """Joint positions (k, n) in which the arm is drawn; none if it is not known where it stands."""
     if plan.motion is not None:
         positions = plan.motion.positions
         chosen = np.linspace(0, len(positions) - 1, _POSES).astype(int)

@@ -10,7 +10,7 @@ import numpy as np
 from abi.arrays import FloatArray
 
 _MARGIN = 0.07
-"""Part of the free picture that stays empty around the points, for names at what is drawn."""
+"""Part of the uncovered picture that stays empty around the points, as room for labels."""
 
 _QUARTER = math.pi / 2
 _RISE, _ASIDE = math.radians(30), math.radians(15)
@@ -19,7 +19,7 @@ _RISE, _ASIDE = math.radians(30), math.radians(15)
 
 @dataclass(frozen=True)
 class Window:
-    """Shape of a picture, and what of it is covered.
+    """Shape of a picture, and how much of each edge is covered.
 
     Attributes:
         fov: angle from its lower to its upper edge, [rad].
@@ -71,7 +71,7 @@ def stand(
 
 
 def widest(points: FloatArray, direction: FloatArray, window: Window) -> FloatArray:
-    """The direction (3,), of two near a given one, from which points look the wider.
+    """Whichever of two directions (3,) near a given one shows the points wider.
 
     Both look at a side of what is upright, a little from above and from the corner.
 
@@ -93,7 +93,8 @@ def widest(points: FloatArray, direction: FloatArray, window: Window) -> FloatAr
 def covered(
     points: FloatArray, position: FloatArray, target: FloatArray, window: Window
 ) -> tuple[float, float]:
-    """Parts of the picture's width and height that points cover; arguments as for :func:`lift`."""
+    """Parts of the picture's width and height that the points take; arguments as for
+    :func:`lift`."""
     right, up, forward = axes(position - target)
     away = points - position
     depth = 2 * math.tan(window.fov / 2) * (away @ forward)
@@ -122,7 +123,7 @@ def lift(
 
 
 def holds(points: FloatArray, position: FloatArray, target: FloatArray, window: Window) -> bool:
-    """Check whether a camera sees all points in its free part; arguments as for :func:`lift`."""
+    """Check whether a camera sees all points uncovered; arguments as for :func:`lift`."""
     right, up, forward = axes(position - target)
     away = points - position
     x, y, z = away @ right, away @ up, away @ forward
@@ -132,7 +133,7 @@ def holds(points: FloatArray, position: FloatArray, target: FloatArray, window: 
 
 
 def axes(direction: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Axes (3,) of a camera: to the right, upwards and into the picture; world z is upwards.
+    """Axes (3,) of a camera: right, up and into the picture, with world z upwards.
 
     Args:
         direction: from what it looks at to the camera, not upright; of any length.

@@ -1,4 +1,4 @@
-"""What an arm hides from an eye over its motion: straight ways that meet a capsule of its links."""
+"""Points that an arm hides from an eye during its motion: lines of sight that meet a capsule."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Direction from which a plan is seen best: curve, ends and obstacles, past the arm that moves."""
+"""Direction from which a plan is seen best: curve, ends and obstacles beside the moving arm."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from app.camera.occlusion import hidden
 from app.shared.once_a_plan import once_a_plan
 
 USUAL = np.array([0.82, -0.42, 0.38])
-"""From the scene's middle to the camera, in sizes of the scene, where nothing hides anything."""
+"""Default camera position relative to the scene's middle, in sizes of the scene."""
 
 _TURNS = np.radians(np.arange(-160, 181, 20))
 _HEIGHTS = np.radians([6, 15, 25, 38, 52])
 _CURVE, _POSES, _OBSTACLES = 24, 12, 8
-"""Points of the curve, moments of the motion, and obstacles, at the most, that are looked at."""
+"""Largest numbers of points of the curve, poses of the motion and obstacles that are looked at."""
 _NEAR = 0.08
-"""Part of the scene's size: an arm that is so near before a point is where it is to be."""
+"""Distance, over the scene's size, at which an arm in front of a point does not hide it."""
 _FOOT = 0.07, 0.25
 """Radius and height of what the arm stands on, as parts of the scene's size."""
 _MOST = 0.25, 0.5
-"""Parts of the curve and of the obstacles' middles that may be hidden while they are in view."""
+"""Largest hidden parts of the curve and of the obstacles' centres that still count as in view."""
 _UNSEEN, _TURNING = 4.0, 1.0
-"""What a whole motion out of view, and a quarter turn from the usual direction, count for beside a
-curve that obstacles hide."""
+"""Penalties of a motion that is never in view and of a quarter turn away from the default
+direction."""
 
 
 @once_a_plan
 def best_direction(plan: Plan, target: Vec3, size: float) -> FloatArray:
-    """Direction to the camera, (3,), from which most is in view for most of the motion.
+    """Direction to the camera, (3,), that keeps most in view for most of the motion.
 
     Args:
         plan: with a B-spline.
@@ -89,7 +89,7 @@ def in_view(plan: Plan, curve: FloatArray, eyes: FloatArray, size: float) -> Boo
 
 
 def _directions() -> FloatArray:
-    """Directions to the camera to choose from, (n, 3): all around, and from above."""
+    """Candidate directions to the camera, (n, 3): all around, and from above."""
     length, azimuth = np.linalg.norm(USUAL), np.arctan2(USUAL[1], USUAL[0])
     found = [USUAL]
     for turn in azimuth + _TURNS:

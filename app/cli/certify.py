@@ -72,7 +72,7 @@ def certify(
 
 
 def _state(text: str) -> dict[str, float]:
-    """Positions of joints by name."""
+    """Parse the positions of joints by name."""
     state = {}
     for part in text.split(","):
         name, sign, value = part.partition("=")

@@ -28,7 +28,7 @@ from app.process.versions import version_text
 
 
 class _DefaultGroup(click.Group):
-    """Commands with ``serve`` as the default: of ``abi``, and of ``abi --port 8123``."""
+    """Command group with ``serve`` as its default, so that ``abi --port 8123`` works."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         if not args or args[0] not in {*self.commands, "--help", "--version"}:
@@ -63,7 +63,7 @@ for command in (serve, plan, verify, certify, export, sweep, reproduce, exercise
 
 
 def run() -> None:
-    """Run the command; a foreseen error is one line on stderr and exit code 2."""
+    """Run the command; an expected error is one line on stderr and exit code 2."""
     ensure_streams()
     try:
         cli(standalone_mode=False)

@@ -1,4 +1,4 @@
-"""``abi exercises``: what students write is checked on hidden scenes."""
+"""``abi exercises``: checks what students write on hidden scenes."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def exercises(
 
 
 def _write(file: Path, text: str, new: bool = False) -> None:
-    """Write a file; ``new`` for one that must not be there yet."""
+    """Write a file; with ``new`` only if it does not exist yet."""
     try:
         with file.open("x" if new else "w", encoding="utf-8") as target:
             target.write(text)

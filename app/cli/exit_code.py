@@ -6,4 +6,4 @@ BAD_INPUT = 2
 INCOMPLETE = 3
 """No complete plan, or a proof that does not hold."""
 UNDECIDED = 4
-"""It is not decided whether a motion touches something."""
+"""Not decided whether a motion touches something."""

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from abi.scene.scene import Scene
 
 STANDARD = "-"
-"""Name of standard input and output, as of other commands."""
+"""Name that stands for standard input or output."""
 
 
 def given_scene(name: str) -> Scene:

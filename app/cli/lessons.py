@@ -1,4 +1,4 @@
-"""``abi lessons``: lessons are checked before a class sees them, and taken home."""
+"""``abi lessons``: checks lessons before a class sees them, and exports them."""
 
 from __future__ import annotations
 

@@ -12,13 +12,13 @@ from pathlib import Path
 import click
 
 _NOT_WRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
-"""Errors of writing into a file that is open, which do not name it."""
+"""Errors of writing to an open file, whose messages do not name it."""
 
 
 _SPELLED = "abi.spelled"
-"""Name of our way to encode letters that the output does not have."""
+"""Name of our error handler for characters that the output cannot encode."""
 _SYSTEMS = ("strict", "surrogateescape", "backslashreplace")
-"""Ways to encode them that the system takes unless somebody asks for another."""
+"""Error handlers that the system chooses by default."""
 _SPELLINGS = {
     "✓": "+",
     "✗": "x",
@@ -38,11 +38,11 @@ _SPELLINGS = {
     "σ": "sigma",
     **dict.fromkeys("−–—", "-"),
 }
-"""How signs of ours are written where the output has only others."""
+"""Replacements for our symbols where the output cannot encode them."""
 
 
 def print_text(text: str) -> None:
-    """Print ``text``; a reader that has closed the pipe is no fault."""
+    """Print ``text``; a closed pipe is not an error."""
     if sys.__stdout__ is None:
         raise click.ClickException("The output cannot be printed (standard output is closed).")
     try:
@@ -54,7 +54,7 @@ def print_text(text: str) -> None:
 
 
 def ensure_streams() -> None:
-    """Make standard streams take whatever is printed.
+    """Make the standard streams accept any character.
 
     A closed one gets a place to write to; whoever must print checks it. One of another encoding
     than UTF-8 gets signs that it does not have spelled, and other letters as their numbers.
@@ -69,7 +69,7 @@ def ensure_streams() -> None:
 
 
 def _spelled(error: UnicodeError) -> tuple[str | bytes, int]:
-    """What stands for the first letter that cannot be encoded, and where to go on."""
+    """Replacement of the first character that cannot be encoded, and where to continue."""
     assert isinstance(error, UnicodeEncodeError)
     letter = error.object[error.start]
     if "\udc80" <= letter <= "\udcff":  # stands for a byte of a file's name that is no text
@@ -79,7 +79,7 @@ def _spelled(error: UnicodeError) -> tuple[str | bytes, int]:
 
 
 def lost_output(error: OSError) -> str:
-    """Sentence on why what is printed is lost; empty if the error comes from anything else."""
+    """Sentence on why the printed output is lost; empty if the error has another cause."""
     if error.filename is not None or error.errno not in _NOT_WRITTEN:
         return ""
     _discard()
@@ -87,12 +87,12 @@ def lost_output(error: OSError) -> str:
 
 
 def _discard() -> None:
-    """Drop what is left of the output, since Python would try to write it at its end."""
+    """Discard unwritten output, which Python would otherwise try to write at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write ``text`` into the file that ``--out`` names, whole or not at all."""
+    """Write ``text`` to the file of ``--out``, as a whole or not at all."""
     from abi.atomic_file import replace_file  # the method takes a second to load
 
     try:

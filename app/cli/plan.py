@@ -83,7 +83,7 @@ def _write(data: dict[str, Any], out: Path | None) -> None:
 
 
 def _all_searches(plan: Plan, searches: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The plan's searches, and behind them those that it does not run by itself."""
+    """The plan's searches, followed by those that it does not run by default."""
     from abi.planner.comparison import compare, search_task
 
     done = {search["algorithm"] for search in searches}

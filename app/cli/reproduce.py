@@ -23,7 +23,7 @@ _HEADER = ("where", "what", "printed", "ours", "verdict")
 
 
 def as_table(rows: Sequence[PaperComparison]) -> str:
-    """A table as wide as the terminal, or of 80 columns where there is none."""
+    """Format a table as wide as the terminal, or 80 columns without one."""
     from rich.console import Console
     from rich.table import Table
 
@@ -43,14 +43,14 @@ def as_table(rows: Sequence[PaperComparison]) -> str:
 
 
 def as_markdown(rows: Sequence[PaperComparison]) -> str:
-    """A table of Markdown, a line each row."""
+    """Format a table as Markdown, one line a row."""
     lines = [_HEADER, ("---",) * len(_HEADER), *map(_cells, rows)]
     escaped = ([cell.replace("|", r"\|") for cell in cells] for cells in lines)
     return "\n".join(f"| {' | '.join(cells)} |" for cells in escaped)
 
 
 def as_csv(rows: Sequence[PaperComparison]) -> str:
-    """Values separated by commas, a line each row."""
+    """Format a table as comma-separated values, one line a row."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([_HEADER, *map(_cells, rows)])
     return text.getvalue().rstrip("\n")
@@ -59,7 +59,7 @@ def as_csv(rows: Sequence[PaperComparison]) -> str:
 FORMATS: Mapping[str, Callable[[Sequence[PaperComparison]], str]] = MappingProxyType(
     {"table": as_table, "markdown": as_markdown, "csv": as_csv}
 )
-"""How the comparisons are written, by the name of the format."""
+"""Formatters of the comparison by name."""
 
 
 @click.command(short_help="Set the paper's numbers beside ours, computed anew.")
@@ -72,7 +72,7 @@ FORMATS: Mapping[str, Callable[[Sequence[PaperComparison]], str]] = MappingProxy
     help="How they are written.",
 )
 def reproduce(format_name: str) -> None:
-    """Set the paper's figures and Table I beside ours, computed anew, as a table."""
+    """Compare the paper's figures and Table I with our own, computed anew."""
     from abi.explain.paper.reproduction import compare
 
     print_text(FORMATS[format_name](compare()))

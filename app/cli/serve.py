@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from app.teach.classroom import Classroom
 
 _PERIOD = 1.0
-"""Seconds after which a signal is heard that the system gave to another thread."""
+"""Seconds after which the main thread notices a signal that another thread received."""
 
 
 @click.command(short_help="Start the visualiser, as abi alone does.")
@@ -181,12 +181,12 @@ def serve(
 
 
 def _end(ended: threading.Event, number: int, frame: FrameType | None) -> None:
-    """End as Ctrl+C does: the tabs are told, and the exit code is 0."""
+    """Stop as Ctrl+C does: notify the tabs and exit with 0."""
     ended.set()
 
 
 def _workers(count: int, classroom: bool) -> Workers:
-    """The other processes, not yet started."""
+    """The worker processes, not yet started."""
     if count > 1 and classroom:
         raise click.UsageError("--classroom needs one process: its tabs follow each other.")
     if count > 1 and not are_possible():
@@ -195,7 +195,7 @@ def _workers(count: int, classroom: bool) -> Workers:
 
 
 def _room(secret: str | None, token: str | None, results: Path | None) -> Classroom:
-    """The class that all tabs join; its teacher knows the secret.
+    """The class that all tabs join; its teacher is whoever has the secret.
 
     With the same secret, or the same results, it goes on where a server that was killed left it.
     """
@@ -213,7 +213,7 @@ def _room(secret: str | None, token: str | None, results: Path | None) -> Classr
 
 
 def _arguments(scene: str, **options: Any) -> list[str]:
-    """Arguments of ``abi serve`` for another process of the same server."""
+    """Arguments of ``abi serve`` for a worker process of this server."""
     dark = {True: ["--dark"], False: ["--light"], None: []}
     plain = {True: ["--plain"], False: ["--no-plain"], None: []}
     words = ["--no-open", *dark[options.pop("dark")], *plain[options.pop("plain")]]

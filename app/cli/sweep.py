@@ -1,4 +1,4 @@
-"""``abi sweep``: many plans, on all cores or on a cluster, as a table and as plots."""
+"""``abi sweep``: many plans on all cores or on a cluster, as a table and plots."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from abi_sweep.row import Row
 
 _ROUNDING = 1e-9
-"""Numbers up to this in the printed table differ from 0 by rounding alone."""
+"""Magnitude below which a number in the printed table is rounding error."""
 
 
 @click.command(short_help="Plan many scenes under many settings, as a table.")
@@ -66,7 +66,7 @@ def sweep(
 
 @contextlib.contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
-    """A bar on the terminal, with the time that is left; Ctrl+C says how to go on."""
+    """Progress bar on the terminal with the time left; Ctrl+C says how to resume."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
@@ -89,7 +89,7 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
 
 
 def _advance(bar: Progress, line: TaskID, done: int, of: int) -> None:
-    """Draw the bar, which is there only once all scenes have been read."""
+    """Advance the bar, which appears once all scenes have been read."""
     bar.start()
     bar.update(line, completed=done, total=of)
 

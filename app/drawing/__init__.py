@@ -1,1 +1,1 @@
-"""Shapes as what viser draws: boxes, lines and triangles."""
+"""Shapes in the form that viser draws: boxes, lines and triangles."""

@@ -14,10 +14,10 @@ _EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if (a ^ b).bit_
 
 
 def box_corners(low: ArrayLike, high: ArrayLike) -> FloatArray:
-    """The corners (8, 3) of a box between two of them (3,)."""
+    """The corners (8, 3) of the box with two opposite corners (3,)."""
     return np.where(_CHOICES, high, low)
 
 
 def box_edges(low: ArrayLike, high: ArrayLike) -> FloatArray:
-    """The edges (12, 2, 3) of a box between two corners (3,)."""
+    """The edges (12, 2, 3) of the box with two opposite corners (3,)."""
     return box_corners(low, high)[_EDGES]

@@ -22,7 +22,7 @@ _LINES, _TRIANGLES, _BYTE, _FLOAT = 1, 4, 5121, 5126
 _INTEGERS = {"<u2": 5123, "<u4": 5125}
 """Component types of indices, by numpy's names."""
 _SHORT = 65_535
-"""Points up to which an index takes two bytes; the last number ends a strip (section 3.7.2.1)."""
+"""Number of points for which two-byte indices suffice; the last ends a strip (section 3.7.2.1)."""
 
 
 def line_set(points: FloatArray, edges: IntArray, colour: Colour, opacity: float) -> bytes:
@@ -63,7 +63,7 @@ def _written(
     elements: IntArray,
     entries: dict[str, Any],
 ) -> bytes:
-    """A GLB of one primitive.
+    """Encode a GLB of one primitive.
 
     Args:
         primitive: its entry in the header, without its indices.
@@ -93,7 +93,7 @@ def _written(
 
 
 def _unlit(colour: Colour, opacity: float) -> dict[str, Any]:
-    """Material that shows its colour whatever the light."""
+    """Material of a constant colour, independent of light."""
     linear = [(channel / 255) ** 2.2 for channel in colour]
     return {
         "pbrMetallicRoughness": {"baseColorFactor": [*linear, opacity], "metallicFactor": 0.0},
@@ -103,7 +103,7 @@ def _unlit(colour: Colour, opacity: float) -> dict[str, Any]:
 
 
 def _buffer_views(attributes: list[NDArray[Any]], indices: NDArray[Any]) -> dict[str, Any]:
-    """Header entries for arrays of vertices, (n, 3) or (n, 4), and indices, one after the other."""
+    """Header entries for consecutive arrays of vertices, (n, 3) or (n, 4), and indices."""
     views, accessors, begin = [], [], 0
     for array in (*attributes, indices):
         views.append({"buffer": 0, "byteOffset": begin, "byteLength": array.nbytes})

@@ -13,19 +13,19 @@ from app.ui import style
 
 Segments = NDArray[np.float32]
 NO_SEGMENTS: Segments = read_only(np.zeros((1, 2, 3), np.float32))
-"""One of no length, since viser takes no empty line set."""
+"""A single segment of zero length, since viser accepts no empty line set."""
 
 
 @functools.lru_cache(64)
 def parameters(interval: tuple[float, float], count: int) -> FloatArray:
-    """``count`` parameters from the first of an interval to its last."""
+    """``count`` equally spaced parameters over an interval."""
     return read_only(np.linspace(*interval, count))
 
 
 def add_line(
     scene: viser.SceneApi, name: str, colour: style.Colour, thickness: float
 ) -> viser.LineSegmentsHandle:
-    """Add a line without segments, ``thickness`` [px] wide."""
+    """Add a line without segments yet, ``thickness`` [px] wide."""
     return scene.add_line_segments(
         name, NO_SEGMENTS, colour, thickness=thickness, thickness_units="screen"
     )
@@ -54,7 +54,7 @@ class FadingLines:
 
 
 def segments(points: FloatArray) -> Segments:
-    """(n, 3) points of a polyline as (n-1, 2, 3) segments; one of no length when n < 2."""
+    """Segments (n-1, 2, 3) of a polyline (n, 3); one of zero length when n < 2."""
     if len(points) < 2:
         return NO_SEGMENTS
     pairs = np.empty((len(points) - 1, 2, 3), np.float32)
@@ -63,7 +63,7 @@ def segments(points: FloatArray) -> Segments:
 
 
 def dashes(points: FloatArray, length: float) -> Segments:
-    """(n, 3) points of a polyline as dashes of ``length`` with gaps 0.7 times as long."""
+    """Dashes of ``length`` along a polyline (n, 3), with gaps 0.7 times as long."""
     arc = _arc(points)
     if len(points) < 2 or arc[-1] <= 0:
         return segments(points)
@@ -78,17 +78,17 @@ def dashes(points: FloatArray, length: float) -> Segments:
 
 
 def points_at(points: FloatArray, parts: FloatArray) -> FloatArray:
-    """Points (m, 3) of a polyline (n, 3) at parts (m,) of its length."""
+    """Points (m, 3) at fractions (m,) of a polyline's length (n, 3)."""
     arc = _arc(points)
     return rows_at(parts * arc[-1], arc, points)
 
 
 def rows_at(places: FloatArray | float, known: FloatArray, rows: FloatArray) -> FloatArray:
-    """Rows (m, k) at places (m,), or (k,) at one, straight between those (n, k) at (n,) known."""
+    """Linear interpolation of rows (n, k) known at (n,), at places (m,) or one place."""
     return np.stack([np.interp(places, known, column) for column in rows.T], axis=-1)
 
 
 def _arc(points: FloatArray) -> FloatArray:
-    """Length of a polyline (n, 3) up to each of its points, (n,)."""
+    """Arc length of a polyline (n, 3) up to each of its points, (n,)."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     return np.concatenate(([0.0], np.cumsum(steps)))

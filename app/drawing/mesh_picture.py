@@ -10,14 +10,14 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.obstacles.triangle_mesh.surface import Surface
 
 MOST_DRAWN = 150_000
-"""Triangles that a page draws at once while it is dragged."""
+"""Most triangles that a page draws smoothly while it is dragged."""
 
 _CELLS = 512  # along the longest side, at first
 
 
 @lru_cache(maxsize=16)
 def drawn_triangles(surface: Surface) -> tuple[FloatArray, IntArray]:
-    """Vertices (n, 3) and triangles (m, 3) of a picture of the surface, in its coordinates.
+    """Simplified vertices (n, 3) and triangles (m, 3) of a surface, in its coordinates.
 
     Of more than ``MOST_DRAWN`` triangles, the corners in each cell of a grid become their mean, and
     what has no area then is left out (Rossignac and Borrel, Multi-resolution 3D approximations,

@@ -1,4 +1,4 @@
-"""Surfaces of simple solids as triangles, to be drawn."""
+"""Surfaces of simple solids as triangles for drawing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 
 _SECTIONS = 32
-"""Corners of a circle."""
+"""Number of sides that approximate a circle."""
 
 Triangles = tuple[FloatArray, IntArray]
 """Vertices (n, 3) and faces (m, 3), which are counterclockwise seen from outside."""
@@ -35,7 +35,7 @@ def sphere() -> Triangles:
 
 
 def _revolved(profile: FloatArray, poles: tuple[float, float]) -> Triangles:
-    """Surface of a line that turns about the z axis.
+    """Surface of revolution about the z axis.
 
     Args:
         profile: radius and z of its points from below, (k, 2); not those on the axis.
@@ -58,5 +58,5 @@ def _revolved(profile: FloatArray, poles: tuple[float, float]) -> Triangles:
 
 
 def _halved(squares: IntArray) -> IntArray:
-    """Triangles (2 m, 3) of squares (m, 4)."""
+    """Split quadrilaterals (m, 4) into triangles (2 m, 3)."""
     return squares[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Straight lines that draw the same as a lattice's edges, most of which go on one another."""
+"""Merging of collinear edges: the fewest lines that draw the same as a lattice's edges."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from abi.arrays import FloatArray, IntArray
 from abi.tet_mesh.stencil import Stencil
 
 _OFF = 2.0**46
-"""More than the number of any node of a lattice."""
+"""A number greater than that of any node of a lattice."""
 _NEAR = 1e-6  # half cells
 
 
 def straight_lines(
     points: FloatArray, edges: IntArray, stencil: Stencil
 ) -> tuple[FloatArray, IntArray]:
-    """Points (k, 3) and lines (m, 2) between them that draw the same as ``edges``.
+    """Points (k, 3) and lines (m, 2) that draw the same as ``edges``.
 
     Equal edges that follow one another become one line, and the points within it are left out.
 
@@ -48,7 +48,7 @@ def straight_lines(
 
 
 def _places(points: FloatArray, stencil: Stencil) -> FloatArray:
-    """Whole numbers (n,) of the points: equal steps of the lattice have equal differences."""
+    """Integers (n,) of the points, in which equal lattice steps have equal differences."""
     halves = (points - stencil.low) * (2 / np.array(stencil.cell))
     whole = np.rint(halves)
     _, y, z = (4.0 * cells + 2 for cells in stencil.cells)
@@ -59,7 +59,7 @@ def _places(points: FloatArray, stencil: Stencil) -> FloatArray:
 
 
 def _ranks(numbers: FloatArray) -> NDArray[np.intp]:
-    """Rank of each number (e,) among the different ones; quick where equal ones are in a row."""
+    """Rank of each number (e,) among the distinct ones; fast for runs of equal numbers."""
     begins = np.flatnonzero(np.diff(numbers, prepend=-1.0))
     ranks = np.unique(numbers[begins], return_inverse=True)[1]
     return np.repeat(ranks, np.diff(begins, append=len(numbers)))

@@ -36,18 +36,18 @@ MESSAGES_PER_SECOND = 240.0
 BYTES_PER_SECOND = 8e6
 BURST = 2.0  # [s] of those rates
 REQUEST_TIMEOUT = 10.0
-"""Seconds in which a request must have come."""
+"""Seconds within which a request must arrive."""
 UNREAD = 60.0
-"""Seconds in which a page that has too much left to read must have read some of it."""
+"""Seconds within which a page with a full backlog must have read some of it."""
 MAX_UNSENT = 65_536
-"""Bytes that the system takes to send later: what is in its hands cannot be left out any more."""
+"""Bytes handed to the system's send buffer, beyond which messages can still be dropped."""
 MAX_REFUSED = 100
-"""Refused messages after which a tab is closed."""
+"""Refused messages after which a tab is disconnected."""
 _POLICY_VIOLATION = 1008
 
 
 class GuardedConnection(ServerConnection):
-    """A browser's connection, of which only what a page may send comes through."""
+    """A browser's connection that passes on only what a page may send."""
 
     def __init__(self, guard: Guard, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
@@ -73,14 +73,14 @@ class GuardedConnection(ServerConnection):
             self.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Count the connection no more."""
+        """Stop counting the connection."""
         super().connection_lost(exc)
         self._look_no_more()
         if self._guard.entrance is not None:
             self._guard.entrance.leave(self)
 
     def data_received(self, data: bytes) -> None:
-        """Hand the bytes on, once the request's first line is one that can be answered.
+        """Pass the bytes on once the request's first line is known to be valid.
 
         Where several processes serve the address, the whole request decides whose it is.
         """
@@ -111,7 +111,7 @@ class GuardedConnection(ServerConnection):
             self.transport.close()
 
     def pause_writing(self) -> None:
-        """Give the connection up if nothing of what it is sent is read for long.
+        """Drop the connection if the page reads nothing for long.
 
         A ping, which is to find that out, would wait behind it.
         """
@@ -119,7 +119,7 @@ class GuardedConnection(ServerConnection):
         self._look_later()
 
     def resume_writing(self) -> None:
-        """Go on: the page has read."""
+        """Cancel the drop: the page has read."""
         super().resume_writing()
         self._look_no_more()
 
@@ -139,7 +139,7 @@ class GuardedConnection(ServerConnection):
             self._looking = None
 
     def process_event(self, event: Event) -> None:
-        """Move a gizmo at once; all else waits for ``recv``, and so do moves behind it.
+        """Apply a gizmo's move at once; every other message, and moves after it, wait for ``recv``.
 
         Hands send twenty moves a second, and a queue and two turns of the loop take longer than
         the move.
@@ -148,7 +148,7 @@ class GuardedConnection(ServerConnection):
             super().process_event(event)
 
     def _has_moved(self, frame: Frame) -> bool:
-        """Check whether a frame was a gizmo's move, and is done."""
+        """Check whether a frame was a gizmo's move that is now applied."""
         if frame.opcode is not Opcode.BINARY or not frame.fin or len(self.recv_messages.frames):
             return False
         message = decode_message(frame.data)
@@ -160,11 +160,11 @@ class GuardedConnection(ServerConnection):
         )
 
     def _delay(self, size: int) -> float:
-        """Time to wait before the next message after one of so many bytes, [s]."""
+        """Delay before the next message after one of this size in bytes, [s]."""
         return max(self._messages.delay(1), self._bytes.delay(size))
 
     async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
-        """The next message that viser is to read; waits where they come too fast."""
+        """The next message for viser to read; delayed if they come too fast."""
         while True:
             frame = await super().recv(decode)
             if (pause := self._delay(len(frame))) > 0:
@@ -177,7 +177,7 @@ class GuardedConnection(ServerConnection):
                 return frame
 
     def _refusal(self, message: Message | None) -> str | None:
-        """Reason why a message may not be read; None where it may."""
+        """Reason to refuse a message; None to pass it."""
         if message is None:
             return "malformed"
         if isinstance(message, CameraMoved):

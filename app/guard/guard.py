@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     import viser
 
 Pages: TypeAlias = Callable[[ServerConnection, Request], Response | None]
-"""viser's own answers: the page's files."""
+"""viser's own handler, which serves the page's files."""
 
 _PAGES = ("/", "/index.html")
 _CONNECTION = "/connection"
-"""Where a page asks why it gets no connection; its script is ``assets/page/connecting.js``."""
+"""Path where a page asks why it gets no connection; see ``assets/page/connecting.js``."""
 
 
 class Guard:
-    """Decides who is let in, and what is answered.
+    """Decides who is admitted and how requests are answered.
 
     Attributes:
         policy: the rules.
@@ -63,7 +63,7 @@ class Guard:
 
     @property
     def is_full(self) -> bool:
-        """Whether another tab has to wait."""
+        """Whether the server has as many tabs as it takes."""
         elsewhere = 0 if self.seats is None else self.seats.elsewhere
         return len(self.tabs) + elsewhere >= self.policy.max_tabs
 
@@ -73,17 +73,17 @@ class Guard:
         self.note_tabs()
 
     def dismiss(self, tab: ServerConnection) -> None:
-        """Count a tab no more."""
+        """Stop counting a tab."""
         self.tabs.discard(tab)
         self.note_tabs()
 
     def note_tabs(self) -> None:
-        """Tell the other processes of the same address how many tabs there are here."""
+        """Tell the other processes at the same address how many tabs this one has."""
         if self.seats is not None:
             self.seats.note(len(self.tabs))
 
     def hang_up(self) -> None:
-        """Cut the connections that are no tabs', on the server's loop: they may be slow to go."""
+        """Close the connections that belong to no tab, on the server's loop; some close slowly."""
         for connection in tuple(self.connections - self.tabs):
             connection.transport.abort()
 
@@ -103,16 +103,16 @@ class Guard:
         return response
 
     def secured(self, response: Response) -> Response:
-        """An answer with the headers that every answer has."""
+        """Add the security headers to an answer."""
         secure(response, self._headers)
         return response
 
     def widget(self, connection: ServerConnection, uuid: str) -> Any:
-        """The widget of a tab that has this id; None without one."""
+        """Find the widget of a tab by its id; None if there is none."""
         return None if self.viser is None else page.widget(self.viser, connection, uuid)
 
     def move_gizmo(self, connection: ServerConnection, update: GizmoUpdate) -> bool:
-        """Move a gizmo of a tab's own; whether there is nothing left for viser to do."""
+        """Move a gizmo of the tab's own; whether viser need not see the message."""
         if self.viser is None or (tab := page.tab(self.viser, connection)) is None:
             return False
         return page.move_gizmo(tab, update.name, update.owner, update.wxyz, update.position)
@@ -153,7 +153,7 @@ class Guard:
         return _file(pages, connection, request)
 
     def _lack_of(self, request: Request) -> str:
-        """Reason why a page that names its Origin gets no connection; empty for none known here."""
+        """Reason why a page with an Origin header gets no connection; empty if none is known."""
         if self.is_full:
             return responses.full_sentence(self.policy.max_tabs)
         query = parse_qs(urlsplit(request.path).query)
@@ -168,7 +168,7 @@ class Guard:
     def _check_token(
         self, connection: ServerConnection, request: Request, is_page: bool
     ) -> Response | None:
-        """Answer to a request that has no token, or has it in the link still; None lets it in."""
+        """Answer to a request without the token, or with it in the link still; None admits it."""
         secret = self.policy.token
         if secret is None:
             return None

@@ -30,11 +30,11 @@ from app.guard.request_line import without_query
 from app.guard.side_door import SideDoor
 
 MAX_MESSAGE = 8_000_000
-"""Bytes of one message; viser's page sends files in parts of 512 kB."""
+"""Largest message in bytes; viser's page sends files in parts of 512 kB."""
 _SLOW = 60.0
-"""Seconds in which the page, 0.7 MB, must have gone over the slowest line."""
+"""Seconds within which the page, 0.7 MB, must be sent over the slowest line."""
 _PING_TIMEOUT = 60.0
-"""Seconds without an answer after which a connection counts as cut; a loaded machine takes some."""
+"""Seconds without a ping's answer after which a connection counts as lost, even when busy."""
 _TRY_AGAIN_LATER = 1013
 _SECRET_HEADERS = frozenset({"authorization", "cookie", "set-cookie"})
 
@@ -44,7 +44,7 @@ _Handler = Callable[[ServerConnection], Awaitable[None]]
 
 
 class _OneLine(logging.Filter):
-    """Faults of a connection as one line; all else about it is for the debug level.
+    """Log filter that shortens connection faults to one line; the rest is for the debug level.
 
     No level has the token, nor what else lets somebody in.
     """
@@ -67,7 +67,7 @@ class _OneLine(logging.Filter):
 
 
 def _without_secrets(words: tuple[object, ...]) -> tuple[object, ...]:
-    """Arguments of a message: a header's name and value, a path or something else."""
+    """Hide secrets in a log message's arguments: header values and paths."""
     if len(words) == 2 and str(words[0]).lower() in _SECRET_HEADERS:
         return words[0], "..."
     return tuple(without_query(word) if isinstance(word, str) else word for word in words)
@@ -78,7 +78,7 @@ _protocol_log.addFilter(_OneLine())
 
 
 def build(guard: Guard, host: str, port: int, label: str) -> viser.ViserServer:
-    """Open the port, or the guard's side door, and serve the page, guarded."""
+    """Open the port, or the guard's side door, and serve the guarded page."""
     plain = websockets.asyncio.server.serve
     with _lock:
         websockets.asyncio.server.serve = functools.partial(_serve, plain, guard)  # type: ignore[assignment, misc]
@@ -100,7 +100,7 @@ def _serve(
     port: int,
     **options: Any,
 ) -> websockets.asyncio.server.serve:
-    """Serve as viser does, with a guard at the door."""
+    """Serve as viser does, with the guard in front."""
     options.update(
         process_request=functools.partial(guard.answer, options["process_request"]),
         process_response=functools.partial(_add_headers, guard),

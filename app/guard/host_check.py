@@ -17,13 +17,13 @@ from websockets.datastructures import Headers
 from app.guard.policy import Policy
 
 _LONGEST = 80
-"""Characters of a header that are told."""
+"""Most characters of a header that are quoted."""
 _ORIGIN = re.compile(r"https?://[\w.:\[\]-]{1,200}", re.ASCII)
-"""An origin that can be told as it is."""
+"""An origin that is safe to quote."""
 
 
 def is_known_host(policy: Policy, headers: Headers) -> bool:
-    """Check whether the request asks for a name or address that is the server's."""
+    """Check whether the request's Host is a name or address of this server."""
     host = single(headers, "Host")
     name = None if host is None else _name(host)
     if name is None:
@@ -45,7 +45,7 @@ def is_own_origin(policy: Policy, headers: Headers) -> bool:
 
 
 def host_fault(policy: Policy, headers: Headers) -> str:
-    """Sentence on a Host that is none of the server's; empty for one that is."""
+    """Sentence on a Host header that is not this server's; empty if it is."""
     if is_known_host(policy, headers):
         return ""
     host = single(headers, "Host")
@@ -57,7 +57,7 @@ def host_fault(policy: Policy, headers: Headers) -> str:
 
 
 def origin_fault(policy: Policy, headers: Headers) -> str:
-    """Sentence on a websocket's Origin that is not the server's own; empty for one that is."""
+    """Sentence on a websocket's Origin that is not this server's; empty if it is."""
     if is_own_origin(policy, headers):
         return ""
     origin, host = single(headers, "Origin"), single(headers, "Host")
@@ -73,13 +73,13 @@ def origin_fault(policy: Policy, headers: Headers) -> str:
 
 
 def single(headers: Headers, name: str) -> str | None:
-    """Value of a header that stands once; None otherwise."""
+    """Value of a header that occurs exactly once; None otherwise."""
     values = headers.get_all(name)
     return values[0] if len(values) == 1 else None
 
 
 def _name(host: str) -> str | None:
-    """Name or address in ``name:port``, in lower case; None where it is neither."""
+    """Name or address in ``name:port``, in lower case; None if it is neither."""
     try:
         parts = urlsplit(f"//{host}")
         port = parts.port

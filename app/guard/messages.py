@@ -15,7 +15,7 @@ MAX_UPLOAD = 50_000_000
 """Bytes of one file."""
 MAX_PARTS = 4096
 _SHORTEST = 1e-9
-"""Least length of a direction that a camera tells of."""
+"""Shortest viewing direction that a camera may report."""
 
 _Id: TypeAlias = Annotated[str, msgspec.Meta(max_length=64)]
 _Name: TypeAlias = Annotated[str, msgspec.Meta(max_length=256)]
@@ -33,11 +33,11 @@ _Quaternion: TypeAlias = tuple[float, float, float, float]
 
 
 class _AllowedMessage(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
-    """Fields of one message; one more or one less is refused."""
+    """Base of the allowed messages; any missing or additional field is refused."""
 
 
 class _NodeMessage(_AllowedMessage, frozen=True):
-    """Fields of one on a node of the scene."""
+    """Base of messages about a node of the scene."""
 
     name: _Name
     owner: _Id
@@ -61,7 +61,7 @@ class CameraMoved(_AllowedMessage, frozen=True, tag="ViewerCameraMessage"):
 
     @property
     def looks_somewhere(self) -> bool:
-        """Whether there is a direction to look in, and one that is up."""
+        """Whether the viewing direction and the upward direction are not zero."""
         distance = math.dist(self.position, self.look_at)
         return distance >= _SHORTEST and math.hypot(*self.up_direction) >= _SHORTEST
 
@@ -73,7 +73,7 @@ class Value(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class WidgetUpdate(_AllowedMessage, frozen=True, tag="GuiUpdateMessage"):
-    """A widget was used; of a widget nothing but its value can be set."""
+    """A widget was used; only its value can be set."""
 
     uuid: _Id
     updates: Value
@@ -87,11 +87,11 @@ class GizmoUpdate(_NodeMessage, frozen=True, tag="TransformControlsUpdateMessage
 
 
 class GizmoDragStart(_NodeMessage, frozen=True, tag="TransformControlsDragStartMessage"):
-    """A gizmo was taken."""
+    """The user has taken hold of a gizmo."""
 
 
 class GizmoDragEnd(_NodeMessage, frozen=True, tag="TransformControlsDragEndMessage"):
-    """A gizmo was let go."""
+    """The user has released a gizmo."""
 
 
 class NodeClick(_NodeMessage, frozen=True, tag="SceneNodeClickMessage"):
@@ -105,7 +105,7 @@ class NodeClick(_NodeMessage, frozen=True, tag="SceneNodeClickMessage"):
 
 
 class ScenePointer(_AllowedMessage, frozen=True, tag="ScenePointerMessage"):
-    """The scene was clicked, whatever is there."""
+    """The scene was clicked, with or without an object there."""
 
     event_type: Literal["click"]
     ray_origin: _Vec3
@@ -128,7 +128,7 @@ class NodeDrag(_NodeMessage, frozen=True, tag="SceneNodeDragMessage"):
 
 
 class UploadStart(_AllowedMessage, frozen=True, tag="FileTransferStartUpload"):
-    """A file is about to come."""
+    """Announcement of an upload."""
 
     source_component_uuid: _Id
     transfer_uuid: _Id
@@ -139,7 +139,7 @@ class UploadStart(_AllowedMessage, frozen=True, tag="FileTransferStartUpload"):
 
 
 class UploadPart(_AllowedMessage, frozen=True, tag="FileTransferPart"):
-    """A part of it."""
+    """A part of an upload."""
 
     source_component_uuid: _Id | None
     transfer_uuid: _Id
@@ -154,7 +154,7 @@ class Command(_AllowedMessage, frozen=True, tag="CommandTriggerMessage"):
 
 
 class StoredItem(_AllowedMessage, frozen=True, tag="LocalStorageGetItemResponseMessage"):
-    """Item of the browser's storage that the server asked for."""
+    """Item of the browser's storage that the server requested."""
 
     value: _Text | None
     error: _Name | None
@@ -162,7 +162,7 @@ class StoredItem(_AllowedMessage, frozen=True, tag="LocalStorageGetItemResponseM
 
 
 class Picture(_AllowedMessage, frozen=True, tag="GetRenderResponseMessage"):
-    """The picture that the server asked for."""
+    """Picture that the server requested."""
 
     payload: bytes
     render_uuid: _Id
@@ -188,7 +188,7 @@ _DECODER: msgspec.msgpack.Decoder[Message] = msgspec.msgpack.Decoder(Message)
 
 
 def decode(frame: bytes | bytearray | memoryview | str) -> Message | None:
-    """Message in a frame; None where it is none that a tab may send."""
+    """Decode a frame; None if it is no message that a tab may send."""
     if isinstance(frame, str):
         return None
     try:

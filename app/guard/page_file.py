@@ -1,4 +1,4 @@
-"""The page's file: viser's, with a script that says why no connection to the server comes about.
+"""The page's file: viser's, with a script that says why there is no connection to the server.
 
 viser's page goes on connecting for ever, and no page can read why its websocket was refused.
 """

@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 MAX_TABS = 60
 _NAMES = ("localhost",)
 _HOST = re.compile(r"[\w.-]+|[0-9a-f:.]+")
-"""A name, or an address of IPv6 without its brackets."""
+"""A host name, or an IPv6 address without brackets."""
 
 
 @dataclass(frozen=True)

@@ -17,24 +17,24 @@ from typing import Protocol
 from websockets.asyncio.server import ServerConnection
 
 LONGEST_HEAD = 65_536
-"""Bytes of a request that is handed on."""
+"""Most bytes of a request that is handed to another process."""
 _NUMBER = 8
-"""Bytes of a message from the other end."""
+"""Bytes of a message from the other process."""
 _WEBSOCKET = re.compile(rb"\nupgrade:[ \t]*websocket", re.IGNORECASE)
 
 
 class Entrance(Protocol):
-    """Way by which connections come in where several processes serve one address."""
+    """Entry of connections when several processes serve one address."""
 
     def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
-        """Check if a connection is another process's from now on; ``head``: its whole request."""
+        """Check whether another process now has a connection; ``head``: its whole request."""
 
     def leave(self, connection: ServerConnection) -> None:
-        """Count a connection no more: it is lost."""
+        """Stop counting a lost connection."""
 
 
 class Porter:
-    """Entrance of the process that listens; all in the thread of its connections.
+    """Entry of the process that listens; used only in the thread of its connections.
 
     A tab counts from its request on, so that those that come at once are shared out, too.
     """
@@ -45,13 +45,13 @@ class Porter:
         self._lost = dict[socket.socket, int]()
 
     def meet(self, channel: socket.socket) -> None:
-        """Give tabs to the process at the other end, from its first word to its end."""
+        """Serve the process at the other end of a channel with tabs until it ends."""
         channel.setblocking(False)
         self._given[channel] = 0
         asyncio.get_running_loop().add_reader(channel, self._hear, channel)
 
     def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
-        """Give a tab's connection to whoever has the fewest; False where that is this process."""
+        """Hand a tab's connection to the process with the fewest; False if that is this one."""
         if _WEBSOCKET.search(head) is None:
             return False
         channel = min(self._lost, key=self._count, default=None)
@@ -69,14 +69,14 @@ class Porter:
         return False
 
     def leave(self, connection: ServerConnection) -> None:
-        """Count a connection no more."""
+        """Stop counting a connection."""
         self._own.discard(connection)
 
     def _count(self, channel: socket.socket) -> int:
         return self._given[channel] - self._lost[channel]
 
     def _hear(self, channel: socket.socket) -> None:
-        """Take the number of tabs that another process has had and has no more; 0 to begin."""
+        """Receive how many tabs another process has had and lost; 0 is its greeting."""
         try:
             word = channel.recv(_NUMBER)
         except BlockingIOError:
@@ -93,5 +93,5 @@ class Porter:
 
 
 def lost_tabs(number: int) -> bytes:
-    """Figures that another process reports to the porter."""
+    """Numbers of lost tabs that another process reports to the porter."""
     return number.to_bytes(_NUMBER)

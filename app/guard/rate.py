@@ -6,14 +6,14 @@ import time
 
 
 class Rate:
-    """Amounts a second that may pass, and an amount that may pass at once."""
+    """Token bucket: an amount a second that may pass, and an amount that may pass at once."""
 
     def __init__(self, per_second: float, burst: float) -> None:
         self._per_second, self._burst = per_second, burst
         self._left, self._last = burst, time.monotonic()
 
     def delay(self, amount: float) -> float:
-        """Take ``amount``; time to wait before the next, [s]."""
+        """Take ``amount``; the delay before the next, [s]."""
         now = time.monotonic()
         self._left = min(self._burst, self._left + (now - self._last) * self._per_second) - amount
         self._last = now

@@ -1,4 +1,4 @@
-"""Requests that were refused: counted, and told to the log."""
+"""Refused requests: counted, and reported to the log."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from app.guard import request_line
 
 _log = logging.getLogger("abi.web")
 _MOST = 100
-"""Reasons that are told; anybody can cause more."""
+"""Most reasons that are logged, as anybody can cause more."""
 _LONGEST = 80
-"""Characters of a request that are told."""
+"""Most characters of a request that are logged."""
 
 
 class RefusedError(Exception):
-    """Raised where a request is refused for a reason that whoever runs the server should know."""
+    """Raised if a request is refused for a reason that the operator should know."""
 
     def __init__(self, status: http.HTTPStatus, sentence: str) -> None:
         super().__init__(sentence)
@@ -33,7 +33,7 @@ class Refusals:
         self._told: set[str] = set()
 
     def note(self, status: http.HTTPStatus, asked: str, address: object, reason: str = "") -> None:
-        """Count a refusal, and tell the log of it.
+        """Count a refusal and log it.
 
         Args:
             status: that is answered.

@@ -1,4 +1,4 @@
-"""Check of a request's first line, before anything else reads it."""
+"""Validation of a request's first line before anything else reads it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import http
 import re
 
 MAX_LINE = 8000
-"""Characters of the line; a link to a tab's state has most of them."""
+"""Most characters of the line; links that hold a tab's state are the longest."""
 _MAX_SEGMENT = 200
 _MAX_SEGMENTS = 20
 _LINE = re.compile(rb"([A-Z]{1,16}) ([\x21-\x7e]+) HTTP/1\.([01])\r?")
 
 
 def problem(line: bytes) -> http.HTTPStatus | None:
-    """Fault of the line, without its end; None for none."""
+    """Fault of the line, given without its line break; None if it is valid."""
     if len(line) > MAX_LINE:
         return http.HTTPStatus.REQUEST_URI_TOO_LONG
     match = _LINE.fullmatch(line)
@@ -33,6 +33,6 @@ def problem(line: bytes) -> http.HTTPStatus | None:
 
 
 def without_query(asked: str) -> str:
-    """A request's first line or path as a log may have it: secrets stand in its query."""
+    """The line or path without its query, which may hold secrets, for the log."""
     path, mark, _ = asked.partition("?")
     return f"{path}{mark}..." if mark else path

@@ -13,7 +13,7 @@ _STYLE = (
     "color-scheme:light dark}"
 )
 _RELOAD = 15
-"""Seconds after which the page of a full server looks again."""
+"""Seconds after which the page of a full server reloads."""
 
 _ODD = {
     http.HTTPStatus.BAD_REQUEST: "The first line of the request is not one of HTTP/1.1.",
@@ -24,11 +24,11 @@ _ODD = {
         "(in nginx: proxy_http_version 1.1)."
     ),
 }
-"""What is wrong with a request's first line."""
+"""Explanations of invalid request lines."""
 
 
 def text(status: http.HTTPStatus, body: str, kind: str = "text/plain; charset=utf-8") -> Response:
-    """A short text."""
+    """Plain-text response."""
     content = body.encode()
     headers = Headers()
     headers["Content-Type"] = kind
@@ -39,7 +39,7 @@ def text(status: http.HTTPStatus, body: str, kind: str = "text/plain; charset=ut
 
 
 def misunderstood(status: http.HTTPStatus) -> Response:
-    """Answer to a request whose first line is odd."""
+    """Answer to a request whose first line is invalid."""
     response = text(status, f"{_ODD.get(status, status.phrase)}\n")
     if status is http.HTTPStatus.METHOD_NOT_ALLOWED:
         response.headers["Allow"] = "GET"
@@ -47,12 +47,12 @@ def misunderstood(status: http.HTTPStatus) -> Response:
 
 
 def odd_reason(status: http.HTTPStatus) -> str:
-    """What whoever runs the server should know of an odd first line; empty for nothing."""
+    """Reason of an invalid first line that the operator should know; empty for none."""
     return _ODD[status] if status is http.HTTPStatus.HTTP_VERSION_NOT_SUPPORTED else ""
 
 
 def full(tabs: int) -> Response:
-    """The page of a server with as many tabs as it takes."""
+    """Page of a server that is full."""
     response = _page(
         http.HTTPStatus.SERVICE_UNAVAILABLE,
         "All places are taken",
@@ -64,12 +64,12 @@ def full(tabs: int) -> Response:
 
 
 def full_sentence(tabs: int) -> str:
-    """Why nobody else is let in."""
+    """Sentence on why nobody else is admitted."""
     return f"This visualiser is shown in {tabs} tabs at once, and all of them are in use."
 
 
 def token_needed() -> Response:
-    """The page for who comes without the token."""
+    """Page for visitors without the token."""
     return _page(
         http.HTTPStatus.UNAUTHORIZED,
         "The link is not complete",
@@ -79,7 +79,7 @@ def token_needed() -> Response:
 
 
 def see_other(place: str, cookie: str = "") -> Response:
-    """Redirect to ``place``, setting ``cookie`` where it is not empty."""
+    """Redirect to ``place``, setting ``cookie`` unless it is empty."""
     response = text(http.HTTPStatus.SEE_OTHER, "")
     response.headers["Location"] = place
     if cookie:

@@ -10,14 +10,14 @@ _ABSENT = -1
 
 
 class Seats:
-    """A file that all processes map, with a number for each: its tabs, or -1 while it is not there.
+    """Memory-mapped file with the number of tabs of each process, -1 while it is not running.
 
     Attributes:
         own: place of this process.
     """
 
     def __init__(self, folder: Path, own: int, count: int = 0) -> None:
-        """Take the place ``own`` in the folder's file, which is made for ``count`` processes."""
+        """Use entry ``own`` of the folder's file, which has ``count`` entries."""
         path = folder / NAME
         if count:
             path.write_bytes(_ABSENT.to_bytes(4, "little", signed=True) * count)
@@ -27,11 +27,11 @@ class Seats:
         self.own = own
 
     def note(self, tabs: int) -> None:
-        """Tell the others how many tabs this process has: from now on, it is there."""
+        """Publish how many tabs this process has, which also marks it as running."""
         self._tabs[self.own] = tabs
 
     def vacate(self, place: int) -> None:
-        """Note that the process at a place is gone."""
+        """Mark the process of an entry as gone."""
         self._tabs[place] = _ABSENT
 
     @property
@@ -41,10 +41,10 @@ class Seats:
 
     @property
     def elsewhere(self) -> int:
-        """Number of tabs of all the other processes."""
+        """Number of tabs of all other processes."""
         return sum(max(tabs, 0) for k, tabs in enumerate(self._tabs) if k != self.own)
 
     @property
     def are_all_there(self) -> bool:
-        """Whether every process listens."""
+        """Whether every process is running."""
         return all(tabs != _ABSENT for tabs in self._tabs)

@@ -1,4 +1,4 @@
-"""Headers by which the browser lets the page run its own script and load nothing else."""
+"""Headers with which the browser runs only the page's own script and loads nothing else."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from app.guard.page_file import page_text
 from app.guard.policy import Policy
 
 _CLIENT = "sha256-o/BTEGoB4UnTxqb+3RxwUFQZkWXpqUxouHkbDNrAkqE="
-"""Digest of the script that viser 1.1.1's page unpacks from itself, which a browser's console names
-where it is not allowed."""
+"""Digest of the script that viser 1.1.1's page unpacks, as a browser's console reports it when it
+is blocked."""
 _SCRIPT = re.compile(r"<script(?![^>]*\bsrc=)[^>]*>(.+?)</script>", re.DOTALL)
 
 

@@ -1,4 +1,4 @@
-"""Side door of a process that does not listen: its connections come from the one that does.
+"""Side door of a worker process, whose connections are accepted by the listening process.
 
 The other side is :mod:`app.guard.porter`.
 """
@@ -17,11 +17,11 @@ from websockets.asyncio.server import ServerConnection
 from app.guard.porter import LONGEST_HEAD, lost_tabs
 
 _INPUT = 0
-"""Standard input, which such a process is given its channel as."""
+"""File descriptor of standard input, which is the worker's channel."""
 
 
 class SideDoor:
-    """Server as asyncio has them, but for connections that another process has accepted.
+    """asyncio server whose connections another process has accepted.
 
     Attributes:
         sockets: none to listen at.
@@ -30,7 +30,7 @@ class SideDoor:
     sockets = ()
 
     def __init__(self, channel: socket.socket, ended: Callable[[], object]) -> None:
-        """Take connections from a channel; ``ended`` is called once the other end is gone."""
+        """Receive connections from a channel; ``ended`` is called once the other end is closed."""
         self._channel = channel
         self._ended = ended
         self._lost = 0
@@ -41,7 +41,7 @@ class SideDoor:
 
     @classmethod
     def of_input(cls, ended: Callable[[], object]) -> SideDoor:
-        """The door whose channel is this process's standard input."""
+        """The side door whose channel is this process's standard input."""
         channel = socket.socket(fileno=os.dup(_INPUT))
         # a child would keep the channel open past this process's end
         empty = os.open(os.devnull, os.O_RDONLY)
@@ -52,7 +52,7 @@ class SideDoor:
     async def open(
         self, factory: Callable[[], asyncio.Protocol], *address: Any, **options: Any
     ) -> SideDoor:
-        """Take connections: in place of a loop's ``create_server``, but for the address."""
+        """Start receiving; replaces a loop's ``create_server``, without an address."""
         self._loop, self._factory = asyncio.get_running_loop(), factory
         self._is_open = True
         self._channel.setblocking(False)
@@ -61,32 +61,32 @@ class SideDoor:
         return self
 
     def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
-        """Keep every connection."""
+        """Keep every connection in this process."""
         return False
 
     def leave(self, connection: ServerConnection) -> None:
-        """Tell the process that listens of a connection that is lost."""
+        """Report a lost connection to the listening process."""
         self._lost += 1
         self._tell()
 
     def close(self) -> None:
-        """Take no more connections."""
+        """Stop receiving connections."""
         if self._is_open:
             self._is_open = False
             self.get_loop().remove_reader(self._channel)
             self._channel.close()
 
     def get_loop(self) -> asyncio.AbstractEventLoop:
-        """The loop of the connections."""
+        """The event loop of the connections."""
         assert self._loop is not None
         return self._loop
 
     def is_serving(self) -> bool:
-        """Check whether connections are taken."""
+        """Check whether connections are received."""
         return self._is_open
 
     async def wait_closed(self) -> None:
-        """Wait for nothing: there is no socket to listen at."""
+        """Return at once, as there is no listening socket."""
 
     def _tell(self) -> None:
         # one that does not go out now is part of the next
@@ -94,7 +94,7 @@ class SideDoor:
             self._channel.send(lost_tabs(self._lost))
 
     def _take(self) -> None:
-        """Take a connection, with what it has said so far."""
+        """Receive a connection with the bytes that it has sent so far."""
         try:
             head, files, _, _ = socket.recv_fds(self._channel, LONGEST_HEAD, 1)
         except BlockingIOError:

@@ -11,7 +11,7 @@ QUERY = "token"
 
 
 def link(url: str, token: str | None) -> str:
-    """The URL that lets its reader in."""
+    """The URL that admits whoever opens it."""
     return url if token is None else f"{url}/?{urlencode({QUERY: token})}"
 
 
@@ -22,14 +22,14 @@ def in_query(path: str, token: str) -> bool:
 
 
 def is_bearer(headers: Headers, token: str) -> bool:
-    """Check whether a request carries it as a program's does, ``Authorization: Bearer TOKEN``."""
+    """Check whether a request carries the token as programs do, ``Authorization: Bearer TOKEN``."""
     values = headers.get_all("Authorization")
     scheme, _, bearer = values[0].partition(" ") if len(values) == 1 else ("", "", "")
     return scheme.lower() == "bearer" and _equal(bearer.strip(), token)
 
 
 def in_headers(headers: Headers, token: str, port: int) -> bool:
-    """Check whether a request carries it in the cookie, or as a program does."""
+    """Check whether a request carries the token in the cookie or the Authorization header."""
     if is_bearer(headers, token):
         return True
     pairs = [
@@ -43,14 +43,14 @@ def in_headers(headers: Headers, token: str, port: int) -> bool:
 
 
 def cookie(token: str, port: int, secure: bool) -> str:
-    """Header that keeps the token in the browser, out of reach of scripts and other sites."""
+    """Header that stores the token in a cookie that scripts and other sites cannot read."""
     flags = "; Secure" if secure else ""
     # Lax, not Strict: a link in a message must lead in although the redirect follows at once
     return f"{_cookie_name(port)}={quote(token, safe='')}; HttpOnly; SameSite=Lax; Path=/{flags}"
 
 
 def without_token(path: str) -> str:
-    """Address of the same page, relative to ``path``, without the token."""
+    """Path of the same page, relative to ``path``, without the token."""
     rest = urlencode([(key, value) for key, value in _query(path) if key != QUERY])
     return f"./?{rest}" if rest else "./"
 

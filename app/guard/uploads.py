@@ -10,18 +10,18 @@ from app.guard.messages import UploadPart, UploadStart
 from app.ui import page
 
 MAX_TRANSFERS = 2
-"""Files that one tab sends at once."""
+"""Most files that one tab sends at once."""
 
 
 class Uploads:
-    """Files on their way from one tab: what was announced of each and has not come yet."""
+    """Uploads of one tab: what was announced of each and has not arrived yet."""
 
     def __init__(self) -> None:
         self._missing: dict[str, tuple[int, int]] = {}
         self._begun: dict[str, float] = {}
 
     def begins(self, start: UploadStart, button: Any) -> bool:
-        """Check whether a file may come, of a kind that the button takes."""
+        """Check whether an announced file may come: the button accepts its kind."""
         kinds = [kind.strip().lower() for kind in str(button.mime_type).split(",")]
         suffix = PurePosixPath(start.filename).suffix.lower()
         named = [kind for kind in kinds if kind.startswith(".")]
@@ -48,7 +48,7 @@ class Uploads:
         return True
 
     def _forget_late(self) -> None:
-        """Forget files that have not come in time: others may come in their place."""
+        """Forget overdue uploads, so that others may come."""
         end = time.monotonic() - page.LIFETIME
         for transfer in [name for name, begin in self._begun.items() if begin <= end]:
             self._forget(transfer)

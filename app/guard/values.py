@@ -1,4 +1,4 @@
-"""Check of a widget's new value against the widget, since viser stores whatever it receives."""
+"""Validation of a widget's new value, since viser stores whatever it receives."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import math
 from typing import Any, TypeGuard
 
 MAX_TEXT = 3_500_000
-"""Letters; a page reports its state, a whole scene, as a text, which
-:meth:`app.state.tab_state.TabState.encode` writes."""
+"""Most characters of a text; the longest is a tab's state, see
+:meth:`app.state.tab_state.TabState.encode`."""
 _MAX_INTEGER = 1e15
 
 
 def fits(widget: Any, value: object) -> bool:
-    """Check whether ``value`` is of the kind that the widget holds.
+    """Check whether ``value`` has the type that the widget holds.
 
     A number may be out of the widget's range, or no finite one: typing passes through such numbers,
     and the panel that reads them says what is wrong with the last.

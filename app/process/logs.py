@@ -13,7 +13,7 @@ _PLAIN = frozenset(vars(logging.makeLogRecord({}))) | {"message", "asctime", "ta
 
 
 class _Fields(logging.Formatter):
-    """Time, level, logger, event and the fields that were given as ``extra``.
+    """Log format: time, level, logger, event and the fields given as ``extra``.
 
     Values that come from outside stand in quotes, with every odd letter escaped.
     """
@@ -30,10 +30,10 @@ class _Fields(logging.Formatter):
 
 
 class _Terminal(logging.Handler):
-    """Lines on standard error, whatever that is at the time."""
+    """Log handler for whatever standard error is at the time."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write one line; a closed terminal is no reason to stop."""
+        """Write one line; a closed terminal is ignored."""
         with contextlib.suppress(OSError, ValueError):
             print(self.format(record), file=sys.stderr, flush=True)
 
@@ -43,7 +43,7 @@ _TERMINAL.setFormatter(_Fields())
 
 
 def configure(level: str) -> None:
-    """Write events of ``level``, one of :data:`LEVELS`, and above."""
+    """Log events of ``level``, one of :data:`LEVELS`, and above."""
     root = logging.getLogger()
     root.addHandler(_TERMINAL)  # once, however often
     root.setLevel(logging.WARNING)

@@ -10,27 +10,26 @@ import threading
 from app.process.turns import TURNS
 
 DELAY = 30.0
-"""Seconds in which more may become free, and until it is tried again while tabs wait: it holds all
-up for a tenth of a second.
-"""
+"""Seconds to wait for more memory to become free, and between tries while tabs wait: each try
+blocks all threads for a tenth of a second."""
 
 _lock = threading.Lock()
 _pending = False
 
 
 def load_at_once() -> None:
-    """Look for no garbage until :func:`loaded`: what is imported stays, and there is much of it."""
+    """Suspend garbage collection until :func:`loaded`, as imports create many objects that stay."""
     gc.disable()
 
 
 def loaded() -> None:
-    """Look for garbage from now on, but never again among what is there already."""
+    """Resume garbage collection, leaving out the objects that exist already."""
     gc.freeze()
     gc.enable()
 
 
 def give_back_soon() -> None:
-    """Give back what is free in a while; the C library keeps it otherwise, for later."""
+    """Return free memory to the system after a delay; the C library would keep it."""
     global _pending
     with _lock:
         if _pending:

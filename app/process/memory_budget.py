@@ -1,4 +1,4 @@
-"""Memory of a server, shared out among its tabs: what a scene may ask for is what is left.
+"""Memory of a server, divided among its tabs: a scene may use what is left.
 
 What a tab takes is nearly all its mesh: tens of bytes a node, and a link may ask for millions.
 """
@@ -15,17 +15,17 @@ from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
 
 SMALL = 8_000_000
-"""Bytes that every tab may take, however much the others have: a mesh of 30,000 nodes."""
+"""Bytes that every tab may use regardless of the others: a mesh of 30,000 nodes."""
 _SERVER = 400_000_000
-"""Bytes that a process takes without a tab."""
+"""Bytes that a process uses without a tab."""
 _PERIOD = 5.0
-"""Seconds between two looks for tabs that are closed."""
+"""Seconds between two checks for closed tabs."""
 _UNKNOWN = 4_000_000_000
-"""Bytes of a machine that does not tell how many it has."""
+"""Assumed bytes of a machine whose memory is unknown."""
 
 
 def memory_for_tabs(memory: int | None, processes: int = 1) -> int:
-    """Bytes that the tabs of a process may take together.
+    """Bytes that the tabs of a process may use together.
 
     Half of all is for the processes that read files from outside.
 
@@ -38,7 +38,7 @@ def memory_for_tabs(memory: int | None, processes: int = 1) -> int:
 
 
 class MemoryBudget:
-    """Bytes for the meshes of all tabs of a process, from any thread."""
+    """Bytes for the meshes of all tabs of a process; thread-safe."""
 
     def __init__(self, size: int) -> None:
         self._size = size
@@ -47,11 +47,11 @@ class MemoryBudget:
         self._looked = -math.inf
 
     def taken(self, tab: int) -> int:
-        """Bytes that a tab has."""
+        """Bytes that a tab uses."""
         return self._taken.get(tab, 0)
 
     def take(self, tab: int, scene: Scene) -> None:
-        """Take what a tab needs for a scene, in place of what it had.
+        """Reserve what a tab needs for a scene, in place of its previous reservation.
 
         Raises:
             SceneError: that is not left; names the spacing whose mesh would fit.
@@ -60,7 +60,7 @@ class MemoryBudget:
             raise error
 
     def fitting(self, tab: int, scene: Scene) -> tuple[Scene, SceneError | None]:
-        """Take what a tab needs for a scene, unless that is not left.
+        """Reserve what a tab needs for a scene, if that much is left.
 
         Returns:
             The scene itself and None, or the same with the finest mesh that would fit and why.
@@ -84,16 +84,16 @@ class MemoryBudget:
         return scene.replace(mesh={"pitch": pitch}), error
 
     def leave(self, tab: int) -> None:
-        """Give back what a tab had."""
+        """Release a tab's reservation."""
         with self._lock:
             self._taken.pop(tab, None)
 
     def _left(self, tab: int) -> int:
-        """Bytes that a tab may have, with those that it has."""
+        """Bytes that a tab may use, including those that it uses already."""
         return max(self._size - sum(list(self._taken.values())) + self.taken(tab), SMALL)
 
     def _look_for_garbage(self) -> None:
-        """Let tabs that are closed give back what they had, but not at every step of a drag."""
+        """Release the reservations of closed tabs, but not at every step of a drag."""
         if time.monotonic() - self._looked > _PERIOD:
             self._looked = time.monotonic()
             gc.collect()

@@ -39,7 +39,7 @@ REFUSED_REQUESTS = Counter("abi_refused_requests", "Requests refused.", ["status
 
 
 def observe_plan(seconds: float, before: Mapping[str, float], after: Mapping[str, float]) -> None:
-    """Count a plan and the stages that ran for it.
+    """Count a plan, and each stage that ran for it.
 
     Args:
         seconds: time of the whole plan.
@@ -53,7 +53,7 @@ def observe_plan(seconds: float, before: Mapping[str, float], after: Mapping[str
 
 
 def measure_memory() -> None:
-    """Note how much memory this process has; each of several can only speak for itself.
+    """Record this process's memory; each of several processes reports only its own.
 
     Where the system does not tell, as elsewhere than on Linux, the figure stays 0.
     """
@@ -63,12 +63,12 @@ def measure_memory() -> None:
 
 @functools.cache
 def _stage(name: str) -> Histogram:
-    """Times of one stage, which take longer to find than to count."""
+    """Histogram of one stage's times, kept because looking it up is slow."""
     return STAGE_SECONDS.labels(name)
 
 
 def text() -> tuple[str, str]:
-    """All figures, and the content type that says how to read them."""
+    """All figures as text, and their content type."""
     measure_memory()
     registry = REGISTRY
     if "PROMETHEUS_MULTIPROC_DIR" in os.environ:

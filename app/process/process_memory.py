@@ -1,4 +1,4 @@
-"""Memory that the processes of this machine, or of this container, may have together."""
+"""Memory available to the processes of this machine or container together."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _OWN = Path("/proc/self/cgroup")
 
 
 def memory_in_all(groups: Path = _GROUPS, own: Path = _OWN) -> int | None:
-    """Bytes of the machine, or of the container if that allows less; None where nobody tells.
+    """Bytes of the machine, or of the container if that is less; None if unknown.
 
     Args:
         groups: where the system shows control groups, of version 2 or 1.
@@ -29,7 +29,7 @@ def _machine() -> Iterator[int]:
 
 
 def _limits(groups: Path, own: Path) -> Iterator[int]:
-    """Limits of the group and of those above it, as far up as they can be seen.
+    """Memory limits of the control group and its visible parents.
 
     A container often sees its own group as the top one, under whatever path its host knows it.
     """

@@ -1,4 +1,4 @@
-"""Temporary folders that last as long as their process, even if it is killed.
+"""Temporary folders that are removed with their process, even if it is killed.
 
 Each contains a file that its process has locked, and that the system unlocks when the process ends
 in any way. The next process to start removes the folders that are no longer locked.
@@ -18,7 +18,7 @@ _LOCK = "lock"
 
 
 class ScratchFolder:
-    """A new folder among the system's temporary files.
+    """A new folder in the system's temporary folder.
 
     Attributes:
         path: of the folder.
@@ -33,18 +33,18 @@ class ScratchFolder:
         unnamed.rename(self.path / _LOCK)
 
     def close(self) -> None:
-        """Remove it."""
+        """Remove the folder."""
         shutil.rmtree(self.path, ignore_errors=True)
         self._file.close()
 
 
 def are_possible() -> bool:
-    """Check whether the system has such locks: all but Windows."""
+    """Check whether the system supports such locks, as all but Windows do."""
     return sys.platform != "win32"
 
 
 def remove_abandoned() -> int:
-    """Remove the folders whose process is gone; returns how many.
+    """Remove the folders of processes that are gone; returns how many.
 
     Those of other users, and what only has such a name, are left alone.
     """
@@ -64,7 +64,7 @@ def remove_abandoned() -> int:
 
 
 def _is_abandoned(folder: Path) -> bool:
-    """Check whether nobody has its lock.
+    """Check whether a folder's lock is free.
 
     Raises:
         OSError: there is no such lock, or it is not ours to open.

@@ -1,4 +1,4 @@
-"""Turns of the tabs at the interpreter: drags first, then what can wait a little.
+"""Turns of the tabs at the interpreter: drags first, background work after them.
 
 Only one thread runs Python at a time. Thirty of them would take it from each other every half
 millisecond, and the thread that answers the network would have to wait as long each time. With
@@ -15,13 +15,13 @@ import threading
 import time
 
 LONGEST = 0.25
-"""Seconds after which a turn no longer keeps the others waiting: it may be a long computation.
+"""Seconds after which a turn no longer blocks the others, as it may be a long computation.
 
 Far more than a picture takes: where other programs want the processor, too, turns that overlap for
 that reason slow each other down, so that still more of them overlap, and tabs wait for seconds.
 """
 AT_ONCE = 0.0
-"""Patience of what a hand waits for, [s]."""
+"""Maximum delay of what a user is waiting for, [s]."""
 PATIENT = 1.0
 """Maximum delay of background updates, which follow another user or complete a picture, [s]."""
 
@@ -44,7 +44,7 @@ class Turns:
         return len(self._waiting)
 
     def begin(self, turn: Turn) -> None:
-        """Wait until ``turn`` is the next and there is room for it."""
+        """Wait until ``turn`` is next and one is free."""
         with self._lock:
             turn.due = time.monotonic() + (AT_ONCE if turn.hurried else turn.patience)
             self._waiting.append(turn)
@@ -61,13 +61,13 @@ class Turns:
             turn.called.wait(delay)
 
     def end(self, turn: Turn) -> None:
-        """Let the next begin."""
+        """End a turn, so that the next can begin."""
         with self._lock:
             del self._running[turn]
             self._call()
 
     def hasten(self, turn: Turn) -> None:
-        """Have ``turn``, or where it does not wait its next one, wait as those in a hurry do."""
+        """Give ``turn``, or its next use if it is not waiting, the priority of a drag."""
         if turn.hurried:
             return  # a hand asks at each of its moves, and many of these wait for one turn
         with self._lock:
@@ -80,12 +80,12 @@ class Turns:
         return min(self._waiting, key=lambda turn: turn.due)
 
     def _call(self) -> None:
-        """Have the next look again."""
+        """Wake the waiting threads."""
         if self._waiting:
             self._next().called.set()
 
     def _room(self) -> float:
-        """Seconds until another turn may begin; 0 or less: now."""
+        """Seconds until another turn may begin; 0 or less means now."""
         ends = sorted(begin + self._longest for begin in self._running.values())
         if len(ends) < self._count:
             return 0.0
@@ -93,7 +93,7 @@ class Turns:
 
 
 class Turn:
-    """Context manager that waits until its thread may compute; a thread does not nest it.
+    """Context manager that waits until its thread may compute; not reentrant.
 
     Attributes:
         patience: how long it can wait while others are in a hurry, [s].
@@ -110,12 +110,12 @@ class Turn:
         self.called = threading.Event()
 
     def after(self, patience: float) -> Turn:
-        """Let the turn wait for up to ``patience`` [s], unless it is hurried; returns itself."""
+        """Set the maximum delay to ``patience`` [s] unless it is hastened; returns itself."""
         self.patience = patience
         return self
 
     def hasten(self) -> None:
-        """Hurry, now or, where it does not wait, the next time: from any thread."""
+        """Give this turn, or its next use, the priority of a drag; thread-safe."""
         self._turns.hasten(self)
 
     def __enter__(self) -> Turn:
@@ -129,4 +129,4 @@ class Turn:
 
 
 TURNS = Turns()
-"""Of this process."""
+"""The turns of this process."""

@@ -31,7 +31,7 @@ def versions() -> dict[str, str]:
 
 
 def version_text() -> str:
-    """One line for each."""
+    """The versions as text, one a line."""
     found = versions()
     lines = [f"{name:<10}  {value}" for name, value in found.items() if name != "abi"]
     return "\n".join((f"abi, version {found['abi']}", *lines))

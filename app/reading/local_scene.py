@@ -18,11 +18,11 @@ from app.reading.reading import named_files
 from app.reading.running_reader import ReaderLimits
 
 _LIMITS = ReaderLimits(seconds=120, patience=600.0)
-"""Above those of an upload: nobody else waits, and the file is one's own."""
+"""Limits of a local file, more than an upload's: nobody else waits for it."""
 
 
 def load_local(name: str) -> Scene:
-    """A shipped scene by its name, or one of a file whose meshes and arm another process reads.
+    """Load a shipped scene by name, or a scene file, whose meshes and arm another process reads.
 
     Raises:
         SceneError: no such scene, not readable, or a field is wrong.
@@ -44,7 +44,7 @@ def load_local(name: str) -> Scene:
 
 
 def _read(data: object, source: MeshSource, reader: Reader) -> dict[str, bytes | Surface]:
-    """Surfaces of the meshes and archive of the arm that a scene names, by name.
+    """Read the surfaces and the arm's archive that a scene names, by name.
 
     What is not there is left out: the scene is refused for it, with the name of the field.
     """

@@ -1,4 +1,4 @@
-"""Reader of files from outside, in a separate process, so that a crash or a hang does no harm.
+"""Reads files from outside in a separate process, so that a crash or a hang does no harm.
 
 The process is started with the first file or before, kept for the next one, and replaced if it has
 ended.
@@ -25,26 +25,27 @@ from app.reading.running_reader import AT_ONCE, ReaderLimits, RunningReader
 
 _log = logging.getLogger(__name__)
 _LOOK = 0.05
-"""Seconds between two looks at whether a file is still wanted."""
+"""Seconds between two checks whether a file is still wanted."""
 _LONG = 2.0
-"""Seconds after which whoever waits for a place is told so."""
+"""Seconds after which a caller is told that it waits for other files."""
 
 Stopped = threading.Event
-"""Set when a file is not wanted any more; files with the same one are read one after the other."""
+"""Event that is set when a file is not wanted any more; it also identifies the owner, whose files
+are read one at a time."""
 Delayed = Callable[[], object]
-"""Called once if files of others keep one waiting for long."""
+"""Callback for a long wait for the files of others."""
 
 
 def _ignore() -> None:
-    """Tell nobody of a delay."""
+    """Default callback for a long wait: does nothing."""
 
 
 class StoppedError(Exception):
-    """Raised where a file is not wanted any more."""
+    """Raised if a file is not wanted any more."""
 
 
 class SeveralRobotsError(Exception):
-    """Raised where an archive has several robots, and none is named.
+    """Raised if an archive has several robots and none is named.
 
     Attributes:
         choices: paths of their URDF files.
@@ -56,7 +57,7 @@ class SeveralRobotsError(Exception):
 
 
 class Reader:
-    """Reader of files from outside.
+    """Reads files from outside with a pool of processes.
 
     Attributes:
         lost: exit codes of processes that ended over a file; below 0 the signal that ended it.
@@ -73,7 +74,7 @@ class Reader:
         atexit.register(self.close)
 
     def warm(self) -> None:
-        """Start a process if none is idle: the first file need not wait seconds for it then."""
+        """Start a process if none is idle, since starting one takes seconds."""
         with self._lock:
             if not self._idle:
                 self._idle.append(RunningReader(self.limits))
@@ -115,7 +116,7 @@ class Reader:
     def scene(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
     ) -> tuple[object, Mapping[str, bytes | Surface]]:
-        """Plain data of a scene file, and the files that came with it, by name.
+        """Plain data of a scene file, and the files packed with it, by name.
 
         Arguments are those of :meth:`mesh`.
 
@@ -136,7 +137,7 @@ class Reader:
         stopped: Stopped | None = None,
         delayed: Delayed = _ignore,
     ) -> Motion:
-        """The motion of a file; ``slides``: the robot's joints, and whether each slides.
+        """The motion of a file; ``slides`` tells for each of the robot's joints whether it slides.
 
         ``topic`` is that of a trajectory in a bag. The other arguments are those of :meth:`mesh`.
 
@@ -163,7 +164,7 @@ class Reader:
     def read(
         self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore
     ) -> ReadingResult:
-        """The answer to a job that is no refusal; arguments as for :meth:`mesh`.
+        """Successful answer to a job; arguments as for :meth:`mesh`.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
@@ -190,14 +191,14 @@ class Reader:
         return answer
 
     def close(self) -> None:
-        """End the processes; the next file starts one anew."""
+        """End the processes; the next file starts a new one."""
         with self._lock:
             idle, self._idle = self._idle, []
         for process in idle:
             process.close()
 
     def _wait(self, ticket: Ticket, job: Job, stopped: Stopped, delayed: Delayed) -> None:
-        """Wait for a place, no longer than the file is wanted."""
+        """Wait for a place while the file is wanted."""
         begin, is_told = time.monotonic(), False
         while not stopped.is_set():
             if self._places.wait(ticket, _LOOK):
@@ -214,7 +215,7 @@ class Reader:
         raise StoppedError
 
     def _answer(self, job: Job, stopped: Stopped) -> tuple[ReadingResult | None, float]:
-        """Answer of a process, None where it ended; and the seconds that it took."""
+        """Answer of a process, None if it ended, and the seconds that it took."""
         with self._lock:
             process = self._idle.pop() if self._idle else RunningReader(self.limits)
         done = threading.Event()
@@ -238,7 +239,7 @@ class Reader:
     def _watch(
         self, process: RunningReader, done: threading.Event, stopped: threading.Event
     ) -> None:
-        """End a process that takes too long, or whose file is not wanted."""
+        """Kill a process that takes too long or whose file is not wanted any more."""
         end = time.monotonic() + self.limits.patience
         while not done.wait(_LOOK):
             if stopped.is_set() or time.monotonic() > end:
@@ -247,4 +248,4 @@ class Reader:
 
 
 READER = Reader()
-"""The server's."""
+"""The reader of this server."""

@@ -20,7 +20,7 @@ READY = b"ready"
 
 
 def receive(stream: BinaryIO) -> bytes | None:
-    """The next message; None where the stream ends."""
+    """Receive the next message; None at the end of the stream."""
     head = stream.read(LENGTH)
     if len(head) < LENGTH:
         return None
@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def restrict(memory: int, files: int) -> None:
-    """Give up writing files, and all but ``memory`` bytes and ``files`` open files from now on.
+    """Forbid writing files, and limit memory to ``memory`` bytes and open files to ``files``.
 
     What is open stays so. Where memory runs out in the whole machine or container, Linux ends this
     process before any other. Where the system has no such limits, as Windows, time is still limited

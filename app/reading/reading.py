@@ -1,4 +1,4 @@
-"""Work of the reader process on a file from outside: bytes in, checked data out.
+"""Work of the reader process: bytes of a file in, checked data out.
 
 Only plain data with a schema passes between the processes, so that nothing in a file can make the
 server run code.
@@ -58,13 +58,13 @@ class SurfaceBytes(msgspec.Struct):
 
     @classmethod
     def of(cls, surface: Surface) -> SurfaceBytes:
-        """The bytes of a surface."""
+        """Encode a surface."""
         vertices = surface.vertices.astype("<f8").tobytes()
         faces = surface.faces.astype("<i4").tobytes()
         return cls(vertices, faces, surface.closed, surface.notes, surface.metres)
 
     def surface(self) -> Surface:
-        """The surface of the bytes."""
+        """Decode the surface."""
         vertices = np.frombuffer(self.vertices, "<f8").reshape(-1, 3).astype(np.float64)
         faces = np.frombuffer(self.faces, "<i4").reshape(-1, 3).astype(np.int32)
         arrays = read_only(vertices), read_only(faces)
@@ -103,7 +103,7 @@ class ReadingResult(msgspec.Struct):
 
 
 def read(job: Job) -> ReadingResult:
-    """Read a file; whatever is wrong with it is in the answer."""
+    """Read a file; faults are part of the answer."""
     try:
         if job.kind == "motion":
             return _motion(job)
@@ -126,11 +126,11 @@ def read(job: Job) -> ReadingResult:
 _ROBOT = b"""<robot name="a"><link name="b"/><link name="c"><collision><geometry>
 <box size="1 1 1"/></geometry></collision></link><joint name="j" type="revolute"><parent link="b"/>
 <child link="c"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint></robot>"""
-"""A robot with a shape, whose bodies are made by code that is read before no file can be."""
+"""A robot with a shape, to load the code that makes bodies before file access is forbidden."""
 
 
 def rehearse() -> None:
-    """Read a file of every kind, whole and cut off, so that nothing is left to be loaded."""
+    """Read a file of every kind, complete and truncated, so that no code is left to load."""
     import trimesh
 
     box, other = trimesh.creation.box(), trimesh.creation.box()
@@ -195,14 +195,14 @@ def _motion(job: Job) -> ReadingResult:
 
 
 def _srdf_of(data: object) -> str | None:
-    """Name of the SRDF in a scene that is not checked yet."""
+    """Name of the SRDF in a scene that is not validated yet."""
     arm = data.get("arm") if isinstance(data, dict) else None
     name = arm.get("srdf") if isinstance(arm, dict) else None
     return name if isinstance(name, str) else None
 
 
 def named_files(data: object) -> tuple[set[str], set[str]]:
-    """Names of the files of obstacles and of the arm in a scene that is not checked yet."""
+    """Names of the mesh and arm files in a scene that is not validated yet."""
     fields = data if isinstance(data, dict) else {}
     obstacles, arm = fields.get("obstacles"), fields.get("arm")
     entries = obstacles if isinstance(obstacles, list) else []
@@ -215,7 +215,7 @@ def named_files(data: object) -> tuple[set[str], set[str]]:
 
 
 def _whole(name: str, files: Mapping[str, bytes | Surface], srdf: str | None = None) -> Robot:
-    """An arm whose links have been put into capsules, as planning will do.
+    """Check an arm by fitting the bodies of its links, as planning does.
 
     Its archive has only meshes in formats of our own readers: the server reads it again.
     """
@@ -226,7 +226,7 @@ def _whole(name: str, files: Mapping[str, bytes | Surface], srdf: str | None = N
 
 
 def _refusal(error: SceneError) -> Refusal:
-    """The error without what the schema cannot carry."""
+    """Convert an error to plain data that the schema can carry."""
     value = error.value
     try:
         msgspec.msgpack.encode(value)
@@ -236,7 +236,7 @@ def _refusal(error: SceneError) -> Refusal:
 
 
 def _plain(text: str) -> str:
-    """The text without halves of pairs of surrogates, which are no text."""
+    """Remove unpaired surrogates, which cannot be encoded."""
     return text.encode(errors="replace").decode()
 
 

@@ -1,4 +1,4 @@
-"""Places for files that are read at once, shared out fairly among those who wait."""
+"""Places in the reader's pool, shared fairly among waiting owners."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, eq=False)
 class Ticket:
-    """A file that waits for a place, or has one.
+    """A file that waits for a place or has one.
 
     Attributes:
         owner: whose file it is.
@@ -20,7 +20,7 @@ class Ticket:
 
 
 class ReadingPlaces:
-    """Places that are given in the order in which files come, one an owner at a time.
+    """Places given in the order of arrival, one an owner at a time.
 
     Once an owner has one, its other files go behind those that wait already: whoever comes waits
     for one more file of each of the others at most.
@@ -33,14 +33,14 @@ class ReadingPlaces:
         self._reading: list[Ticket] = []
 
     def queue(self, owner: Hashable) -> Ticket:
-        """Line up; every ticket is to be given back, whether or not it got a place."""
+        """Join the line; every ticket must be given back, with or without a place."""
         ticket = Ticket(owner)
         with self._changed:
             self._waiting.append(ticket)
         return ticket
 
     def wait(self, ticket: Ticket, seconds: float) -> bool:
-        """Check whether the ticket has a place, waited for as long as ``seconds``."""
+        """Wait up to ``seconds`` for a place; whether the ticket has one."""
         end = time.monotonic() + seconds
         with self._changed:
             while self._next() is not ticket:
@@ -55,7 +55,7 @@ class ReadingPlaces:
         return True
 
     def give_back(self, ticket: Ticket) -> None:
-        """Leave the place, or the line."""
+        """Leave the place or the line."""
         with self._changed:
             for tickets in (self._waiting, self._reading):
                 if ticket in tickets:
@@ -63,7 +63,7 @@ class ReadingPlaces:
             self._changed.notify_all()
 
     def _next(self) -> Ticket | None:
-        """Whose turn it is; None where there is no place."""
+        """The next ticket; None if no place is free."""
         if len(self._reading) >= self._count:
             return None
         busy = {ticket.owner for ticket in self._reading}

@@ -16,7 +16,7 @@ from app.reading.reader_process import READY, receive, send
 from app.reading.reading import Job, ReadingResult
 
 AT_ONCE = 2
-"""Files that are read at once, at most; others wait."""
+"""Most files that are read at once; others wait."""
 _ROOT = Path(__file__).resolve().parents[2]
 _MOST_MEMORY = 2_000_000_000
 _GRACE = 0.5
@@ -25,7 +25,7 @@ _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 def reading_memory(memory: int | None) -> int:
-    """Bytes that one file may take, so that those read at once leave half of all to the server.
+    """Bytes for one file, so that all files read at once leave half of the memory to the server.
 
     Args:
         memory: [bytes] of the machine or the container; None where nobody tells.
@@ -50,7 +50,7 @@ class ReaderLimits(NamedTuple):
 
 
 class RunningReader:
-    """The process, from its start on."""
+    """A running reader process."""
 
     def __init__(self, limits: ReaderLimits) -> None:
         paths = [str(_ROOT), os.environ.get("PYTHONPATH", "")]
@@ -71,7 +71,7 @@ class RunningReader:
         self._ready = False
 
     def read(self, job: Job) -> ReadingResult | None:
-        """The answer to a job; None where the process ended."""
+        """The answer to a job; None if the process ended."""
         try:
             if not self._ready:
                 self._ready = receive(self._answers) == READY
@@ -82,11 +82,11 @@ class RunningReader:
         return None if content is None else msgspec.msgpack.decode(content, type=ReadingResult)
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill the process."""
         self._process.kill()
 
     def close(self) -> int:
-        """End it and free what it held; its exit code."""
+        """Close the process and its pipes; its exit code."""
         with contextlib.suppress(OSError):  # what was still to be written
             self._jobs.close()
         if not self._ready:  # it would go on loading first

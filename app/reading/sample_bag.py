@@ -1,4 +1,4 @@
-"""A bag of ROS 2 with a trajectory, as an MCAP file."""
+"""A ROS 2 bag with a trajectory, as an MCAP file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from abi.certification.read_bag import JOINT_TRAJECTORY, KINDS
 
 
 def mcap(joint: str) -> bytes:
-    """A bag in which a joint moves by one in a second."""
+    """A bag in which a joint moves by one unit in one second."""
     from mcap_ros2.writer import Writer
 
     points = [

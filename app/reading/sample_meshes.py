@@ -1,4 +1,4 @@
-"""A tetrahedron as a DAE and as a 3MF file, which trimesh could write with more packages only."""
+"""A tetrahedron as DAE and 3MF files, which trimesh cannot write without more packages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that are on their way from pages or wait to be read: on disk, and only so many bytes.
+"""Uploads that are arriving or waiting to be read: on disk, with a limit on all together.
 
 A page that sends only a part of a file, or files faster than they are read, would fill the memory
 otherwise.
@@ -15,14 +15,15 @@ from typing import IO
 from app.process.process_memory import memory_in_all
 
 IN_MEMORY = 1_000_000
-"""Bytes of a file from which on it is kept on disk, where there is one to write to."""
+"""Bytes of an upload beyond which it is kept on disk, if one is writable."""
 _MOST = 500_000_000
 _SHARE = 8
-"""Part of the memory that all files together may take: the disk's place is often memory, too."""
+"""Part of the memory that all uploads together may take, as the temporary disk is often memory
+too."""
 
 
 class UploadRoom:
-    """Bytes that all files of a process may take together, from any thread."""
+    """Limit in bytes on all uploads of a process; thread-safe."""
 
     def __init__(self, size: int) -> None:
         self._lock = threading.Lock()
@@ -34,7 +35,7 @@ class UploadRoom:
         return self._free
 
     def take(self, size: int) -> bool:
-        """Take so many bytes, if they are left."""
+        """Reserve bytes, if they are left."""
         with self._lock:
             if size > self._free:
                 return False
@@ -42,18 +43,18 @@ class UploadRoom:
             return True
 
     def give_back(self, size: int) -> None:
-        """Give back bytes that were taken."""
+        """Release reserved bytes."""
         with self._lock:
             self._free += size
 
 
 def room_in(memory: int | None) -> int:
-    """Bytes for all files of a machine or container of so much memory; None where nobody tells."""
+    """Bytes for all uploads on a machine or container with that much memory; None if unknown."""
     return _MOST if memory is None else min(_MOST, memory // _SHARE)
 
 
 class StoredUpload(MutableMapping[int, bytes]):
-    """Content of one file by the numbers of its parts, gone with the last reference to it.
+    """Content of one upload by part number, deleted with the last reference to it.
 
     What finds no room reads as zeros, of the same length: whoever puts the parts together goes by
     that.
@@ -103,17 +104,17 @@ class StoredUpload(MutableMapping[int, bytes]):
         self.close()
 
     def content(self) -> bytes:
-        """The whole file."""
+        """The whole content."""
         return b"".join(self[number] for number in self)
 
     def close(self) -> None:
-        """Give its room back; nothing can be read from then on."""
+        """Release its bytes; it cannot be read afterwards."""
         self._room.give_back(self._end)
         self._end = 0
         self._file.close()
 
     def _lose(self, expected: str) -> None:
-        """Keep nothing of it; ``expected`` is what would work."""
+        """Discard the content; ``expected`` says what would work."""
         self.close()
         self.lost = expected
 
@@ -127,4 +128,4 @@ def _new_file() -> IO[bytes]:
 
 
 ROOM = UploadRoom(room_in(memory_in_all()))
-"""Of this process."""
+"""The limit of this process."""

@@ -1,1 +1,1 @@
-"""The web server: its address, its worker processes, and what it loads before it is asked."""
+"""The web server: its address, its worker processes, and what it loads in advance."""

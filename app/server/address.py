@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from abi.errors import AbiError
 
 _ANY_ADDRESS = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
-"""Addresses that stand for all of this machine's, each with one that a browser can open."""
+"""Wildcard addresses, each with one that a browser can open."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Address:
     entrance: Porter | SideDoor | None = None
 
     def usable_host(self) -> str:
-        """Address to listen at, tried out; as it is where another process does.
+        """A bindable host for the address; unchanged if another process listens there.
 
         Raises:
             AbiError: as for :func:`usable_address`.
@@ -49,7 +49,7 @@ class Address:
 
 
 def usable_address(host: str, port: int) -> str:
-    """An address to listen on, tried out, since viser would go on to another port.
+    """A bindable address, since viser would otherwise move on to another port.
 
     It is ``host``; of a name with addresses that are not this machine's, such as ``::1`` without
     IPv6, the first that is.
@@ -86,7 +86,7 @@ def usable_address(host: str, port: int) -> str:
 
 
 def ensure_port(server: viser.ViserServer, port: int) -> None:
-    """Stop a server that has found ``port`` taken since it was tried out.
+    """Stop a server whose ``port`` was taken since the test.
 
     Raises:
         AbiError: it listens on another one.
@@ -97,7 +97,7 @@ def ensure_port(server: viser.ViserServer, port: int) -> None:
 
 
 def listening_url(host: str, port: int) -> str:
-    """URL of a server that listens there, which a browser on this machine can open."""
+    """URL that a browser on this machine can open."""
     if host in _ANY_ADDRESS:
         host = _ANY_ADDRESS[host]
     elif ":" in host:

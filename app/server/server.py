@@ -41,17 +41,17 @@ if TYPE_CHECKING:
 
 _ADDRESS, _AS_THE_SYSTEM = Address(), Appearance()
 _FAREWELL = 0.2
-"""Seconds in which the tabs are told that the server stops."""
+"""Seconds to tell the tabs that the server stops."""
 _LONGEST_OPENING = 2.0
-"""Seconds that the end of the server waits for tabs that are being opened."""
+"""Seconds that stopping waits for tabs that are being opened."""
 
 
 _DEMOS = 3
-"""Tabs at once; one more begins without the demonstration, in which each plans all the time."""
+"""Most tabs that show the demonstration at once, as it plans continuously."""
 
 
 class Server:
-    """The page at ``host``, and the tabs' sessions once it has a scene.
+    """The page at ``host``, and the sessions of the tabs once there is a scene.
 
     Attributes:
         url: of the page, e.g. ``http://127.0.0.1:8080``.
@@ -113,7 +113,7 @@ class Server:
 
     @functools.cached_property
     def opening(self) -> SharedPlans:
-        """First plans of tabs: those of a class that opens at once show the same."""
+        """First plans of tabs, shared as the tabs of a class open with the same scene."""
         from app.shared.shared_plans import SharedPlans
 
         return SharedPlans()
@@ -126,7 +126,7 @@ class Server:
             page.run_on_loop(self.viser, functools.partial(porter.meet, channel))
 
     def stop(self) -> None:
-        """Tell every tab, end its session and close the port."""
+        """Notify every tab, end its session and close the port."""
         self.guard.ready = False
         if self.exercise is not None:
             self.exercise.close()
@@ -176,7 +176,7 @@ class Server:
 
     @contextlib.contextmanager
     def _awaited(self) -> Iterator[None]:
-        """Let :meth:`stop` wait for a tab that is being opened."""
+        """Make :meth:`stop` wait for a tab that is being opened."""
         with self._tabs:
             self._being_opened += 1
         try:
@@ -261,7 +261,7 @@ _reading = threading.Lock()
 
 
 def _shipped_lessons() -> Lessons:
-    """The lessons that come along, read once: tabs that open together wait for the first."""
+    """The shipped lessons, read once; tabs that open together wait for the first."""
     with _reading:
         return _read_lessons()
 

@@ -1,4 +1,4 @@
-"""Loading in the background, while the page loads and after the first plan.
+"""Background loading, while the page loads and after the first plan.
 
 First comes what a tab's first picture needs, with the plan of the scene that tabs open with unless
 one is there already; then the kernels, with a notice of how far they are if they take long, the
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 PLAN_TIMEOUT = 4.0
 """Seconds after which compilation no longer waits for a first plan."""
 NOTICE_DELAY = 2.0
-"""Seconds of compilation without a notice, and from one state of it to the next."""
+"""Seconds of compilation before the first notice, and between two notices."""
 
 
 class WarmUp:
-    """Thread that prepares the first picture, and compiles the kernels or loads them.
+    """Thread that prepares the first picture and compiles or loads the kernels.
 
     Attributes:
         planned: to be set once a plan is drawn: until then the plan has the processor.
@@ -40,7 +40,7 @@ class WarmUp:
     """
 
     def __init__(self, scene: Scene, opening: SharedPlans) -> None:
-        """Begin to prepare for tabs that open ``scene``, whose plan goes into ``opening``."""
+        """Prepare for tabs that open ``scene``, whose plan goes into ``opening``."""
         self._scene, self._opening = scene, opening
         self.planned = threading.Event()
         self._lock = threading.Lock()
@@ -84,7 +84,7 @@ class WarmUp:
                 self._notices.clear()
 
     def _plan_opening(self) -> None:
-        """Plan what tabs open with, unless one is there that does."""
+        """Plan the opening scene, unless a tab has done so."""
         from abi.planner.live_planner import LivePlanner
         from abi.planner.planner import is_slow_without_compiler
 
@@ -101,7 +101,7 @@ class WarmUp:
         self.planned.set()
 
     def _load(self) -> None:
-        """Load the kernels that an earlier run has kept, then make the bodies of the arm."""
+        """Load the kernels kept by an earlier run, then make the bodies of the arm."""
         from app.layers.arm.arm import prepare_bodies
 
         compiling.begin()
@@ -113,7 +113,7 @@ class WarmUp:
 
     @staticmethod
     def _call_kernels() -> None:
-        """Plan once: the first calls take milliseconds, which a tab would tell as a search's."""
+        """Plan once, since first calls take milliseconds that would be shown as a search's time."""
         from abi.planner.planner import plan
         from abi.scene.scene import load_scene
 
@@ -121,14 +121,14 @@ class WarmUp:
 
     @staticmethod
     def _warm_reader() -> None:
-        """Start the process that reads files from outside, which takes two seconds."""
+        """Start the reader process, which takes two seconds."""
         from app.reading.reader import READER
 
         with contextlib.suppress(OSError):  # the first file tries again
             READER.warm()
 
     def _tell(self, title: str, body: str) -> None:
-        """Say in all tabs how far the compilation is."""
+        """Show the progress of compilation in all tabs."""
         with self._lock:
             first, self._told = self._told is None, (title, body)
             if first:
@@ -155,7 +155,7 @@ def _words(remaining: compiling.Remaining | None) -> tuple[str, str]:
 
 
 def _faster(seconds: float | None) -> str:
-    """When it is faster, of the ``seconds`` until then."""
+    """Phrase for the ``seconds`` until planning is faster."""
     if seconds is None:
         return "getting faster"
     if seconds > 90:

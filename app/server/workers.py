@@ -23,27 +23,27 @@ from app.guard.seats import Seats
 from app.process.scratch import ScratchFolder
 
 Meet = Callable[[socket.socket], None]
-"""Introduces a process, at the other end of a socket, to the porter."""
+"""Callback that introduces a process, by its socket, to the porter."""
 
 _log = logging.getLogger("abi.web")
 _PATIENCE = 10.0
-"""Seconds in which a process ends that was told to."""
+"""Seconds for a process to end after it was told to."""
 _START = 60.0
-"""Seconds in which processes begin to listen that are not hindered."""
+"""Seconds within which processes begin to listen."""
 _LONGEST = 60.0
-"""Longest time until a process is started again, [s]."""
+"""Longest delay before a process is restarted, [s]."""
 _PERIOD = 0.05
 _METRICS = "PROMETHEUS_MULTIPROC_DIR"
-"""Variable of prometheus-client: where processes keep figures that are counted together."""
+"""Environment variable of prometheus-client: folder of the figures of several processes."""
 
 
 def are_possible() -> bool:
-    """Check whether processes can hand each other connections, one in a message, as on Linux."""
+    """Check whether processes can pass connections to each other in one message, as on Linux."""
     return sys.platform == "linux"
 
 
 class Workers:
-    """Processes besides this one, each started again when it ends by itself.
+    """Additional processes, each restarted if it ends unexpectedly.
 
     Attributes:
         seats: tabs of all processes; None where there are no others.
@@ -65,7 +65,7 @@ class Workers:
             self.porter = Porter()
 
     def start(self, arguments: Sequence[str], token: str | None, meet: Meet) -> None:
-        """Start them with these arguments of ``abi serve``; the token is none for others to see.
+        """Start them with these arguments of ``abi serve``, which do not show the token.
 
         The porter is to ``meet`` each of them.
         """
@@ -95,7 +95,7 @@ class Workers:
                 return
 
     def stop(self) -> None:
-        """End them, and tell their tabs."""
+        """End them and notify their tabs."""
         with self._lock:
             self._ending.set()
             processes = dict(self._processes)
@@ -118,7 +118,7 @@ class Workers:
     def _keep(
         self, place: int, arguments: Sequence[str], environment: dict[str, str], meet: Meet
     ) -> None:
-        """Keep the process at a place running until the end: a thread.
+        """Thread that restarts one process until the server stops.
 
         One that soon ends is started again after longer and longer: it would take a core for good.
         """
@@ -157,5 +157,5 @@ class Workers:
 
 
 def seat(place: int) -> Seats:
-    """The seats of the process that started this one, at its own place."""
+    """This worker's entry among the seats of the process that started it."""
     return Seats(Path(os.environ[_METRICS]), place)

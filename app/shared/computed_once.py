@@ -1,4 +1,4 @@
-"""Values that all tabs share and that take long: computed once, however many ask at the same time.
+"""Results shared by all tabs: computed once, however many tabs ask at the same time.
 
 A cache alone lets each of thirty tabs that open together compute the same, and each thirty times as
 slowly.
@@ -16,7 +16,7 @@ _T = TypeVar("_T")
 
 
 class ComputedOnce(Generic[_P, _T]):
-    """Wrapper that keeps a function's last values by its arguments; none may be changed.
+    """Wrapper that caches a function's latest results by its arguments; they must be immutable.
 
     Who asks while a value is computed waits for it.
     """
@@ -27,11 +27,11 @@ class ComputedOnce(Generic[_P, _T]):
         functools.update_wrapper(self, function)
 
     def __call__(self, *args: _P.args, **_: _P.kwargs) -> _T:
-        """The value for arguments, none of which is named."""
+        """The result for positional arguments."""
         with self._lock:
             return self._kept(*args)
 
 
 def computed_once(kept: int) -> Callable[[Callable[_P, _T]], ComputedOnce[_P, _T]]:
-    """Decorate a function whose last ``kept`` values are shared."""
+    """Decorator that shares the latest ``kept`` results of a function."""
     return functools.partial(ComputedOnce, kept)

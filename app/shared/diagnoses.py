@@ -1,4 +1,4 @@
-"""Diagnoses of plans, each made only once for all tabs that show the plan."""
+"""Diagnoses of plans, made once for all tabs that show the plan."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from abi.planner.plan import Plan
 
 
 class Diagnoses:
-    """Reasons of plans' errors, kept as long as the plans; may be asked from any thread."""
+    """Reasons of failed plans, kept as long as the plans; thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -20,7 +20,7 @@ class Diagnoses:
         self._begun: weakref.WeakSet[Plan] = weakref.WeakSet()
 
     def make(self, plan: Plan, interrupted: Callable[[], bool]) -> bool:
-        """Diagnose ``plan``, which takes as long as some ten plans; whether it is diagnosed then.
+        """Diagnose ``plan``, which takes about as long as ten plans; whether it is diagnosed now.
 
         It is not where input has ``interrupted``, or while another tab is at it: ask again later.
         """
@@ -40,10 +40,10 @@ class Diagnoses:
                 self._begun.discard(plan)
 
     def reason(self, plan: Plan) -> Reason | None:
-        """Reason of a plan that is diagnosed; None where there is none to tell."""
+        """Reason of a diagnosed plan; None if there is none."""
         with self._lock:
             return self._reasons.get(plan)
 
 
 DIAGNOSES = Diagnoses()
-"""Of this process."""
+"""The diagnoses of this process."""

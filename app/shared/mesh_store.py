@@ -1,4 +1,4 @@
-"""Store of uploaded meshes and arms, which survive reloads and restarts of the server.
+"""Store of uploaded meshes and arms, which outlasts reloads and restarts of the server.
 
 A file's name here is the hash of its content: it is part of the link to a scene, nobody can guess
 it, and a file that two tabs upload is kept once. The folder is ``$ABI_STORE``, or else one in the
@@ -28,26 +28,26 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.user_cache import user_cache
 
 MAX_STORED = 500_000_000
-"""Bytes of all files; no more than half of a smaller disk."""
+"""Most bytes of all files, and at most half of the disk."""
 
 _KEY = re.compile(r"[0-9a-f]{64}")
 _log = logging.getLogger("abi.store")
 
 
 def folder() -> Path:
-    """Folder of the files."""
+    """Folder of the store."""
     if named := os.environ.get("ABI_STORE"):
         return Path(named)
     return user_cache() / "uploads"
 
 
 def keys(files: Mapping[str, bytes | Surface]) -> dict[str, str]:
-    """Key of each of a scene's files, by its name."""
+    """Keys of a scene's files by name."""
     return {name: _key(content) for name, content in files.items()}
 
 
 def keep(files: Mapping[str, bytes | Surface]) -> None:
-    """Keep a scene's files; where the folder cannot be written, they last as long as the tab."""
+    """Store a scene's files; if the folder is not writable, they last as long as the tab."""
     for content in files.values():
         path = folder() / _key(content)
         try:
@@ -63,7 +63,7 @@ def keep(files: Mapping[str, bytes | Surface]) -> None:
 
 
 def find(key: str) -> bytes | Surface | None:
-    """Content of a key; None where it is not here, or is no key."""
+    """Content by key; None if it is missing or the key is invalid."""
     if not _KEY.fullmatch(key):
         return None
     try:
@@ -93,7 +93,7 @@ def _found(path: Path) -> bytes | Surface:
 
 @lru_cache(maxsize=8)
 def _warn(reason: str) -> None:
-    """Tell the log, once, why uploads are not kept."""
+    """Log once why uploads are not stored."""
     _log.warning("uploads are not kept", extra={"folder": str(folder()), "reason": reason})
 
 
@@ -120,7 +120,7 @@ def _packed(surface: Surface) -> bytes:
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file that is whole or not there."""
+    """Write a file atomically."""
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".new-", delete=False) as file:
         try:
             file.write(content)
@@ -132,7 +132,7 @@ def _write(path: Path, content: bytes) -> None:
 
 
 def _make_room(place: Path, size: int) -> None:
-    """Remove the files used longest ago, until a new one fits.
+    """Remove the least recently used files until a new one fits.
 
     Raises:
         OSError: it fits nowhere; nothing is removed.
@@ -149,7 +149,7 @@ def _make_room(place: Path, size: int) -> None:
 
 
 def _stored(place: Path) -> Iterator[tuple[float, int, Path]]:
-    """Time of each file's last use, its size [bytes] and its path."""
+    """Last use, size [bytes] and path of each stored file."""
     for path in place.iterdir():
         with contextlib.suppress(FileNotFoundError):  # another server has removed it
             status = path.stat()

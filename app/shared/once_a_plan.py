@@ -14,7 +14,7 @@ _T = TypeVar("_T")
 
 
 class once_a_plan(Generic[_P, _T]):
-    """Wrapper that keeps a function's values by plan and further arguments.
+    """Wrapper that caches a function's results by plan and further arguments.
 
     They last as long as the plan does, and none may be changed. Two threads that ask at once may
     both compute, to the same end.
@@ -26,7 +26,7 @@ class once_a_plan(Generic[_P, _T]):
         functools.update_wrapper(self, function)
 
     def __call__(self, plan: Plan, /, *args: _P.args, **named: _P.kwargs) -> _T:
-        """The value of a plan."""
+        """The result for a plan."""
         values = self._kept.setdefault(plan, {})
         key = (args, *named.items())
         if key not in values:

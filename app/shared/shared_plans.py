@@ -1,4 +1,4 @@
-"""Plans that several tabs share: of scenes that a teacher shows to all, or that all begin with."""
+"""Plans shared by several tabs: of scenes that a teacher shows, or that all tabs open with."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from abi.scene.scene import Scene
 
 _KEPT = 4
 _MAX_NODES = 30_000
-"""Nodes of a mesh that is kept; a larger one takes much memory."""
+"""Most nodes of a mesh that is kept; a larger one takes much memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class SharedPlan:
-    """Plan that a tab has made.
+    """A plan that a tab has made.
 
     Attributes:
         scene: what was to be planned; the plan's own scene may have a coarser mesh.
@@ -35,7 +35,7 @@ class SharedPlan:
 
 
 class SharedPlans:
-    """The last few plans; may be asked from any thread, as a plan never changes."""
+    """The latest plans; thread-safe, as a plan never changes."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -43,7 +43,7 @@ class SharedPlans:
         self._claims: list[tuple[Scene, threading.Event]] = []
 
     def find(self, scene: Scene, full: bool = False) -> SharedPlan | None:
-        """The plan of an equal scene, a ``full`` one if asked for; None for none."""
+        """The plan of an equal scene, a ``full`` one if requested; None if there is none."""
         with self._lock:
             plans = tuple(self._plans)
         usable = [one for one in plans if _equal(one.scene, scene)]
@@ -51,7 +51,7 @@ class SharedPlans:
         return min(wanted, key=lambda one: one.partial, default=None)
 
     def keep(self, scene: Scene, plan: Plan, coarse: bool = False, partial: bool = False) -> None:
-        """Keep a plan of ``scene`` for others, unless it is large."""
+        """Keep a plan of ``scene`` for other tabs, unless it is large."""
         if plan.mesh is None or len(plan.mesh.points) > _MAX_NODES:
             return
         kept = SharedPlan(scene, plan, coarse, partial)
@@ -60,7 +60,7 @@ class SharedPlans:
 
     @contextlib.contextmanager
     def claim(self, scene: Scene) -> Iterator[bool]:
-        """Plan ``scene`` for others, too: within the block; False where another does."""
+        """Claim to plan ``scene`` for others within the block; False if another tab has."""
         over = threading.Event()
         with self._lock:
             mine = not any(_equal(one, scene) for one, _ in self._claims)
@@ -75,7 +75,7 @@ class SharedPlans:
                 over.set()
 
     def wait(self, scene: Scene) -> None:
-        """Wait for whoever plans ``scene`` now, if its plan is still wanted.
+        """Wait for the tab that plans ``scene`` now, if its plan is still wanted.
 
         Raises:
             CancelledError: it is not; see :func:`abi.progress.watched_by`.

@@ -31,7 +31,7 @@ def judged(text: str, good: bool) -> str:
 
 
 def excess(plan: Plan, length: float) -> Number:
-    """Excess of a length over the least possible, or an upper bound of that."""
+    """Excess of a length over the optimum, or an upper bound of it."""
     exact = plan.optimum is not None and plan.optimum.exact
     shortest = plan.straight_length if plan.optimum is None else plan.optimum.length
     share = format_excess(length, shortest, exact)
@@ -40,7 +40,7 @@ def excess(plan: Plan, length: float) -> Number:
 
 
 def curve_numbers(plan: Plan, curve: str) -> list[Number]:
-    """Length, gap and distance kept of a curve, ``bspline`` or ``quadratic``; none without it."""
+    """Length, gap and kept distance of a curve, ``bspline`` or ``quadratic``; none without it."""
     fit, arc = plan.curves[curve]
     if fit is None or arc is None:
         return []

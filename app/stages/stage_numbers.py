@@ -12,7 +12,7 @@ from app.ui.numbers import format_count, format_length, format_lower_bound
 
 
 def mesh_numbers(plan: Plan) -> list[Number]:
-    """Nodes and tetrahedra that are left."""
+    """Numbers of nodes and tetrahedra that are left."""
     if plan.mesh is None or plan.free is None:
         return []
     removed = len(plan.mesh.points) - plan.free.nodes
@@ -32,7 +32,7 @@ def mesh_numbers(plan: Plan) -> list[Number]:
 
 
 def graph_numbers(plan: Plan) -> list[Number]:
-    """Edges that are open, and how many a node has."""
+    """Number of free edges, and edges per node."""
     graph = plan.graph
     if graph is None:
         return []
@@ -52,7 +52,7 @@ def graph_numbers(plan: Plan) -> list[Number]:
 
 
 def search_numbers(plan: Plan) -> list[Number]:
-    """Length of the path, what that is above the best, and nodes visited."""
+    """Length of the path, its excess over the optimum, and visited nodes."""
     if plan.path is None or plan.graph is None:
         return []
     name = style.ALGORITHMS[plan.path.algorithm][0]
@@ -69,12 +69,12 @@ def search_numbers(plan: Plan) -> list[Number]:
 
 
 def bspline_numbers(plan: Plan) -> list[Number]:
-    """Length, gap and distance kept of the B-spline."""
+    """Length, gap and kept distance of the B-spline."""
     return curve_numbers(plan, "bspline")
 
 
 def quadratic_numbers(plan: Plan) -> list[Number]:
-    """What the curve keeps, if it is not followed, and speed and time of the motion."""
+    """Kept distance of the curve if it is not followed, and speed and duration of the motion."""
     profile, unit = plan.profile, plan.scene.unit
     if profile is None or plan.quadratic is None:
         return []
@@ -97,7 +97,7 @@ def quadratic_numbers(plan: Plan) -> list[Number]:
 
 
 def arm_numbers(plan: Plan) -> list[Number]:
-    """Time of the motion, and how clear the links are of everything."""
+    """Duration of the motion, and clearance of the links."""
     if plan.profile is None or plan.motion is None or plan.arm_clearance is None:
         return []
     clearance, unit = plan.arm_clearance, plan.scene.unit

@@ -11,7 +11,7 @@ from app.ui import style
 from app.ui.numbers import format_length
 
 _MOST_LETTERS = 16
-"""Letters of a search's result that fit beside its title and an arrow in a wide font."""
+"""Most characters of a search's result that fit beside its title and an arrow."""
 
 
 def mesh_result(plan: Plan) -> str:

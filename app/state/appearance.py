@@ -1,16 +1,16 @@
-"""Look of a new tab: its scene, dark or light, plain, and with or without the demonstration."""
+"""Initial appearance of a tab: scene, dark or light, plain, with or without the demonstration."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 OPENING = "drag-a-box"
-"""The shipped scene that a tab opens on where none is named."""
+"""Shipped scene that a tab opens with by default."""
 
 
 @dataclass(frozen=True)
 class Appearance:
-    """Look of a new tab.
+    """Initial appearance of a tab.
 
     Attributes:
         plain: whether without shadows and environment map, for slow graphics and tests; None for
@@ -25,4 +25,4 @@ class Appearance:
 
 
 PLAIN = Appearance(plain=True)
-"""For slow graphics and tests."""
+"""Appearance for slow graphics and for tests."""

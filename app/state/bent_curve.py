@@ -1,4 +1,4 @@
-"""The B-spline of a plan with control points moved by hand, and what it keeps then."""
+"""The B-spline of a plan with control points moved by hand, and its clearance."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 
 _SAMPLES = 400
-"""Places of the curve at which it is asked whether a moved point counts."""
+"""Points of the curve at which the influence of a moved control point is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
 class BentCurve:
-    """A bent B-spline, which the plan knows nothing of.
+    """A B-spline bent by hand, which is not part of the plan.
 
     Attributes:
         of: the plan's curve.

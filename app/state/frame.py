@@ -1,4 +1,4 @@
-"""Frame: the state of a tab's picture at one moment, which every layer and panel draws from."""
+"""Frame: the state of a tab's picture at one moment, from which every layer and panel draws."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from app.ui.style import Colour
 
 @dataclass(frozen=True)
 class Switch:
-    """Entry of the legend that shows and hides something drawn.
+    """Entry of the legend that shows or hides something drawn.
 
     Attributes:
         name: element of :attr:`Frame.shown` while it is on.
@@ -37,7 +37,7 @@ class Switch:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Contents of a tab at one moment; the next is a copy with some parts replaced.
+    """Contents of a tab at one moment; the next frame is a copy with some parts replaced.
 
     Attributes:
         plan: the last one.
@@ -94,12 +94,12 @@ class Frame:
 
     @property
     def current(self) -> bool:
-        """Whether the plan is that of the input."""
+        """Whether the plan belongs to the present input."""
         return not self.outdated and self.refused is None
 
     @property
     def tells_curve(self) -> bool:
-        """Whether to write numbers of the curve that is followed.
+        """Whether to show numbers of the followed curve.
 
         A lesson that does not show it has no use for them, and one that asks would give them away.
         """
@@ -116,11 +116,11 @@ class Drawable(Protocol):
     """A layer, or a panel that draws."""
 
     def draw(self, frame: Frame) -> None:
-        """Show ``frame``; return at once where the parts of it that count have not changed."""
+        """Show ``frame``; return at once if the relevant parts have not changed."""
 
 
 class Layer(Drawable, Protocol):
-    """Part of the picture, in the scene or in a panel, with entries in the legend, or none."""
+    """Part of the picture, in the scene or in a panel, with entries in the legend or none."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 

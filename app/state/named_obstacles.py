@@ -1,4 +1,4 @@
-"""Obstacles that sentences on the page name by their numbers."""
+"""Obstacles that sentences on the page refer to by number."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _RANGE = re.compile(r"(\d+)(?:–(\d+))?")
 
 
 def named_obstacles(frame: Frame) -> frozenset[int]:
-    """Obstacles, from 0, that a sentence of the frame names, errors and notes."""
+    """Obstacles, from 0, that the frame's errors and notes refer to."""
     texts = list(notes(frame.plan).values())
     texts += [sentence(error) for error in (frame.plan.error, frame.refused) if error is not None]
     if frame.reason is not None:
@@ -22,6 +22,6 @@ def named_obstacles(frame: Frame) -> frozenset[int]:
 
 
 def numbers_of(text: str) -> list[int]:
-    """Obstacles, from 0, that a text names, one by one or from one to another."""
+    """Obstacles, from 0, that a text refers to, singly or as a range."""
     ranges = [found for named in _NAMED.findall(text) for found in _RANGE.findall(named)]
     return [k for first, last in ranges for k in range(int(first) - 1, int(last or first))]

@@ -21,9 +21,9 @@ from app.camera.camera import View
 from app.shared import mesh_store
 
 LONGEST_LINK = 6000
-"""Characters of a state that servers and browsers still take as part of an address."""
+"""Most characters of a state that servers and browsers accept in an address."""
 MAX_PROGRESS = 10_000
-"""Characters of the progress in lessons."""
+"""Most characters of the progress in lessons."""
 _VERSION = 1
 _ZLIB_HEADER = b"\x78\x9c"
 _FIELD = "link"
@@ -73,15 +73,15 @@ class TabState:
     figure: int = 0
 
     def alone(self) -> TabState:
-        """The state without the one before it, as others are shown it."""
+        """The state without the previous one, as others are shown it."""
         return replace(self, before=None, figure=0)
 
     def encode(self) -> str:
-        """The state in letters that an address takes as they are."""
+        """Encode the state in URL-safe characters."""
         return StateEncoder().encode(self)
 
     def settings(self) -> dict[str, Any]:
-        """All but the scene and the state before, as plain data."""
+        """Everything but the scene and the previous state, as plain data."""
         return {
             "version": _VERSION,
             "name": self.name,
@@ -99,7 +99,7 @@ class TabState:
 
     @classmethod
     def decode(cls, text: str, meshes: MeshSource) -> TabState:
-        """The state of an encoded text, which may come from anyone.
+        """Decode a state from untrusted text.
 
         Args:
             text: by :meth:`encode`.
@@ -116,7 +116,7 @@ class TabState:
 
 
 class StateEncoder:
-    """Encoder of one tab's states; a scene that stays the same object is compressed once.
+    """Encoder of one tab's states that compresses an unchanged scene object once.
 
     A scene of thousands of obstacles takes tens of milliseconds, and the camera moves more often
     than the scene changes.
@@ -127,7 +127,7 @@ class StateEncoder:
         self._before = _StreamPart()
 
     def encode(self, state: TabState) -> str:
-        """The state in letters that an address takes as they are."""
+        """Encode the state in URL-safe characters."""
         self._scene.write(state.scene, lambda: "{" + _scene_fields(state))
         self._before.write(state.before, lambda: _before_field(state))
         settings = json.dumps(state.settings(), separators=(",", ":")).encode()
@@ -146,14 +146,14 @@ class StateEncoder:
 
 
 class _StreamPart:
-    """Part of the stream that is compressed again only where another object is written."""
+    """Part of a compressed stream that is reused while its object stays the same."""
 
     def __init__(self) -> None:
         self._written: object = None
         self.text = self.packed = b""
 
     def write(self, written: object, text: Callable[[], str]) -> None:
-        """Compress ``text()`` unless this very object was written last."""
+        """Compress ``text()`` unless the same object was written last."""
         if written is not self._written:
             self._written, self.text = written, text().encode()
             self.packed = _deflate(self.text, zlib.Z_FULL_FLUSH) if self.text else b""
@@ -165,7 +165,7 @@ def _scene_fields(state: TabState) -> str:
 
 
 def _before_field(state: TabState) -> str:
-    """The state before, as a field of a JSON object; nothing where there is none."""
+    """The previous state as a field of a JSON object; empty without one."""
     before = state.before
     if before is None:
         return ""
@@ -174,13 +174,13 @@ def _before_field(state: TabState) -> str:
 
 
 def _deflate(data: bytes, end: int) -> bytes:
-    """Stretch of a deflate stream, which goes on after it unless ``end`` is ``Z_FINISH``."""
+    """Chunk of a deflate stream, which continues after it unless ``end`` is ``Z_FINISH``."""
     packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
     return packer.compress(data) + packer.flush(end)
 
 
 def _state(data: dict[str, Any], meshes: MeshSource) -> TabState:
-    """The state of plain data, without the one before."""
+    """Parse a state from plain data, without the previous one."""
     dark, shown = data.get("dark"), data.get("shown")
     scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
     view = View.of(data.get("view"))
@@ -202,7 +202,7 @@ def _state(data: dict[str, Any], meshes: MeshSource) -> TabState:
 
 
 def _before(data: object, meshes: MeshSource) -> TabState | None:
-    """The state before; None for one that cannot be shown, which need not cost the other."""
+    """Parse the previous state; None if it cannot be shown, whatever the present one is."""
     try:
         return _state(data, meshes) if isinstance(data, dict) else None
     except SceneError:
@@ -215,7 +215,7 @@ def _figure(data: dict[str, Any]) -> int:
 
 
 def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple[str, ...]]:
-    """A scene with the files that are here, and names of the meshes that are not."""
+    """A scene with the files that are stored here, and the names of the missing ones."""
     wanted = keys if isinstance(keys, dict) else {}
     here = dict(meshes.files)
     missing = []
@@ -238,7 +238,7 @@ def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple
 
 
 def _arm_without(arm: object, gone: Collection[int]) -> object:
-    """An arm's section whose contacts refer to the obstacles that are left; as it was if wrong."""
+    """An arm's section whose contacts refer to the remaining obstacles; unchanged if invalid."""
     if not isinstance(arm, dict) or not isinstance(arm.get("allowed"), list):
         return arm
     pairs = [one for one in arm["allowed"] if isinstance(one, list) and len(one) == 2]
@@ -256,7 +256,7 @@ def _is_shipped(name: str, meshes: MeshSource) -> bool:
 
 
 def _unpack(text: str) -> object:
-    """Plain data of an encoded text, of no more than a scene file may have."""
+    """Decompress an encoded text, up to the size of a scene file."""
     try:
         packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
         unpacked = zlib.decompressobj().decompress(packed, MAX_JSON_BYTES)

@@ -1,4 +1,4 @@
-"""Share of one tab in the server's memory."""
+"""One tab's share of the server's memory."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from app.ui.labels import sentence
 
 
 class TabBudget:
-    """Memory that a tab's scenes take; what it has is given back with the last of the tab."""
+    """Memory reserved for a tab's scenes, released when the tab is collected."""
 
     def __init__(self, budget: MemoryBudget, client: viser.ClientHandle, tab: object) -> None:
-        """Share ``budget`` for as long as the object ``tab`` lives, which has the tab's plans."""
+        """Share ``budget`` while the object ``tab``, which holds the tab's plans, is alive."""
         self._budget, self._client = budget, client
         # not when it is closed: its plans are in memory until garbage is looked for
         weakref.finalize(tab, budget.leave, client.client_id).atexit = False
 
     def take(self, scene: Scene) -> None:
-        """Take memory for a scene.
+        """Reserve memory for a scene.
 
         Raises:
             SceneError: it is not left; names the spacing whose mesh would fit.
@@ -30,7 +30,7 @@ class TabBudget:
         self._budget.take(self._client.client_id, scene)
 
     def fitting(self, scene: Scene) -> Scene:
-        """Take memory for a scene, or for the same with a coarser mesh, which is told."""
+        """Reserve memory for a scene, or with a notice for it with a coarser mesh."""
         fitting, error = self._budget.fitting(self._client.client_id, scene)
         if error is not None:
             notices.notify_warning(self._client, "Coarser than asked for", sentence(error))

@@ -1,4 +1,4 @@
-"""Demonstration of a new tab: the first obstacle moves by itself until the first touch."""
+"""Demonstration in a new tab: the first obstacle moves by itself until the user does something."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from abi.scene.scene import Scene
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 
 FRAME = 0.07
-"""Seconds between two places."""
+"""Seconds between two positions."""
 _PERIOD = 6.0
 _DURATION = 2 * _PERIOD
 _REACH = (0.0, 0.16, 0.1)
-"""Of the movement along x, y and z, as parts of the workspace's size."""
+"""Amplitude along x, y and z, over the workspace's size."""
 
 
 class Demo:
@@ -35,7 +35,7 @@ class Demo:
         self._begun = 0.0
 
     def begin(self, scene: Scene) -> None:
-        """Begin, where the scene has an obstacle that no hand has moved."""
+        """Begin, if the scene has an obstacle that the user has not moved."""
         self.wanted = False
         if not self._obstacles.shown or self._obstacles.dragged:
             return
@@ -45,7 +45,7 @@ class Demo:
         self._origin = np.array(self._obstacles.shown[0].gizmo.position)
 
     def step(self) -> None:
-        """Move the obstacle to where it is now; back to its place at the end."""
+        """Move the obstacle to its present position; back to its original one at the end."""
         elapsed = time.monotonic() - self._begun
         if elapsed >= _DURATION:
             self.end()
@@ -57,7 +57,7 @@ class Demo:
         self._obstacles.place(0, self._origin + weight * shift * self._size)
 
     def end(self) -> None:
-        """Put the obstacle back, unless a hand has it; one that is still to come never begins."""
+        """Put the obstacle back unless the user holds it, or cancel what has not begun."""
         self.wanted = False
         if not self.running:
             return

@@ -1,4 +1,4 @@
-"""Memory of a tab in the browser: what the page reports when it opens, and what it stores."""
+"""Browser storage of a tab: what the page reports when it opens, and what it stores."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from app.state.tab_state import MAX_PROGRESS, StateEncoder, TabState
 from app.ui import page
 
 TIMEOUT = 0.7
-"""Seconds for which the first plan waits for the report; a later one counts when it comes."""
+"""Seconds that the first plan waits for the report; a later report is still used."""
 _PERIOD = 0.4
 """Seconds between two texts sent to the page."""
 
@@ -45,7 +45,7 @@ class Report:
 
 
 class TabMemory:
-    """Hidden text box into which the page types its report."""
+    """Hidden text box through which the page reports."""
 
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
         self._client = client
@@ -62,7 +62,7 @@ class TabMemory:
         page.call(client, "report", page.uuid(self._box))
 
     def wait(self) -> None:
-        """Wait for the report, but not for long."""
+        """Wait for the report, up to ``TIMEOUT``."""
         self._arrived.wait(TIMEOUT)
 
     def report(self) -> Report | None:
@@ -75,11 +75,11 @@ class TabMemory:
 
     @property
     def is_due(self) -> bool:
-        """Whether the page has reported, and may be sent another text again."""
+        """Whether the page has reported and may be sent another text."""
         return bool(self._read) and time.monotonic() - self._sent >= _PERIOD
 
     def keep(self, state: TabState, now: bool = False) -> None:
-        """Have the page keep ``state`` unless it does; not too often, but for ``now``.
+        """Store ``state`` in the page if it changed; not too often, unless ``now``.
 
         Not before the page's report has been read: until then it may remember more than is shown.
         """
@@ -101,7 +101,7 @@ class TabMemory:
 
 
 def _parse(text: object) -> Report:
-    """The report of a text, which a hostile page may have written."""
+    """Parse a report from untrusted text."""
     try:
         report = msgspec.json.decode(str(text), type=Report)
     except (msgspec.MsgspecError, ValueError, RecursionError):

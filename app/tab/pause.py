@@ -1,4 +1,4 @@
-"""Pause of a tab without input, in which it does what takes longer than a frame."""
+"""Idle work of a tab: what takes longer than a frame is done while there is no input."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from app.tab.demo import FRAME, Demo
 from app.tab.planner import TabPlanner
 
 REST = 0.3
-"""Seconds without input that make a pause: time to plan in full, and to diagnose."""
+"""Seconds without input after which the tab plans in full and diagnoses."""
 IDLE = 1.0
-"""Seconds after which an idle tab looks whether the hand has moved its camera."""
+"""Seconds between two checks of an idle tab whether the user has moved the camera."""
 UNUSED = 300.0
-"""Seconds without input after which a tab gives back what it keeps only to plan faster."""
+"""Seconds without input after which a tab releases caches that only speed up planning."""
 LIGHTS_DELAY = 1.5
-"""Seconds in which even weak graphics have drawn the first plan."""
+"""Seconds within which even weak graphics have drawn the first plan."""
 _AMBIENT = 1.2
-"""Intensity with which obstacles are as bright as among surroundings."""
+"""Intensity of ambient light that makes obstacles as bright as an environment map does."""
 
 
 class Pause:
-    """Work of a tab while there is no input.
+    """Idle work of a tab.
 
     Attributes:
         demo: of a new tab.
@@ -45,7 +45,7 @@ class Pause:
         interrupted: Callable[[], bool],
         has_lights: bool,
     ) -> None:
-        """Begin with nothing done; ``interrupted`` tells whether there is input again."""
+        """Begin with nothing done; ``interrupted`` tells whether there is new input."""
         self.demo = Demo(panels.obstacles)
         self._client, self._panels, self._planner = client, panels, planner
         self._interrupted = interrupted
@@ -55,12 +55,12 @@ class Pause:
         self._diagnosed: Plan | None = None
 
     def stay_plain(self) -> None:
-        """Add no lights later but what surroundings would give: it takes graphics no time."""
+        """Use ambient light only, which costs no rendering time."""
         self._has_lights = True
         self._client.scene.add_light_ambient("/lights/ambient", intensity=_AMBIENT)
 
     def begin(self, input: bool = True) -> None:
-        """Count from now, the moment of the last ``input`` or of the last picture of the demo."""
+        """Restart the count at the last ``input`` or the last picture of the demonstration."""
         self._begun = time.monotonic()
         self._has_memory |= input
 
@@ -80,7 +80,7 @@ class Pause:
         return usual if bases is None else min(bases, usual)
 
     def use(self, frame: Frame, scene: Scene) -> Frame:
-        """Do the first thing that is left to do; the frame to draw, or the same."""
+        """Do the first piece of outstanding work; the frame to draw, or the same frame."""
         if self._is_undiagnosed(frame.plan):
             return self._diagnose(frame)
         if self._panels.stages.bases.running:
@@ -100,14 +100,14 @@ class Pause:
         return plan.error is not None and plan is not self._diagnosed
 
     def _diagnose(self, frame: Frame) -> Frame:
-        """The frame with why there is no plan; without, where that has to wait."""
+        """The frame with the reason why there is no plan; without it if that has to wait."""
         if not DIAGNOSES.make(frame.plan, self._interrupted):
             return frame
         self._diagnosed = frame.plan
         return replace(frame, reason=DIAGNOSES.reason(frame.plan))
 
     def _add_lights(self) -> None:
-        """Add lights and surroundings, which take weak graphics seconds to draw."""
+        """Add lights and an environment map, which weak graphics take seconds to draw."""
         self._has_lights = True
         with self._client.atomic():
             self._client.scene.configure_default_lights()

@@ -1,4 +1,4 @@
-"""Watch of a tab's plans: one is ended by another choice, and a slow one says what it does."""
+"""Watch over a tab's plans: another choice cancels one, and a slow one reports its progress."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable
 
 _QUICK = 0.4
-"""Seconds in which nobody asks what a plan does."""
+"""Seconds of planning without a progress report."""
 
 
 class PlanWatch:
-    """Watch as :func:`abi.progress.watched_by` takes it, of one plan after the other.
+    """Watch for :func:`abi.progress.watched_by`, of one plan after the other.
 
     Attributes:
         overtaken: whether something else has been chosen than what is planned; set from any thread.
@@ -18,7 +18,7 @@ class PlanWatch:
     """
 
     def __init__(self, tell: Callable[[str], None]) -> None:
-        """Watch nothing yet; ``tell`` is called with what a slow plan does."""
+        """Watch nothing yet; ``tell`` is called with the progress of a slow plan."""
         self.overtaken = False
         self.ended = 0.0
         self._tell = tell
@@ -26,7 +26,7 @@ class PlanWatch:
         self._does = self._said = ""
 
     def begin(self) -> None:
-        """Watch a plan that begins now."""
+        """Start to watch a plan."""
         self._begun = time.monotonic()
         self._does = self._said = ""
 
@@ -38,7 +38,7 @@ class PlanWatch:
         return self.overtaken
 
     def told(self, doing: str) -> None:
-        """Take note of what the plan does now."""
+        """Receive what the plan is doing now."""
         self._does = doing
         self._look()
 

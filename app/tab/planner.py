@@ -1,4 +1,4 @@
-"""Planner of one tab, which counts its plans and shares those of a class."""
+"""Planner of one tab, which records its plans and shares those of a class."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from app.tab.plan_watch import PlanWatch
 _log = logging.getLogger("abi.tab")
 
 LOGGED_MS = 1000.0
-"""A plan that takes longer has a line in the log."""
+"""Milliseconds beyond which a plan is logged."""
 
 
 class TabPlanner:
@@ -36,7 +36,7 @@ class TabPlanner:
     """
 
     def __init__(self, tab: int, watch: PlanWatch) -> None:
-        """Begin with an empty memory, for the tab of this number, whose plans are watched.
+        """Begin with empty caches, for the tab with this number, whose plans are watched.
 
         Each plan raises :class:`abi.progress.CancelledError` once something else has been chosen.
         """
@@ -47,7 +47,7 @@ class TabPlanner:
         self.processor_ms = 0.0
 
     def take(self, scene: Scene, shared: SharedPlans, full: bool = False) -> Plan | None:
-        """The plan of ``scene`` that another tab has made, a ``full`` one if asked; or None."""
+        """The plan of ``scene`` that another tab has made, a ``full`` one if requested; or None."""
         if (found := shared.find(scene, full)) is None:
             return None
         self.live.adopt(scene, found.coarse, found.partial)
@@ -56,7 +56,7 @@ class TabPlanner:
         return found.plan
 
     def __call__(self, scene: Scene, shared: SharedPlans | None) -> Plan:
-        """Plan within a frame if possible, for the tabs, too, that have these ``shared``.
+        """Plan within a frame if possible; ``shared`` plans are offered to other tabs.
 
         What another of them plans at this moment is waited for, and taken.
         """
@@ -84,7 +84,7 @@ class TabPlanner:
         return plan
 
     def _make(self, planner: Callable[[Scene], Plan], scene: Scene) -> Plan:
-        """Plan, and count it."""
+        """Make a plan and record it."""
         begin, before = time.thread_time(), interpreted_calls()
         self._watch.begin()
         try:

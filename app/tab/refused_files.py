@@ -1,4 +1,4 @@
-"""Files that the page itself refuses: it cannot read them, or the server would not take them."""
+"""Files that the page itself refuses: unreadable ones, and those that the server would refuse."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _REASONS = {
     "unreadable": "The browser could not read it. Choose it again.",
 }
 _KINDS = 100
-"""Letters of a list of kinds that are shown."""
+"""Most characters of a list of accepted kinds that are shown."""
 
 
 class RefusedFiles:
-    """Hidden text box into which the page types which file it does not send, and why.
+    """Hidden text box in which the page reports which file it does not send, and why.
 
     No input: what is typed is told at once.
     """
@@ -38,7 +38,7 @@ class RefusedFiles:
 
 
 def refusal(text: object) -> tuple[str, str] | None:
-    """Title and reason of what a page has typed; None of what a hostile one may have written."""
+    """Title and reason parsed from untrusted text; None if it is invalid."""
     try:
         data = json.loads(str(text))
         name, reason = shown_name(str(data["name"])), _REASONS[data["why"]]

@@ -49,8 +49,8 @@ from app.ui.page_area import PageWatch
 _log = logging.getLogger("abi.tab")
 
 SLOW_MS = 120.0
-"""Where the last plan took longer, without the time in which others had the processor, it is drawn
-in grey while the next is made: a picture more, which is what a crowd of tabs has no time for."""
+"""Processor time of a plan, [ms], beyond which it is drawn in grey while the next one is made;
+quicker plans save that picture, which matters with many tabs."""
 
 
 class Session:
@@ -180,7 +180,7 @@ class Session:
             self._worker.hurry()
 
     def _work(self, woken: bool) -> None:
-        """Take a step, or go back."""
+        """Take a step; after a fault return to the last plan."""
         try:
             self._step(woken)
         except CancelledError:
@@ -189,17 +189,17 @@ class Session:
             self._recover(error)
 
     def _wait_for_kernels(self) -> None:
-        """Let the thread that loads kernels have the interpreter, once there is a picture."""
+        """Yield the interpreter to the thread that loads kernels, once there is a picture."""
         if self.plans:
             compiling.wait_for_kept()
 
     def _patience(self) -> float:
-        """Time for which what there is to do can wait behind the hands in other tabs, [s]."""
+        """Maximum delay of the next step behind drags in other tabs, [s]."""
         moving = self._pause.demo.running or self._view.is_due(self.frame)
         return AT_ONCE if moving or self.plans == 0 else PATIENT
 
     def _step(self, woken: bool) -> None:
-        """Do what there is to do: on input, in a pause, and for the playback."""
+        """Process input, idle work and playback."""
         demo = self._pause.demo
         resized = self._view.fit(self.frame, woken)
         if woken:
@@ -226,7 +226,7 @@ class Session:
                 self._class.publish(state)
 
     def _recover(self, error: Exception) -> None:
-        """Go back to the last plan after a fault of our own, and say so, until there is input."""
+        """Return to the last plan after a fault of our own, and say so, until there is input."""
         self._broken = True
         self._scene = self._drawn.scene
         self.panels.read_all()  # what was typed or dragged stays with the hand
@@ -316,7 +316,7 @@ class Session:
             return scene
 
     def _within_memory(self, scene: Scene) -> Scene:
-        """The scene that the panels show, with the mesh of the last where theirs is too large.
+        """The scene of the panels, with the last mesh if theirs would exceed the memory.
 
         One that was opened gets the finest mesh that is not.
         """
@@ -336,7 +336,7 @@ class Session:
         return scene
 
     def _restore(self, report: Report) -> bool:
-        """Bring back what the page or a link remembers; False where that is nothing."""
+        """Restore what the page or a link holds; False if that is nothing."""
         self._view.take(report, self._look.dark)
         if report.software and self._look.plain is None:
             self._pause.stay_plain()
@@ -378,7 +378,7 @@ class Session:
 
     @property
     def _shared(self) -> SharedPlans | None:
-        """Plans that others make, too: of what the teacher shows, or of what this tab opened."""
+        """Plans shared with other tabs: of the teacher's scene, or of this tab's first one."""
         of_class = None if self._class is None else self._class.shared_plans(self._scene)
         opened = self.plans == 0 or self._scene is self._first
         return self._opening if of_class is None and opened else of_class
@@ -394,11 +394,11 @@ class Session:
         return cue.scene != before
 
     def _state(self) -> TabState:
-        """State that the page is to remember."""
+        """State for the page to store."""
         return self._view.state(self._scene, self.frame.time)
 
     def _replan(self, scene: Scene) -> Plan:
-        """Plan another scene, with the last plan in grey where that may take long.
+        """Plan another scene, with the last plan in grey if that may take long.
 
         One that a teacher shows has been planned already.
         """
@@ -430,7 +430,7 @@ class Session:
             self._overdue = None
 
     def _check(self, scene: Scene) -> Plan | None:
-        """The motion that is checked in place of a plan; None for the tab's own plan."""
+        """The checked motion in place of a plan; None if the tab shows its own plan."""
         if self.panels.check.has_motion:
             self._planner.live.adopt(scene)
             if self.frame.checked is None:
@@ -440,7 +440,7 @@ class Session:
         return self.panels.check.plan(scene)
 
     def _tell(self, doing: str) -> None:
-        """Show what the plan does that is being made, and that the last one is out of date."""
+        """Show the progress of the plan that is being made, and that the last one is outdated."""
         if self._overdue is not None:
             frame, self._overdue = self._overdue, None
             # a picture that is begun is drawn to its end
@@ -472,7 +472,7 @@ class Session:
             self._worker.wake()
 
     def _work_in_pause(self) -> None:
-        """Complete what the input has left incomplete; after that, use the pause."""
+        """Complete what a drag has left incomplete; after that do idle work."""
         if self._planner.live.partial:
             self._complete()
             return
@@ -488,7 +488,7 @@ class Session:
             self._draw(frame)
 
     def _complete(self) -> None:
-        """Plan in full; where all tabs of a class are to, the first does it for the others."""
+        """Plan in full; of a class in which all tabs need the plan, the first makes it."""
         shared = self._shared
         with contextlib.nullcontext(True) if shared is None else shared.claim(self._scene) as mine:
             if not mine:

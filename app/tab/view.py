@@ -99,7 +99,7 @@ class TabView:
         nudge: Callable[[], None],
         hurry: Callable[[], None],
     ) -> ClassroomPanel:
-        """Add the panel of the class that the tab joins; a teacher's is told by ``hurry``."""
+        """Add the panel of the class that the tab joins; ``hurry`` wakes a teacher's tab."""
         with self.panels.layout.learn:
             overlay = self.panels.layout.overlay
             lessons = self.panels.lessons
@@ -112,7 +112,7 @@ class TabView:
     def watch_exercise(
         self, watch: ExerciseWatch, wake: Wake, nudge: Callable[[], None]
     ) -> ExercisePanel:
-        """Add the panel of the file that a student writes."""
+        """Add the panel of a student's file."""
         with self.panels.layout.learn:
             panel = ExercisePanel(self._client, watch, self.panels.theatre, wake, nudge)
         quick, slow = self.parts
@@ -120,7 +120,7 @@ class TabView:
         return panel
 
     def draw(self, frame: Frame) -> Frame:
-        """Draw a frame at the time of the playback; the frame as it was drawn.
+        """Draw a frame at the playback's time; the frame as drawn.
 
         What takes the page longer comes in a message of its own, but for an arm that it has: then
         one message takes less.
@@ -139,7 +139,7 @@ class TabView:
         return frame
 
     def timeout(self, frame: Frame) -> float | None:
-        """Time until the next picture, [s]; None where nothing moves but what the page plays.
+        """Time until the next picture, [s]; None if only the page's own playback moves.
 
         Nor does anything follow from the time alone where nobody sees the page.
         """
@@ -149,7 +149,7 @@ class TabView:
         return min((max(seconds, 0.0) for seconds in times if seconds is not None), default=None)
 
     def is_due(self, frame: Frame) -> bool:
-        """Check whether there is another picture to draw now, after a wait for :meth:`timeout`."""
+        """Check whether another picture is due after a wait for :meth:`timeout`."""
         if self._is_hidden:
             return False
         left = self._until_contact(frame)
@@ -161,11 +161,11 @@ class TabView:
         return area is not None and area.hidden
 
     def _until_contact(self, frame: Frame) -> float | None:
-        """Time until other links of the arm that plays are red, [s]; None where none ever are."""
+        """Time until other links of the playing arm turn red, [s]; None if none ever do."""
         return self.playback.until_contact(frame.duration) if self.playback.playing else None
 
     def _now(self, frame: Frame) -> Frame:
-        """The frame at this moment of playback and theatre."""
+        """The frame at the present time of playback and search."""
         now = self.playback.advance(frame.duration)
         playing, rate = self.playback.playing, self.playback.rate
         scale = label_scale(self._watch.area(), frame.lecture)
@@ -186,7 +186,7 @@ class TabView:
         return replace(frame, theatre=theatre, bases=bases)
 
     def _fit(self, frame: Frame) -> None:
-        """Fit panels and camera to a lecture, or end that."""
+        """Adapt panels and camera to lecture mode, or end that."""
         self._folding.update(self._watch.area(), frame.lecture)
         # stages that do not show the arm need no room for it
         alone = frame.stage not in ("", "arm")
@@ -200,7 +200,7 @@ class TabView:
         self._surrounded = surrounded
 
     def fit(self, frame: Frame, woken: bool) -> bool:
-        """Fit panels and camera to the page as it is now; whether ``frame`` fits it no longer.
+        """Adapt panels and camera to the page's size; whether ``frame`` must be drawn anew.
 
         Once there is input, which has ``woken`` the tab, no text about a scene moves its camera.
         """
@@ -213,19 +213,19 @@ class TabView:
         return shown != (frame.label_scale, frame.plots)
 
     def take(self, report: Report, dark: bool | None) -> None:
-        """Take over what the browser remembers, and the system's colours unless ``dark`` says."""
+        """Apply what the browser remembers, and the system's colours unless ``dark`` is given."""
         if dark is None:
             self.panels.layer_switches.restore(None, report.dark)
         self.panels.lessons.recall(report.lessons)
 
     def face(self, plan: Plan) -> None:
-        """Turn the camera to where the first plan of a scene is seen well."""
+        """Turn the camera to a side from which a scene's first plan is seen well."""
         if self._to_face and plan.bspline is not None:
             self._to_face, self._faced = False, plan
             self.viewpoint.face(plan)
 
     def look_at(self, scene: Scene, face: bool = True) -> None:
-        """Put the camera before another scene; ``face`` for turning to its curve once planned."""
+        """Show another scene; with ``face`` the camera turns to its curve once planned."""
         self.viewpoint.show(scene)
         self._to_face = face
 
@@ -245,7 +245,7 @@ class TabView:
                 self._before = state.before
 
     def mirror(self, own: Scene, state: TabState) -> None:
-        """Show what another tab shows, instead of ``own``; what is so already is left alone."""
+        """Show what another tab shows instead of ``own``, changing only what differs."""
         before = self.panels.step(own)
         self.panels.restore(state)
         if self.panels.lessons.follow(state.lessons):
@@ -296,7 +296,7 @@ class TabView:
         return state.scene
 
     def state(self, scene: Scene, time: float) -> TabState:
-        """State that the page is to remember; while the arm moves, not where it is."""
+        """State for the page to store; without the arm's position while it moves."""
         playing = self.playback.playing
         return TabState(
             name=self.panels.files.name,

@@ -1,4 +1,4 @@
-"""Worker thread of a tab: waits for input or for a moment, and works in its turn."""
+"""Worker thread of a tab: waits for input or a timeout, then takes a step in its turn."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Callable
 from app.process.turns import TURNS, Turn
 
 _PATIENCE = 5.0
-"""Seconds that the end of a tab waits for a step that has begun."""
+"""Seconds that closing a tab waits for a step that has begun."""
 
 
 class TabWorker:
-    """Thread that takes a step after input; of several inputs before a step the newest counts."""
+    """Thread that takes a step after input; several inputs before a step are taken together."""
 
     def __init__(
         self,
@@ -23,7 +23,7 @@ class TabWorker:
         patience: Callable[[], float],
         step: Callable[[bool], None],
     ) -> None:
-        """Begin without a thread.
+        """Create the worker; its thread is not started yet.
 
         Args:
             name: of the thread.
@@ -41,25 +41,25 @@ class TabWorker:
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def start(self) -> None:
-        """Start the thread, with a first step."""
+        """Start the thread, which takes a first step."""
         self._changed.set()
         self._thread.start()
 
     def wake(self) -> None:
-        """Ask for a step."""
+        """Request a step."""
         self._changed.set()
 
     def hurry(self) -> None:
-        """Ask for a step before those of others: a hand waits for it."""
+        """Request a step with priority, as a user waits for it."""
         self._changed.set()
         self._turn.hasten()
 
     def is_woken(self) -> bool:
-        """Check whether a step is asked for."""
+        """Check whether a step is requested."""
         return self._changed.is_set()
 
     def close(self) -> None:
-        """End the thread, and wait for that but in itself."""
+        """End the thread and wait for it, unless called from it."""
         self._closing = True
         self._changed.set()
         if threading.current_thread() is not self._thread:

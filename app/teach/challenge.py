@@ -20,20 +20,20 @@ from app.ui import style
 
 _SHORTER = 0.97
 _FARTHER = 1 / 30
-"""Distance to gain, as a part of the workspace's longest side."""
+"""Distance to gain, over the workspace's longest side."""
 _LEAST_GAP = 0.005
-"""Excess over the best possible length, as a part of it, below which nothing is left to gain."""
+"""Relative excess over the optimum below which there is nothing left to gain."""
 _SAME = "with start, goal and obstacles as they are"
 TASK = ("unit", "start", "goal", "obstacles")
-"""Fields of a scene that say what is to be planned."""
+"""Fields of a scene that define the planning problem."""
 _COMPLETE = Condition(measure="plan.complete", at_least=1)
 _TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)
 _CODE = ' style="overflow-wrap:anywhere;user-select:all;pointer-events:auto"'
-"""Of a code to hand in: it is whole at any width, and one click selects it."""
+"""Style of a code to hand in: shown whole at any width, selected by one click."""
 
 
 class Challenge(BaseModel):
-    """A challenge: what is to be reached.
+    """A challenge: conditions that a plan has to meet.
 
     Attributes:
         text: in words.
@@ -61,7 +61,7 @@ class Challenge(BaseModel):
         return self.task in ("", _task(frame.plan, self.keep))
 
     def html(self, met: bool, frame: Frame) -> str:
-        """The challenge and the present number, for the layer over the scene."""
+        """The challenge and the present number, as HTML for the layer over the scene."""
         colour = style.readable(style.GOOD if met else style.BAD)
         now = ", ".join(text(one.measure, frame) for one in self.until if one.measure in _SHOWN)
         sign = f'<b style="color:{colour}">{"✓ Done" if met else "Challenge"}:</b>'
@@ -73,14 +73,14 @@ class Challenge(BaseModel):
 
     @property
     def _changed(self) -> str:
-        """What may have changed that must stay, in words."""
+        """Names of protected parts that may have been changed."""
         *most, last = [one for one in self.keep if one != "unit"] or ["units"]
         return html.escape(f"{', '.join(most)} or {last}" if most else last).capitalize()
 
 
 @once_a_plan
 def _task(plan: Plan, keep: tuple[str, ...]) -> str:
-    """Fingerprint of fields of a plan's scene."""
+    """Fingerprint of the protected fields of a plan's scene."""
     return fingerprint(plan.scene, keep)
 
 
@@ -124,7 +124,7 @@ def _plan(frame: Frame) -> Challenge | None:
 
 
 def _with_arm(frame: Frame, wording: str, *conditions: Condition, still: bool = False) -> Challenge:
-    """The challenge, met by a plan whose whole arm is clear; ``still`` where the task must stay.
+    """The challenge with the condition that the whole arm is clear; ``still`` protects the task.
 
     A scene that is planned for the tool alone, and whose arm goes through something, asks for the
     tool alone, and says so: no arm may get through.
@@ -146,21 +146,21 @@ GOALS: Mapping[str, Callable[[Frame], Challenge | None]] = MappingProxyType(
         "find a plan": _plan,
     }
 )
-"""Goals by name; each makes its challenge of the present plan, or none."""
+"""Goals by name, each a function that makes a challenge of the present plan, or None."""
 
 
 def challenge_of(goal: str, frame: Frame) -> Challenge | None:
-    """The challenge of that goal; None where the plan has not what it takes."""
+    """The challenge of a goal; None if the plan lacks what it needs."""
     return GOALS[goal](frame) if goal in GOALS else None
 
 
 def whole_plan(scene: Scene) -> Condition:
-    """What a plan of a scene has to be beside any goal: complete, with the arm where it avoids."""
+    """Conditions of every goal: a complete plan, with the arm if the scene avoids with it."""
     return _COMPLETE if scene.arm.avoid else _TOOL_COMPLETE
 
 
 def parsed(data: str) -> Challenge | None:
-    """The challenge of a link, which may come from anyone; None where it is none."""
+    """Parse a challenge from an untrusted link; None if it is invalid."""
     try:
         return Challenge.model_validate_json(data) if data else None
     except ValidationError:

@@ -1,4 +1,4 @@
-"""File in which a class outlasts the end of its server, and the table of its results."""
+"""File that preserves a class beyond the server's end, and the table of its results."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from app.teach.class_table import table
 from app.teach.poll import Record
 
 _BOM = "\ufeff"
-"""Mark by which spreadsheets know that a table is UTF-8."""
+"""Byte order mark by which spreadsheets recognise UTF-8."""
 
 
 class ClassFile:
-    """The record of a class, and its results where they are kept."""
+    """File of a class's record, and of its results if they are kept."""
 
     def __init__(self, record: Path, results: Path | None = None) -> None:
-        """Use a file for the record; ``results`` for the table, with which the record stays."""
+        """Use a file for the record; with ``results``, the record is kept beside that table."""
         self._record, self._results = record, results
 
     @classmethod
     def beside(cls, results: Path) -> ClassFile:
-        """The record beside the table that is kept."""
+        """The record's file beside the table of results."""
         return cls(results.with_name(f"{results.name}.record"), results)
 
     @classmethod
     def of_secret(cls, secret: str) -> ClassFile:
-        """The record of a teacher's secret, in the user's cache.
+        """The record's file for a teacher's secret, in the user's cache.
 
         Raises:
             OSError: this user has no such folder.
@@ -41,7 +41,7 @@ class ClassFile:
         return cls(folder / hashlib.sha256(secret.encode()).hexdigest()[:24])
 
     def read(self) -> Record:
-        """The record; an empty one where there is none, or a damaged one."""
+        """Read the record; an empty one if it is missing or damaged."""
         try:
             return msgspec.json.decode(self._record.read_bytes(), type=Record)
         except (OSError, ValueError, msgspec.MsgspecError):

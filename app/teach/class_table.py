@@ -10,11 +10,11 @@ from app.teach.poll import Answer, Asked
 
 _HEAD = ("question", "text", "round", "student", "answer", "right")
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""Beginnings of what a spreadsheet would take for a formula."""
+"""First characters that make a spreadsheet take a text for a formula."""
 
 
 def table(asked: Sequence[Asked], words: Mapping[str, str]) -> str:
-    """The answers as CSV; a student is a word that it chose, or a number.
+    """The answers as CSV; a student is a self-chosen word, or a number.
 
     Args:
         asked: the questions in their order.
@@ -54,5 +54,5 @@ def _told(asked: Asked, answer: Answer) -> str:
 
 
 def _harmless(text: str) -> str:
-    """Text that no spreadsheet takes for a formula: students write some of it."""
+    """Escape a student's text so that no spreadsheet takes it for a formula."""
     return f"'{text}" if text.startswith(_FORMULA) else text

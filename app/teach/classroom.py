@@ -17,11 +17,11 @@ from app.teach.poll import ROUNDS, Answer, Asked, Poll, Record, poll_of
 
 _log = logging.getLogger("abi.class")
 _MAX_WORD = 30
-"""Letters of a student's word."""
+"""Most characters of a student's word."""
 
 
 class Classroom:
-    """State that the sessions of a server share; every method may be called from any thread.
+    """State shared by the sessions of a server; thread-safe.
 
     All tabs of a student's browser have one answer. Whose a tab is, its page says: whoever writes
     pages of his own, or opens another browser, can still answer more than once.
@@ -33,7 +33,7 @@ class Classroom:
     """
 
     def __init__(self, secret: str | None = None, file: ClassFile | None = None) -> None:
-        """Begin without tabs, with what ``file`` has; without a secret, one is made."""
+        """Begin without tabs, with the record of ``file``; by default the secret is generated."""
         self.secret = secret or secrets.token_urlsafe(16)
         self.plans = SharedPlans()
         self._lock = threading.Lock()
@@ -46,19 +46,19 @@ class Classroom:
 
     @property
     def asked(self) -> Asked | None:
-        """The question that is asked now, with its answers; None without one."""
+        """The present question with its answers; None without one."""
         record = self._record
         return None if record.closed or not record.asked else record.asked[-1]
 
     @property
     def poll(self) -> Poll | None:
-        """The question that is asked now; None without one."""
+        """The present question; None without one."""
         asked = self.asked
         return None if asked is None else asked.poll
 
     @property
     def lead(self) -> bool:
-        """Whether all follow the teacher."""
+        """Whether all tabs follow the teacher's."""
         return self._record.lead
 
     @property
@@ -67,29 +67,29 @@ class Classroom:
         return tuple(self._record.draft)
 
     def is_teacher(self, secret: str) -> bool:
-        """Check whether that is the teacher's secret; takes the same time for every wrong one."""
+        """Check the teacher's secret, in constant time."""
         return secrets.compare_digest(secret.encode(), self.secret.encode())
 
     def join(self, tab: int, wake: Callable[[], None]) -> None:
-        """Have ``wake`` called whenever there is something new."""
+        """Have ``wake`` called on every change."""
         with self._lock:
             self._wakes[tab], self._students[tab] = wake, f"tab {tab}"
 
     def recognise(self, tab: int, student: str) -> None:
-        """Count a tab among those of a student; an answer that it gave before is forgotten."""
+        """Assign a tab to a student; its earlier answer without one is dropped."""
         with self._lock:
             if tab in self._students and student:
                 self._forget(f"tab {tab}")
                 self._students[tab] = f"student {student}"
 
     def teach(self, tab: int, wake: Callable[[], None]) -> None:
-        """Count a tab among the teacher's: answers wake it, from now on by calling ``wake``."""
+        """Mark a tab as the teacher's, whose ``wake`` answers call from now on."""
         with self._lock:
             self._teachers.add(tab)
             self._wakes[tab] = wake
 
     def leave(self, tab: int) -> None:
-        """Forget a tab; its student's answer stays, unless nobody could say again whose it is."""
+        """Forget a closed tab; its student's answer stays if the student can return."""
         with self._lock:
             self._wakes.pop(tab, None)
             self._teachers.discard(tab)
@@ -102,13 +102,13 @@ class Classroom:
             self._file.end()
 
     def show(self, view: TabState) -> None:
-        """Send a view to all tabs; one that has not taken the last yet goes on to this."""
+        """Show a view in all tabs; a tab that has not yet taken the last one gets only this."""
         with self._lock:
             self.view = (self.view[0] + 1, view)
         self._wake_all()
 
     def set(self, lead: bool, draft: tuple[str, ...]) -> None:
-        """Note what the teacher has set, for tabs that are opened again."""
+        """Record the teacher's settings for tabs that are opened later."""
         with self._lock:
             if (lead, list(draft)) == (self._record.lead, self._record.draft):
                 return
@@ -116,7 +116,7 @@ class Classroom:
             self._write()
 
     def ask(self, text: str, choices: tuple[str, ...], right: int = -1, why: str = "") -> bool:
-        """Ask all tabs; False where that is no question with two answers or more."""
+        """Ask all tabs a question; False if it has fewer than two answers."""
         poll = poll_of(self._next, text, choices, right, why)
         if poll is not None:
             self._begin(poll)
@@ -127,7 +127,7 @@ class Classroom:
         self._begin(Poll(self._next, text, places=places))
 
     def reveal(self) -> None:
-        """Show the answers to all."""
+        """Reveal the answers to all."""
         self._change(lambda asked: replace(asked, revealed=True))
 
     def ask_again(self) -> None:
@@ -135,14 +135,14 @@ class Classroom:
         self._change(_second_round)
 
     def close_poll(self) -> None:
-        """Ask the present question no more; its answers stay in the results."""
+        """Close the present question; its answers stay in the results."""
         with self._lock:
             self._record.closed = True
             self._write()
         self._wake_all()
 
     def answer(self, tab: int, number: int, answer: Answer) -> None:
-        """Count a student's answer, the last one, if the question is still the one asked.
+        """Record a student's latest answer, if the question is still open.
 
         Once the right answer has been told, none is counted any more.
         """
@@ -172,7 +172,7 @@ class Classroom:
         return () if asked is None else asked.counts()
 
     def name(self, tab: int, word: str) -> None:
-        """Give a tab's student the word that it has chosen for the results."""
+        """Set the word that stands for a tab's student in the results."""
         with self._lock:
             student = self._students.get(tab, "")
             if self._record.words.get(student, "") != word[:_MAX_WORD]:
@@ -190,14 +190,14 @@ class Classroom:
 
     @property
     def students(self) -> int:
-        """Number of students; tabs that are the teacher's are none's."""
+        """Number of students, not counting the teacher's tabs."""
         with self._lock:
             tabs = self._students.items()
             return len({student for tab, student in tabs if tab not in self._teachers})
 
     @property
     def taking_part(self) -> int:
-        """Number of students who are here, or have answered the present question."""
+        """Number of students who are present or have answered the present question."""
         asked = self.asked
         with self._lock:
             tabs = self._students.items()
@@ -228,14 +228,14 @@ class Classroom:
         self._wake_all()
 
     def _forget(self, student: str) -> None:
-        """Forget the answer of whoever is asked now; the lock is held."""
+        """Drop the answer of the present student; the lock is held."""
         asked = self.asked
         if asked is not None and student in asked.answers:
             left = {key: value for key, value in asked.answers.items() if key != student}
             self._record.asked[-1] = replace(asked, rounds=(*asked.rounds[:-1], left))
 
     def _write(self) -> None:
-        """Keep the record; the lock is held."""
+        """Save the record; the lock is held."""
         if self._file is None:
             return
         try:
@@ -251,7 +251,7 @@ class Classroom:
 
 
 def _second_round(asked: Asked) -> Asked:
-    """The question in its second round, which hides the answers again."""
+    """The question in its second round, with hidden answers."""
     if len(asked.rounds) >= ROUNDS:
         return asked
     return replace(asked, rounds=(*asked.rounds, {}), revealed=False)

@@ -1,4 +1,4 @@
-"""Cue: a view that a lesson, a figure of the paper or a teacher tells a tab to show."""
+"""Cue: a view that a lesson, a figure of the paper or a teacher has a tab show."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from app.teach.lesson import Setting
 
 @dataclass(frozen=True, eq=False)
 class Cue:
-    """A setting, and the scene that it leads to.
+    """A setting, and the scene that results from it.
 
     Attributes:
         setting: layers, camera, search and time.

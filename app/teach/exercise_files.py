@@ -1,4 +1,4 @@
-"""Files that students download to begin exercises."""
+"""Starting files of exercises for students to download."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from abi.teach.exercise_file import beginning
 from abi.teach.exercise_notebook import notebook
 
 SCRIPT, NOTEBOOK = "mine.py", "mine.ipynb"
-"""Names of the files, as the lessons and the documentation call them."""
+"""Names of the files, as in lessons and documentation."""
 
 
 def exercise_files(names: Sequence[str]) -> Mapping[str, str]:

@@ -1,4 +1,4 @@
-"""Watch of a student's file: whenever it is saved, its functions are checked again."""
+"""Watch over a student's file: its functions are checked whenever it is saved."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LOOK = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Checked:
-    """What the last check of the file found.
+    """Findings of the last check.
 
     Attributes:
         file: its name.
@@ -34,14 +34,14 @@ class Checked:
 
 
 class ExerciseWatch:
-    """The file, and the tabs that are told; every method may be called from any thread.
+    """The file, and the tabs to notify; thread-safe.
 
     Attributes:
         checked: what the last check found.
     """
 
     def __init__(self, file: Path) -> None:
-        """Begin to watch; the file need not be there yet."""
+        """Begin to watch a file, which need not exist yet."""
         self._file = file
         self.checked = Checked(file.name)
         self._wakes: dict[int, Callable[[], None]] = {}
@@ -51,22 +51,22 @@ class ExerciseWatch:
         self._thread.start()
 
     def join(self, tab: int, wake: Callable[[], None]) -> None:
-        """Have ``wake`` called whenever something else was found."""
+        """Have ``wake`` called on every new finding."""
         with self._lock:
             self._wakes[tab] = wake
 
     def leave(self, tab: int) -> None:
-        """Forget a tab."""
+        """Stop notifying a tab."""
         with self._lock:
             self._wakes.pop(tab, None)
 
     def close(self) -> None:
-        """Watch no longer; a check that runs ends first."""
+        """Stop watching, after a check that is running."""
         self._ended.set()
         self._thread.join()
 
     def _watch(self) -> None:
-        """Check the file whenever its time or size is another."""
+        """Check the file whenever its time or size changes."""
         seen: tuple[int, int] | None = (-1, -1)
         while not self._ended.is_set():
             now = None

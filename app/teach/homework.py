@@ -1,4 +1,4 @@
-"""Homework: a scene, a goal from any measure, and what must stay; and how results are graded."""
+"""Homework: a scene, a goal on any measure, protected fields, and grading."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from app.teach.result_code import fingerprint, scene_of_code
 
 
 class Homework(BaseModel):
-    """A homework as its file has it.
+    """A homework as in its file.
 
     Attributes:
         text: what to do, in words.
@@ -44,13 +44,13 @@ class Homework(BaseModel):
 
     @property
     def kept(self) -> tuple[str, ...]:
-        """All fields that must stay."""
+        """Names of all protected fields."""
         return (*(name for name in TASK if name not in self.free), *self.keep)
 
 
 @dataclass(frozen=True)
 class Grade:
-    """What a result is worth.
+    """Grade of a result.
 
     Attributes:
         name: whose it is, as the list has it.
@@ -72,7 +72,7 @@ class HomeworkTask:
     """
 
     def __init__(self, file: Path) -> None:
-        """Read a file.
+        """Read a homework file.
 
         Raises:
             LessonError: it is wrong, or its goal is reached before anything is done.
@@ -103,14 +103,14 @@ class HomeworkTask:
             raise LessonError(str(fault_at(file, ("until",), text)))
 
     def link(self, server: str) -> str:
-        """Address that opens the homework on a server, whose own address may have a token."""
+        """URL that opens the homework on a server, whose own URL may have a token."""
         state = TabState(
             name="homework", scene=self.scene, challenge=self.challenge.model_dump_json()
         )
         return f"{server}{'&' if '?' in server else '?'}state={state.encode()}"
 
     def grade(self, results: Sequence[tuple[str, str]]) -> tuple[Grade, ...]:
-        """The grades of names with their codes; each scene is planned again."""
+        """Grades by name for the codes handed in; each scene is planned again."""
         first: dict[str, str] = {}
         grades = []
         for name, code in results:
@@ -132,7 +132,7 @@ class HomeworkTask:
 
 
 def _settings(scene: Scene) -> list[str]:
-    """Names of the fields of a scene's sections, such as ``mesh.pitch``."""
+    """Dotted names of all fields of a scene's sections, such as ``mesh.pitch``."""
     data = scene.model_dump(mode="json")
     return [
         f"{name}.{key}" for name, part in data.items() if isinstance(part, dict) for key in part

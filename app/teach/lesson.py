@@ -19,7 +19,7 @@ from app.teach.measures import MEASURES, names_in
 from app.theatre.searches import EDGES
 
 _NEAREST = 1e-3
-"""Least distance of a camera from what it looks at, [unit]."""
+"""Least distance of a camera from its target, [unit]."""
 
 
 class _Part(BaseModel):
@@ -27,7 +27,7 @@ class _Part(BaseModel):
 
     @model_validator(mode="after")
     def _measures_exist(self) -> Self:
-        """Refuse texts that name a measure that there is not."""
+        """Refuse texts with an unknown measure."""
         for field, content in self:
             for name in names_in(content) if isinstance(content, str) else ():
                 if name not in MEASURES:
@@ -51,7 +51,7 @@ class Condition(_Part):
         return self
 
     def holds(self, frame: Frame) -> bool:
-        """Check whether it holds now; a measure that there is not holds in nothing."""
+        """Check whether the condition holds; a measure without a value never does."""
         number = MEASURES[self.measure](frame)
         return number is not None and (
             (self.at_least is None or number >= self.at_least - 1e-9)
@@ -59,7 +59,7 @@ class Condition(_Part):
         )
 
     def missed(self, frame: Frame) -> str:
-        """What is now, and what is asked for, as part of a sentence."""
+        """Clause on the present value and the one asked for."""
         number = MEASURES[self.measure](frame)
         now = "has no value" if number is None else f"is {number:.6g}"
         asked = [
@@ -71,7 +71,7 @@ class Condition(_Part):
 
 
 class LessonCamera(_Part):
-    """Place of the eye and the point it looks at, [unit], world."""
+    """Position of a camera and its target, [unit], world."""
 
     position: Vec3
     target: Vec3
@@ -84,7 +84,7 @@ class LessonCamera(_Part):
 
 
 class SearchCue(_Part):
-    """State of the search theatre."""
+    """State of the search that is stepped through."""
 
     on: bool = True
     algorithm: str | None = None
@@ -104,7 +104,7 @@ class SearchCue(_Part):
 
 
 class Setting(_Part):
-    """Settings of a step: each part that is given, and no other.
+    """Settings of a step; only the given ones apply.
 
     Attributes:
         scene: name of a shipped scene, or a scene file beside the lesson.
@@ -128,7 +128,7 @@ class Setting(_Part):
 
 
 class AnswerChoice(_Part):
-    """One answer of a question, and what is said to whoever gives it."""
+    """One answer to a question, and the reply to it."""
 
     text: str
     right: bool = False
@@ -136,7 +136,7 @@ class AnswerChoice(_Part):
 
 
 class Question(_Part):
-    """A question with answers to choose from, asked before anything is revealed."""
+    """A question with answers to choose from, asked before the explanation."""
 
     text: str
     choices: Annotated[tuple[AnswerChoice, ...], Field(min_length=2, max_length=4)]
@@ -215,7 +215,7 @@ Lessons = Mapping[str, tuple[Lesson, Path]]
 """Lessons by file name, each with its folder."""
 NO_LESSONS: Lessons = MappingProxyType({})
 Library = Callable[[], Lessons]
-"""Reads the lessons at the first call, and remembers them."""
+"""Function that reads the lessons at the first call and remembers them."""
 
 
 def scene_of(setting: Setting, scene: Scene, folder: Path) -> Scene:

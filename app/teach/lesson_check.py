@@ -1,4 +1,4 @@
-"""Check of lessons: every page is gone through, and all that is wrong is told at once."""
+"""Check of lessons: goes through every page and reports all faults at once."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NOTHING = "–"
 
 
 def check_folder(folder: Path, layers: Collection[str]) -> tuple[LessonFault, ...]:
-    """Everything wrong in the lessons of a folder, by file and line.
+    """All faults in the lessons of a folder, by file and line.
 
     Each page's scene is planned; what its texts quote must exist there, a task must not be done
     before it is begun, and its ``shown_by`` must do it.
@@ -49,7 +49,7 @@ def check_folder(folder: Path, layers: Collection[str]) -> tuple[LessonFault, ..
 
 
 def check_pages(file: Path, lesson: Lesson) -> Iterator[LessonFault]:
-    """Faults that show when the pages of a lesson are gone through, one after the other."""
+    """Faults that show when the pages of a lesson are gone through in order."""
     rehearsal = Rehearsal(file.parent, Planner())
     for number, step in enumerate(lesson.steps):
         yield from _check_page(file, ("steps", number), step, rehearsal)
@@ -87,7 +87,7 @@ def _check_page(
 
 
 def _texts_before(page: Place, step: Step) -> Iterator[tuple[Place, str]]:
-    """Texts that are read before the page is passed, with their places."""
+    """Texts shown before the page is passed, with their locations."""
     yield (*page, "text"), step.text
     if step.task is not None:
         yield (*page, "task", "text"), step.task.text
@@ -101,7 +101,7 @@ def _texts_before(page: Place, step: Step) -> Iterator[tuple[Place, str]]:
 
 
 def _texts_after(page: Place, step: Step) -> Iterator[tuple[Place, str]]:
-    """Texts that are read once the page is passed, with their places."""
+    """Texts shown after the page is passed, with their locations."""
     yield (*page, "after"), step.after
     for number, choice in enumerate(step.question.choices if step.question else ()):
         if choice.right:
@@ -111,7 +111,7 @@ def _texts_after(page: Place, step: Step) -> Iterator[tuple[Place, str]]:
 def _check_texts(
     file: Path, texts: Iterator[tuple[Place, str]], frame: Frame
 ) -> Iterator[LessonFault]:
-    """Faults of the numbers that texts quote."""
+    """Faults of the measures that texts quote."""
     for place, content in texts:
         for name in names_in(content):
             if now(name, frame) == _NOTHING:

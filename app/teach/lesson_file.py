@@ -1,4 +1,4 @@
-"""Lesson files: read strictly, with everything that is wrong in them told at once."""
+"""Lesson files: strict reading that reports all faults at once."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from abi.scene.scene_file import parse
 from app.teach.lesson import Lesson, Lessons, Library
 
 Place = Sequence[str | int]
-"""Keys and numbers that lead to a part of a file."""
+"""Path of keys and indices to a part of a file."""
 _COUNTED = {"steps": "page", "choices": "answer", "until": "condition"}
-"""What the entries of a list are called, which count from 1."""
+"""Names for the entries of lists, counted from 1."""
 _LINE = re.compile(r" \(line (\d+)\)$")
 
 
@@ -47,7 +47,7 @@ class LessonFault:
     doubtful: bool = False
 
     def __str__(self) -> str:
-        """The fault as compilers write theirs, which editors can jump to."""
+        """The fault in the format of compilers, which editors can jump to."""
         return f"{self.file}:{self.line}: {'note: ' if self.doubtful else ''}{self.text}"
 
 
@@ -73,7 +73,7 @@ def _read_all(files: Sequence[Path]) -> dict[str, tuple[Lesson, Path]]:
 
 
 def lesson_named(name: str) -> tuple[Lesson, Path]:
-    """A shipped lesson by its name, or that of a file; and its file.
+    """A shipped lesson by name, or one from a file, and its file.
 
     Raises:
         LessonError: there is none, or it is wrong.
@@ -108,7 +108,7 @@ def library(folder: Path, layers: Collection[str]) -> Library:
 
 
 def lesson_files(folder: Path) -> list[Path]:
-    """The lessons in a folder, in order; scene files may lie beside them.
+    """The lesson files in a folder, in order; scene files may lie beside them.
 
     Raises:
         LessonError: there is none.
@@ -120,7 +120,7 @@ def lesson_files(folder: Path) -> list[Path]:
 
 
 def read_lesson(file: Path) -> tuple[Lesson | None, tuple[LessonFault, ...]]:
-    """The lesson of a file, None if it is wrong; and its faults, in the order of their lines."""
+    """The lesson of a file, None if it is invalid, and its faults in line order."""
     try:
         data = parse(file)
     except SceneError as error:
@@ -141,7 +141,7 @@ def read_lesson(file: Path) -> tuple[Lesson | None, tuple[LessonFault, ...]]:
 
 
 def unknown_layers(file: Path, lesson: Lesson, layers: Collection[str]) -> tuple[LessonFault, ...]:
-    """Faults of the layers that a lesson shows and that there are not."""
+    """Faults of unknown layers that a lesson shows."""
     return tuple(
         fault_at(file, ("steps", number), f"There is no layer {name!r} among {known}.")
         for known in [", ".join(sorted(layers))]
@@ -153,14 +153,14 @@ def unknown_layers(file: Path, lesson: Lesson, layers: Collection[str]) -> tuple
 
 
 def fault_at(file: Path, place: Place, text: str, doubtful: bool = False) -> LessonFault:
-    """A fault of the part of a file at ``place``, which the sentence begins with."""
+    """A fault of the part of a file at ``place``, with which the sentence begins."""
     named = _named(place)
     sentence = f"{named}: {text}" if named else text
     return LessonFault(file.name, _line(file, place), sentence, doubtful)
 
 
 def _named(place: Place) -> str:
-    """The part of a lesson at ``place`` in words, such as "page 2, question"."""
+    """The location ``place`` in words, such as "page 2, question"."""
     words: list[str] = []
     for key in place:
         if isinstance(key, int) and words:
@@ -171,7 +171,7 @@ def _named(place: Place) -> str:
 
 
 def sentence_of(detail: Any) -> str:
-    """What pydantic found wrong, in our words."""
+    """A pydantic error in our words."""
     match detail["type"]:
         case "missing":
             return "is missing."
@@ -186,7 +186,7 @@ def sentence_of(detail: Any) -> str:
 
 
 def _line(file: Path, place: Place) -> int:
-    """Line of the part of a file at ``place``, or of the last part on the way that there is."""
+    """Line of the part at ``place``, or of its nearest existing parent."""
     node: Node | None = YAML(typ="safe", pure=True).compose(file.read_text(encoding="utf-8-sig"))
     line = 1
     for key in place:
@@ -204,7 +204,7 @@ def _line(file: Path, place: Place) -> int:
 
 
 def _is_scene(file: Path) -> bool:
-    """Check whether a file is no lesson but a scene beside them: only that has a version."""
+    """Check whether a file is a scene instead of a lesson: only scenes have a version."""
     try:
         data = parse(file)
     except SceneError:  # told where the file is read

@@ -24,13 +24,13 @@ from app.ui.numbers import (
 )
 
 Measure = Callable[[Frame], float | None]
-"""A number of the frame; None where there is none."""
+"""A number of the frame; None if it has no value."""
 
 _PLACE = re.compile(r"\{\{\s*([a-z_.0-9]+)\s*\}\}")
 
 
 def _number(path: str, frame: Frame) -> float | None:
-    """The number, or how many there are, at a path of attributes from the frame on."""
+    """Number, or number of entries, at an attribute path from the frame."""
     found: Any = frame
     for name in path.split("."):
         if found is None:
@@ -47,7 +47,7 @@ def _searched(name: str, attribute: str, frame: Frame) -> float | None:
 
 
 def _gap(length: float | None, plan: Plan) -> float | None:
-    """By how many percent a length is over the least possible."""
+    """Excess of a length over the optimum, [%]."""
     if length is None:
         return None
     return 100 * (length / _least(plan) - 1)
@@ -65,7 +65,7 @@ def _clearance(plan: Plan, name: str) -> float | None:
 
 
 def _is_complete(plan: Plan) -> bool:
-    """Check whether there is a plan, along a curve that keeps the clearance if it follows one.
+    """Check whether there is a plan whose followed curve, if any, keeps the clearance.
 
     A motion that was found in the space of the joints follows none.
     """
@@ -75,7 +75,7 @@ def _is_complete(plan: Plan) -> bool:
 
 
 def _axis_speed(plan: Plan, place: float) -> float | None:
-    """Size of the quadratic's derivative in t, of its own parameter, at a share of its interval."""
+    """Size of the quadratic's derivative by its own parameter, at a fraction of the interval."""
     if plan.quadratic is None:
         return None
     curve = plan.quadratic.curve
@@ -84,13 +84,13 @@ def _axis_speed(plan: Plan, place: float) -> float | None:
 
 
 def _joint_nodes(frame: Frame) -> float | None:
-    """Poses in both trees of a search in the space of the joints."""
+    """Number of poses in both trees of a joint-space search."""
     search = frame.plan.joint_search
     return None if search is None else sum(len(tree.positions) for tree in search.trees)
 
 
 def _tool_length(frame: Frame) -> float | None:
-    """Length of the tool tip's way in the motion, along its samples, [unit]."""
+    """Path length of the tool tip over the motion's samples, [unit]."""
     motion = frame.plan.motion
     if motion is None:
         return None
@@ -166,7 +166,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "playback.time": partial(_number, "time"),
     }
 )
-"""The numbers by name."""
+"""The measures by name."""
 
 _COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
 _COUNTS |= {"degree", "pieces", "step", "moved", "changed", "proofs", "refused"}
@@ -176,7 +176,7 @@ _LOWER_BOUNDS = {"optimum.length"}
 
 
 def text(name: str, frame: Frame) -> str:
-    """A measure as it is read, lengths with their unit; lower bounds are rounded down."""
+    """Format a measure, lengths with their unit; lower bounds are rounded down."""
     number = MEASURES[name](frame)
     if number is None or not math.isfinite(number):
         return "–"
@@ -197,10 +197,10 @@ def text(name: str, frame: Frame) -> str:
 
 
 def names_in(template: str) -> list[str]:
-    """Measures that a text names as ``{{path.length}}``."""
+    """Measures that a text quotes as ``{{path.length}}``."""
     return _PLACE.findall(template)
 
 
 def filled(template: str, frame: Frame) -> str:
-    """The text with the present numbers in it."""
+    """Fill in the present numbers of a text."""
     return _PLACE.sub(lambda match: text(match[1], frame), template)

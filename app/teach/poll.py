@@ -1,4 +1,4 @@
-"""A question to a class, and what was answered in its rounds."""
+"""A question to a class, and the answers of its rounds."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from abi.obstacles.pose import Vec3
 MAX_CHOICES = 4
 ROUNDS = 2
 _MAX_TEXT = 300
-"""Letters of a question and of an answer."""
+"""Most characters of a question or an answer."""
 _SAME_PLACE = 1e-6
-"""Distance within which a place is one that is right, [unit]."""
+"""Distance within which a place counts as a right one, [unit]."""
 
 Answer = int | Vec3
 """Number of a choice, or a place in the scene, [unit], world."""
@@ -48,17 +48,17 @@ class Poll:
 
     @property
     def has_right(self) -> bool:
-        """Whether an answer is known to be right."""
+        """Whether the right answer is known."""
         return self.right >= 0 or bool(self.places)
 
     def takes(self, answer: Answer) -> bool:
-        """Check whether that is an answer to this question."""
+        """Check whether an answer fits this question."""
         if self.asks_place:
             return not isinstance(answer, int) and all(map(math.isfinite, answer))
         return isinstance(answer, int) and 0 <= answer < len(self.choices)
 
     def is_right(self, answer: Answer) -> bool:
-        """Check whether an answer is right; none is where none is known."""
+        """Check whether an answer is right; False if the right one is not known."""
         if isinstance(answer, int):
             return answer == self.right
         return any(math.dist(answer, place) < _SAME_PLACE for place in self.places)
@@ -67,7 +67,7 @@ class Poll:
 def poll_of(
     number: int, text: str, choices: tuple[str, ...], right: int = -1, why: str = ""
 ) -> Poll | None:
-    """The question with those of its answers that say something; None with fewer than two."""
+    """The question with its non-empty answers; None with fewer than two."""
     said = [k for k, choice in enumerate(choices) if choice.strip()][:MAX_CHOICES]
     if not text.strip() or len(said) < 2:
         return None
@@ -100,7 +100,7 @@ class Asked:
         return tuple(given.count(choice) for choice in range(len(self.poll.choices)))
 
     def right_share(self, number: int = -1) -> float | None:
-        """Part of the answers of a round that are right; None where none is known or given."""
+        """Fraction of right answers in a round; None if unknown or without answers."""
         given = self.rounds[number].values()
         if not self.poll.has_right or not given:
             return None
@@ -108,7 +108,7 @@ class Asked:
 
     @property
     def gain(self) -> float | None:
-        """Part of what was missing in the first round that the second gained (Hake, 1998)."""
+        """Normalised gain from the first to the second round (Hake, 1998)."""
         if len(self.rounds) < ROUNDS:
             return None
         first, second = self.right_share(0), self.right_share(1)
@@ -118,7 +118,7 @@ class Asked:
 
 
 class Record(msgspec.Struct):
-    """All that a class has been asked and has answered, and what its teacher has set.
+    """All questions and answers of a class, and the teacher's settings.
 
     Attributes:
         asked: the questions, the last one last.

@@ -1,4 +1,4 @@
-"""Practice: questions one after the other; five right ones in a row are mastery of a subject."""
+"""Practice: one question after the other; five right answers in a row are mastery of a subject."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from abi.teach.quiz.question import QuizQuestion
 from abi.teach.quiz.templates import question, templates
 
 MASTERY = 5
-"""Right answers in a row."""
+"""Right answers in a row for mastery."""
 _SEEDS = 2**31
 
 
 @dataclass(frozen=True)
 class Practice:
-    """Where a student is.
+    """Progress of a student.
 
     Attributes:
         chosen: names of the templates to be asked of; empty while nothing is practised.
@@ -44,18 +44,18 @@ class Practice:
 
     @property
     def question(self) -> QuizQuestion | None:
-        """The question that is asked; None while nothing is practised."""
+        """The present question; None while nothing is practised."""
         return question(self.template, self.seed) if self.template else None
 
     def begun(self, chosen: Iterable[str], quiz: bool = False) -> Practice:
-        """The practice of other templates, with a first question; none ends it."""
+        """Start with other templates and a first question; without any, end."""
         known = tuple(name for name in templates() if name in set(chosen))
         if not known:
             return replace(self, chosen=(), quiz=False, template="", answer=-1)
         return replace(self, chosen=known, quiz=quiz, template="").next()
 
     def next(self) -> Practice:
-        """The next question: of what is not mastered, the template that is practised least."""
+        """The next question, from the least practised template that is not mastered."""
         if not self.chosen:
             return self
         left = [name for name in self.chosen if name not in self.mastered] or list(self.chosen)
@@ -65,7 +65,7 @@ class Practice:
         return replace(self, template=name, seed=secrets.randbelow(_SEEDS), answer=-1)
 
     def answered(self, number: int) -> Practice:
-        """The practice after an answer; a second one to the same question counts for nothing."""
+        """The progress after an answer; a second one to the same question does not count."""
         asked = self.question
         if asked is None or self.answer >= 0 or not 0 <= number < len(asked.choices):
             return self
@@ -87,12 +87,12 @@ class Practice:
         return asked is not None and self.answer != asked.right
 
     def encode(self) -> str:
-        """The practice as a text to keep; empty where there is nothing to keep."""
+        """Encode the progress; empty without any."""
         return msgspec.json.encode(self).decode() if self.chosen or self.asked else ""
 
 
 def decoded(text: str) -> Practice | None:
-    """The practice of a text that may come from anyone; None for none."""
+    """Decode the progress from untrusted text; None if it is invalid."""
     try:
         found = msgspec.json.decode(text, type=Practice)
     except (msgspec.MsgspecError, ValueError, RecursionError):
@@ -109,5 +109,5 @@ def decoded(text: str) -> Practice | None:
 
 
 def quiz(chosen: Iterable[str]) -> str:
-    """The text of a link that asks whoever opens it these templates."""
+    """Text of a link that practises these templates."""
     return Practice(chosen=tuple(chosen), quiz=True, asked=0).encode()

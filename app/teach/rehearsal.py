@@ -1,4 +1,4 @@
-"""Rehearsal: a lesson gone through without a page, each of its settings planned."""
+"""Rehearsal: a run through a lesson without a page, planning each of its settings."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from app.theatre.searches import EDGES, TheatreSearches
 from app.theatre.theatre import Theatre, one_way_search
 
 _WEIGHT = 1.5
-"""Of the heuristic in a weighted search, where no setting has named another."""
+"""Heuristic weight in a weighted search, unless a setting names another."""
 
 
 class Rehearsal:
-    """The frame that a lesson has led to.
+    """The frame that results from a lesson.
 
     Attributes:
         frame: as the page would show it, without camera and playback.
     """
 
     def __init__(self, folder: Path, planner: Planner) -> None:
-        """Begin with the scene that lessons begin with; scene files are in ``folder``."""
+        """Begin with the default scene of lessons; scene files are in ``folder``."""
         self._folder, self._planner = folder, planner
         self._cue = SearchCue(on=False)
         self._searches = TheatreSearches()
         self.frame = Frame(planner(load_scene("paper")))
 
     def take(self, setting: Setting) -> Frame:
-        """Set what a page of the lesson sets, and plan.
+        """Apply a page's setting, and plan.
 
         Raises:
             SceneError: the scene cannot be read, or a change is wrong.
@@ -54,7 +54,7 @@ class Rehearsal:
         return self.frame
 
     def _bent(self, setting: Setting) -> BentCurve | None:
-        """The curve bent as a setting asks, or as before where it is still the plan's."""
+        """The bent curve that a setting asks for, or the last one if it still fits the plan."""
         plan, bent = self.frame.plan, self.frame.bent
         if plan.bspline is None or "bent" not in self.frame.shown:
             return None

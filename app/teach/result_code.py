@@ -1,4 +1,4 @@
-"""Result codes: what a student has set, in so few letters that it can be pasted into a form."""
+"""Result codes: a student's settings, short enough to paste into a form."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from abi.errors import AbiError
 from abi.scene.scene import Scene
 
 _CHECK = 4
-"""Letters by which a code that was copied in part is known."""
+"""Characters of the checksum, which reveals a code that was copied in part."""
 _MOST = 20_000
-"""Bytes that a code may unpack to."""
+"""Most bytes of a decompressed code."""
 
 
 def fingerprint(scene: Scene, keep: Sequence[str]) -> str:
-    """Sixteen letters that differ where one of these fields does, such as ``search.taut``.
+    """Sixteen characters that identify the values of fields such as ``search.taut``.
 
     Args:
         scene: the scene.
@@ -31,7 +31,7 @@ def fingerprint(scene: Scene, keep: Sequence[str]) -> str:
 
 
 def result_code(scene: Scene, keep: Sequence[str]) -> str:
-    """The scene as a code: fields that need not stay and are not the usual ones."""
+    """Encode a scene: unprotected fields that differ from the defaults."""
     usual = _free(Scene(version=1), keep)
     changes = _difference(_free(scene, keep), usual)
     packer = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
@@ -41,7 +41,7 @@ def result_code(scene: Scene, keep: Sequence[str]) -> str:
 
 
 def scene_of_code(code: str, task: Scene, keep: Sequence[str]) -> Scene:
-    """The scene of a code.
+    """Decode a scene.
 
     Args:
         code: by :func:`result_code`; it may come from anyone.
@@ -77,7 +77,7 @@ def _field(data: Mapping[str, Any], name: str) -> Any:
 
 
 def _free(scene: Scene, keep: Sequence[str]) -> dict[str, Any]:
-    """Fields of a scene that need not stay, as plain data."""
+    """Unprotected fields of a scene as plain data."""
     data = scene.model_dump(mode="json")
     del data["version"]
     for name in keep:
@@ -90,7 +90,7 @@ def _free(scene: Scene, keep: Sequence[str]) -> dict[str, Any]:
 
 
 def _difference(data: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
-    """What of data is not as usual; of a section only the fields that differ."""
+    """Values that differ from the defaults, by field in sections."""
     found: dict[str, Any] = {}
     for name, value in data.items():
         before = usual.get(name)
@@ -103,7 +103,7 @@ def _difference(data: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, 
 
 
 def _merged(usual: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The usual fields with changes, of which those of other fields are left out."""
+    """The defaults with changes; changes of unknown fields are dropped."""
     return {
         name: {**value, **{k: v for k, v in changes.get(name, {}).items() if k in value}}
         if isinstance(value, dict) and isinstance(changes.get(name, {}), dict)

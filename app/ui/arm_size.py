@@ -17,11 +17,11 @@ _LENGTHS = ("a1", "a2", "a3", "a4", "a5")
 _PAPER_SIDE = 6.0
 """Side of the paper's workspace, [cm], for the lengths that its arm has by default."""
 _MOST = 6.0
-"""Length of an arm, in sides of the workspace, from which it hardly fits."""
+"""Length of an arm, over the workspace's side, from which it hardly fits."""
 
 
 def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str, str] | None:
-    """Fault of an arm's size, in words and in numbers; None where it may fit.
+    """Sentence on an arm of unsuitable size, and its numbers; None if it may fit.
 
     Args:
         robot: the arm.
@@ -37,7 +37,7 @@ def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str,
 
 
 def oversize(scene: Scene) -> float:
-    """Length of a scene's arm, [unit], that is far too large for it; 0 for any other arm."""
+    """Length of an arm that is far too large for its scene, [unit]; 0 otherwise."""
     length = _scene_length(scene)
     return length if length > _MOST * max(scene.workspace.size) else 0.0
 
@@ -49,7 +49,7 @@ def _length(robot: Robot, tip: str, unit: str) -> float:
 
 
 def scene_size_note(scene: Scene) -> tuple[str, str] | None:
-    """Note on the size of a scene's arm beside its workspace, as :func:`size_note` words it."""
+    """Note on an arm's size relative to its workspace, see :func:`size_note`."""
     workspace, unit = max(scene.workspace.size), scene.unit
     if scene.arm.model == "urdf":
         return size_note(scene.arm.robot, scene.arm.tool, workspace, unit)
@@ -57,7 +57,7 @@ def scene_size_note(scene: Scene) -> tuple[str, str] | None:
 
 
 def fitting_lengths(scene: Scene) -> dict[str, float]:
-    """Lengths of the paper's arm, [unit], that are to the workspace as in the paper."""
+    """Lengths of the paper's arm, [unit], scaled to the workspace as in the paper."""
     usual, factor = ArmSettings(), max(scene.workspace.size) / _PAPER_SIDE
     return {name: float(f"{factor * getattr(usual, name):.3g}") for name in _LENGTHS}
 

@@ -1,4 +1,4 @@
-"""Cards with a picture, to choose one of a list by: lessons and scenes."""
+"""Cards with pictures to choose lessons and scenes from."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Card:
 
 
 def cards(widget: viser.GuiDropdownHandle[str], entries: Iterable[Card], few: bool = False) -> str:
-    """HTML of cards that set ``widget``; of which only a ``few`` are seen at once, if asked."""
+    """HTML of cards that set ``widget``; with ``few`` only some are in view at once."""
     content = "".join(_card(page.uuid(widget), entry) for entry in entries)
     return f'<div class="abi-cards{" abi-few" if few else ""}">{content}</div>'
 
@@ -50,7 +50,7 @@ def _card(uuid: str, card: Card) -> str:
 
 @functools.cache
 def _picture(file: Path) -> str:
-    """The picture as HTML; nothing where there is none, as for a teacher's own lesson."""
+    """The picture as HTML; empty without one, as for a teacher's own lesson."""
     if not file.is_file():
         return ""
     data = base64.b64encode(file.read_bytes()).decode()

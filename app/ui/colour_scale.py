@@ -1,4 +1,4 @@
-"""Colours between colours."""
+"""Interpolation of colours."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from app.ui.style import Colour
 
 
 def scale_colours(stops: Sequence[Colour], shares: FloatArray) -> ByteArray:
-    """Colours (n, 3) of shares (n,): from 0 at the first of even stops to 1 at the last."""
+    """Colours (n, 3) at fractions (n,) of a scale with equally spaced stops."""
     places = np.linspace(0, 1, len(stops))
     channels = zip(*stops, strict=True)
     return np.stack([np.interp(shares, places, one) for one in channels], axis=1).astype(np.uint8)

@@ -33,16 +33,16 @@ LABELS = {
     **{f"arm.masses[{k}]": f"{name}'s mass" for k, (name, _) in enumerate(_DRIVES)},
     **{f"arm.radii[{k}]": f"{name}'s radius of gyration" for k, (name, _) in enumerate(_DRIVES)},
 }
-"""By the name in a file, but for obstacles and the coordinates of points."""
+"""Labels by the name in a file, except for obstacles and coordinates of points."""
 
 _LONGEST = 60
-"""Letters of a wrong value that are shown."""
+"""Most characters of a wrong value that are shown."""
 _OBSTACLE = re.compile(r"obstacles\[(\d+)\]\.?")
 _COORDINATE = re.compile(r"\[[012]\]$")
 
 
 def sentence(error: AbiError) -> str:
-    """Message of an error in the words of the page: its name of the field, and what it must be."""
+    """Message of an error with the page's label for the field, and what would work."""
     if not isinstance(error, SceneError):
         return error.message
     name, expected = label(error.field), error.expected
@@ -54,7 +54,7 @@ def sentence(error: AbiError) -> str:
 
 
 def kept(error: AbiError, scene: Scene) -> str:
-    """Sentence on the value that ``scene`` keeps of a refused field; empty where it has none."""
+    """Sentence on the value that ``scene`` keeps for a refused field; empty if it has none."""
     value: Any = scene
     for name in re.findall(r"\w+", getattr(error, "field", "")):
         try:
@@ -70,7 +70,7 @@ def kept(error: AbiError, scene: Scene) -> str:
 
 
 def label(field: str) -> str:
-    """The page's name of a field, from its name in a file."""
+    """The page's label of a field, from its name in a file."""
     whole = _COORDINATE.sub("", field)
     name = LABELS.get(field, LABELS.get(whole, field))
     if found := _OBSTACLE.match(field):

@@ -1,4 +1,4 @@
-"""Poses of scene nodes as viser 1.1.1 forgets to send them.
+"""Poses of scene nodes that viser 1.1.1 does not send.
 
 viser sends a pose only where it differs from the last one it knows of, or from that of a new node.
 The page may have another: a node that is removed and added again under its name before either is
@@ -20,13 +20,13 @@ _make: Any = _scene_handles.SceneNodeHandle._make.__func__  # type: ignore[attr-
 
 
 def install() -> None:
-    """Have every new node's pose sent from now on; once is enough."""
+    """Send every new node's pose from now on; one call suffices."""
     handle: Any = _scene_handles.SceneNodeHandle
     handle._make = classmethod(_make_posed)
 
 
 def forget(node: viser.SceneNodeHandle) -> None:
-    """Have the next position and the next orientation of a node sent, whatever they are.
+    """Force the next position and orientation of a node to be sent.
 
     Until they are set the node has none.
     """

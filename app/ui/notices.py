@@ -1,4 +1,4 @@
-"""Notices on the page: what was not done, what is wrong with what was done, and that all ends."""
+"""Notices on the page: refusals, warnings, and the server's end."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ import viser
 
 
 def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> viser.NotificationHandle:
-    """Notify the user of what was not done, and why."""
+    """Notify the user of what was refused, and why."""
     return client.add_notification(title, reason, color="red", auto_close_seconds=12)
 
 
 def notify_refused_file(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Notify the user of a file that was not taken, and why, until the notice is closed."""
+    """Notify the user of a refused file, and why, until the notice is closed."""
     client.add_notification(title, reason, color="red", auto_close_seconds=None)
 
 
 def notify_warning(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Notify the user of what is wrong with what was done."""
+    """Warn the user of a fault in what was done."""
     client.add_notification(title, reason, color="orange", auto_close_seconds=12)
 
 
 def notify_missing(client: viser.ClientHandle, files: Iterable[str]) -> None:
-    """Notify the user of mesh files of a link that this server does not have."""
+    """Notify the user of a link's mesh files that this server does not have."""
     names = ", ".join(files)
     reason = (
         f"{names} was uploaded to another server, or too long ago. Everything else is here. "

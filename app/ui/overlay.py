@@ -1,4 +1,4 @@
-"""Text and controls over the scene, which leave the rest of it to the mouse."""
+"""Text and controls over the scene; elsewhere the mouse reaches the scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Part = Literal[
 
 
 class Overlay:
-    """The parts of the layer over the scene; only what changed is sent.
+    """The parts of the layer over the scene, of which only changes are sent.
 
     Attributes:
         shown: HTML of each part.
@@ -37,13 +37,13 @@ class Overlay:
         self._clock = (-1.0, 0.0, False)
 
     def show(self, part: Part, content: str) -> None:
-        """Show HTML in a part; what a user may have typed must be escaped in it."""
+        """Show HTML in a part; user input in it must be escaped."""
         if self.shown.get(part, "") != content:
             self.shown[part] = content
             page.call(self._client, "show", part, unbroken(content))
 
     def set_clock(self, time: float, end: float, playing: bool) -> None:
-        """Show the motion's time and end, [s], in the player."""
+        """Show the motion's time and duration, [s], in the player."""
         clock = round(time, 2), round(end, 2), playing
         # while it plays the page counts by itself
         if clock != self._clock and not (playing and clock[1:] == self._clock[1:]):
@@ -58,7 +58,8 @@ def button(
     kind: str = "",
     hint: str = "",
 ) -> str:
-    """HTML of a button that presses ``widget``, hidden itself; of a sign the hint is read out."""
+    """HTML of a button that presses a hidden ``widget``; the hint of an icon is its accessible
+    name."""
     title = f' title="{html.escape(hint)}"' if hint else ""
     spoken = f' aria-label="{html.escape(hint)}"' if len(label) == 1 else ""
     return (
@@ -68,7 +69,7 @@ def button(
 
 
 def slider(widget: viser.GuiSliderHandle[float], label: str) -> str:
-    """HTML of a slider from 0 that sets ``widget``, which is hidden itself."""
+    """HTML of a slider from 0 that sets a hidden ``widget``."""
     return (
         '<span class="abi-track"><input type="range" min="0" max="1" step="0.01" value="0" '
         f'aria-label="{html.escape(label)}" data-set="{page.uuid(widget)}"></span>'

@@ -1,4 +1,4 @@
-"""Access to the few parts of the page that viser 1.1.1 has no public name for."""
+"""Access to the parts of the page for which viser 1.1.1 has no public interface."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from app.ui import node_poses, viser_shortcuts
 assert viser.__version__ == "1.1.1", "app/ui/page.py uses private names of viser 1.1.1"
 
 SILENCE = 60.0
-"""Seconds after which a file of which nothing more has come is taken for lost, unless it comes."""
+"""Seconds without a new part after which an upload counts as lost."""
 LIFETIME = 900.0
-"""Seconds in which the whole of a file must have come: 50 MB over a slow line."""
+"""Seconds within which an upload must be complete: 50 MB over a slow line."""
 
 Function = Literal[
     "clock",
@@ -48,7 +48,7 @@ Function = Literal[
     "stand",
     "watch",
 ]
-"""Functions of the page, in ``assets/page``."""
+"""Functions of the page in ``assets/page``."""
 
 _SLOTS: dict[Function, str] = {
     "clock": "clock",
@@ -61,9 +61,9 @@ _SLOTS: dict[Function, str] = {
     "showNodes": "nodes",
     "stand": "end of motion",
 }
-"""Calls of one slot replace each other while unsent; so do those of ``show`` for one part.
+"""Slots by function: a call replaces an unsent one of its slot, ``show`` only one for its part.
 
-A motion does not replace the end of the one before: that comes before the nodes of another arm."""
+A motion does not replace the end of the previous one, which precedes the nodes of another arm."""
 _Store = TypeVar("_Store", bound=MutableMapping[int, bytes])
 _COMMENT = re.compile(r"(//.*|/\*[^*]*\*/)?")
 
@@ -72,9 +72,7 @@ node_poses.install()
 
 
 class _AtOnce(Executor):
-    """Runs callbacks where they are called: ours only wake a worker, as threads of a pool take
-    longer to, and in no order.
-    """
+    """Executor that runs callbacks at once: they only wake a worker, and keep their order."""
 
     def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
         done: Future[Any] = Future()
@@ -86,7 +84,7 @@ class _AtOnce(Executor):
 
 
 class _Event(asyncio.Event):
-    """An event that is set in the thread of the connections only.
+    """Event that is set only in the thread of the connections.
 
     viser sets its events at once in any thread, and then has that thread set them. The first may
     come between a waiter's look at the event and its place among those who are woken; the second
@@ -99,7 +97,7 @@ class _Event(asyncio.Event):
 
 
 def install(client: viser.ClientHandle) -> None:
-    """Give the tab its name, and the functions of :func:`call`."""
+    """Set the tab's title and install the functions for :func:`call`."""
     buffer = client._websock_connection.get_message_buffer()
     buffer.message_event.__class__ = _Event
     client.gui._thread_executor = client.scene._thread_executor = _AtOnce()  # type: ignore[assignment]
@@ -108,7 +106,7 @@ def install(client: viser.ClientHandle) -> None:
 
 
 def call(client: viser.ClientHandle, function: Function, *arguments: object) -> None:
-    """Have the tab call a function of ``assets/page``, which says there what it does.
+    """Call a function of ``assets/page`` in the tab; the scripts document them.
 
     Args:
         client: the tab.
@@ -122,7 +120,7 @@ def call(client: viser.ClientHandle, function: Function, *arguments: object) -> 
 def uuid(
     widget: viser.GuiInputHandle[Any] | viser.GuiButtonHandle | viser.GuiUploadButtonHandle,
 ) -> str:
-    """Name by which the page sets a widget."""
+    """Identifier by which the page sets a widget."""
     return widget._impl.uuid
 
 
@@ -132,7 +130,7 @@ def on_arrival(
     tell: Callable[[str, float | None], None],
     store: Callable[[], _Store],
 ) -> Callable[[], _Store | None]:
-    """Have ``tell`` called with the name of a file on its way to ``button``, and the part there.
+    """Have ``tell`` called with the name and the received part of a file for ``button``.
 
     viser itself calls back once the whole file is there. These calls come from the first word of a
     file until then, and in the thread of the connections; with None for the part when nothing more
@@ -149,12 +147,12 @@ def on_arrival(
 
 
 def forget_file(button: viser.GuiUploadButtonHandle) -> None:
-    """Let go of the content of the last file, which viser keeps until the next one."""
+    """Release the content of the last upload, which viser would keep until the next one."""
     button._impl.value = viser.UploadedFile("", b"")
 
 
 class _Arrivals(Generic[_Store]):
-    """Files on their way to a button."""
+    """Incoming files of a button."""
 
     def __init__(
         self,
@@ -186,7 +184,7 @@ class _Arrivals(Generic[_Store]):
         self._tell(state["filename"], state["transferred_bytes"] / max(state["total_bytes"], 1))
 
     def take(self) -> _Store | None:
-        """The file that has just become whole, of which viser knows no more: once."""
+        """The file that has just become complete, once; viser does not keep it."""
         known = self._gui._current_file_upload_states
         whole = next((name for name in self._files if name not in known), None)
         return None if whole is None else self._files.pop(whole, None)
@@ -197,7 +195,7 @@ class _Arrivals(Generic[_Store]):
             self._tell(state["filename"], None)
 
     def _drop(self, transfer: str, file: Callable[[], _Store | None]) -> None:
-        """Drop a file that has not come in time."""
+        """Drop an overdue file."""
         state = self._gui._current_file_upload_states.get(transfer)
         if state is not None and state["parts"] is file():
             self._give_up(transfer)
@@ -205,27 +203,27 @@ class _Arrivals(Generic[_Store]):
 
 
 def disable_sharing(server: viser.ViserServer) -> None:
-    """Remove the public tunnel that any visitor of a stock viser page may open."""
+    """Disable viser's public tunnel, which any visitor could open."""
     handlers = server._websock_server._incoming_handlers
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         handlers.pop(message, None)
 
 
 def run_on_loop(server: viser.ViserServer, call: Callable[[], object]) -> None:
-    """Run ``call`` in the thread of the server's connections, soon."""
+    """Schedule ``call`` in the thread of the server's connections."""
     loop = server._websock_server._background_event_loop
     assert loop is not None
     loop.call_soon_threadsafe(call)
 
 
 def widget(server: viser.ViserServer, connection: object, uuid: str) -> Any:
-    """The widget with this id in the tab behind a websocket; None without one."""
+    """Find a widget by its id in the tab behind a websocket; None without one."""
     client = tab(server, connection)
     return None if client is None else client.gui._gui_input_handle_from_uuid.get(uuid)
 
 
 def tab(server: viser.ViserServer, connection: object) -> viser.ClientHandle | None:
-    """The tab behind a websocket; None before it has reported its camera."""
+    """Find the tab behind a websocket; None before it has reported its camera."""
     for number, live in tuple(server._websock_server._live_connections.items()):
         if live is connection:
             return server._connected_clients.get(number)
@@ -233,7 +231,7 @@ def tab(server: viser.ViserServer, connection: object) -> viser.ClientHandle | N
 
 
 def set_lines(plot: viser.GuiUplotHandle, lines: Sequence[NDArray[np.float32]]) -> None:
-    """Show ``lines`` (m,) over the first of them in a plot.
+    """Show ``lines`` (m,) over the first of them in a plot, in single precision.
 
     viser itself sends them in double precision, of which the page has no use.
     """
@@ -248,7 +246,7 @@ def move_gizmo(
     wxyz: tuple[float, float, float, float],
     position: tuple[float, float, float],
 ) -> bool:
-    """Move a gizmo of a tab to where its page has it, and call those who wait for that.
+    """Move a gizmo to the pose that the page reports, and call its callbacks.
 
     A hand sends twenty such messages a second, and viser takes ten times as long over one.
 
@@ -280,12 +278,12 @@ def move_gizmo(
 
 
 def keep_to_tab(gizmo: viser.TransformControlsHandle) -> None:
-    """Tell no other tab where a gizmo is: there is none that shows a tab's own gizmos."""
+    """Do not send a gizmo's pose to other tabs: none shows this tab's gizmos."""
     gizmo._impl_aux.sync_cb = None
 
 
 def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
-    """Run a script in the page, instead of one that still waits in the same ``slot``."""
+    """Run a script in the page; it replaces an unsent one in the same ``slot``."""
     message = _messages.RunJavascriptMessage(source=script)
     # viser asks again when it has sent the message: another answer, as its own, is kept for ever
     key = f"run {slot or uuids.uuid4()}"
@@ -295,7 +293,7 @@ def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
 
 @functools.cache
 def _script() -> str:
-    """The page's scripts, without indentation and lines of nothing but a comment."""
+    """The page's scripts, without indentation and comment lines."""
     files = ("page.js", "files.js", "labels.js", "nodes.js", "keyboard.js", "sight.js")
     text = "\n".join(assets.path("page", name).read_text(encoding="utf-8") for name in files)
     lines = (line.strip() for line in text.splitlines())

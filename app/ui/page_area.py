@@ -1,4 +1,4 @@
-"""Size of a page, and what panels and text take of it from the scene."""
+"""Size of a page, and how much of it panels and text cover."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from app.ui.layout import PLOTS, TITLE
 _Pixels: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=100_000)]
 _Part: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=1)]
 _USUAL = 12.0
-"""Height of the letters of a label of scale 1, [px]: viser's."""
+"""Height of the letters of a label of scale 1, [px], in viser."""
 _LETTERS = (0.036, 0.03)
-"""The same in a lecture, as parts of the scene's width and height."""
+"""Height of labels in lecture mode, over the scene's width and height."""
 _SMALLEST, _LARGEST = 14.0, 26.0
-"""Limits of these letters, [px]."""
+"""Limits of the height of labels in lecture mode, [px]."""
 
 
 @dataclass(frozen=True)
 class PageArea:
-    """Size of a page, and what panels and text take of it from the scene.
+    """Size of a page, and how much of it panels and text cover.
 
     Attributes:
         width: of the page, [px].
@@ -48,12 +48,12 @@ class PageArea:
 
     @property
     def aspect(self) -> float:
-        """Width over height of the scene."""
+        """Aspect ratio of the scene."""
         return (self.width - self.left - self.right) / max(self.height, 1.0)
 
     @classmethod
     def of(cls, text: object) -> PageArea | None:
-        """The area of a text, which a hostile page may have written; None where that is none."""
+        """Parse an area from untrusted text; None if it is invalid."""
         try:
             return msgspec.json.decode(str(text), type=cls, strict=False)
         except (msgspec.MsgspecError, ValueError, RecursionError):
@@ -61,7 +61,7 @@ class PageArea:
 
 
 def label_scale(area: PageArea | None, lecture: bool) -> float:
-    """Scale of the labels in the scene: in a lecture as large as the scene has room for them."""
+    """Scale of the labels in the scene; in lecture mode as large as there is room for."""
     if not lecture:
         return 1.0
     area = area or PageArea()
@@ -71,7 +71,7 @@ def label_scale(area: PageArea | None, lecture: bool) -> float:
 
 
 class PageWatch:
-    """Hidden text box into which the page types its area whenever that changes.
+    """Hidden text box in which the page reports its area whenever that changes.
 
     A new area is no input: who needs it looks here. Only plots that come into sight are waited for.
     """
@@ -97,7 +97,7 @@ class PageWatch:
             self._nudge()
 
     def area(self) -> PageArea | None:
-        """The page's area; None before its first word."""
+        """The page's area; None before its first report."""
         if self._box.value != self._read:
             self._read = self._box.value
             self._area = PageArea.of(self._read) or self._area

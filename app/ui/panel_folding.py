@@ -1,4 +1,4 @@
-"""Folding of the two panels, in a lecture or on a page too narrow for them and the scene."""
+"""Folding of the two panels in lecture mode and on narrow pages."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from app.ui.layout import Layout
 from app.ui.page_area import PageArea
 
 PHONE = 600
-"""Width of a page, [px], below which viser makes the panels one sheet, which the page folds."""
+"""Page width, [px], below which viser turns the panels into one sheet, which the page folds."""
 NARROW = 1000
-"""Width of a page, [px], below which both panels would leave the scene little room."""
+"""Page width, [px], below which both panels would leave the scene little room."""
 _RAIL = 60
-"""Width, [px], that a folded panel leaves less than."""
+"""Width, [px], below which a panel counts as folded."""
 
 
 class PanelFolding:
-    """Folds panels where they are in the way, and re-expands those the user has not toggled."""
+    """Folds panels that would be in the way, and re-expands those the user has not toggled."""
 
     def __init__(self, layout: Layout) -> None:
         self._sides = [_Side(panel) for panel in layout.panels]
         self._lecture = self._narrow = self._phone = False
 
     def update(self, area: PageArea | None, lecture: bool) -> None:
-        """Fold or unfold where a lecture begins or ends, or the page's width passes a limit."""
+        """Fold or unfold when lecture mode begins or ends or the page's width passes a limit."""
         phone = self._phone if area is None else area.width < PHONE
         narrow = self._narrow if area is None else area.width < NARROW and not phone
         if area is not None and not phone and not self._phone:
@@ -39,7 +39,7 @@ class PanelFolding:
 
 
 class _Side:
-    """One panel, and whether it is folded by us or by a hand."""
+    """One panel, and whether we or the user folded it."""
 
     def __init__(self, panel: viser.MainPanelHandle | viser.PanelHandle) -> None:
         self._panel = panel
@@ -47,7 +47,7 @@ class _Side:
         self._begun = self._ours = self._seen = False
 
     def look(self, folded: bool) -> None:
-        """Take note of what the page shows; one that we folded and that is open is the hand's."""
+        """Update from the page; a panel that we folded and that is open was opened by the user."""
         self._begun |= not folded
         if not self._begun:
             return  # a new page has no panels yet
@@ -57,14 +57,14 @@ class _Side:
             self._ours = False
 
     def fold(self) -> None:
-        """Fold it, unless it is."""
+        """Fold the panel unless it is folded."""
         if self._open:
             self._panel.minimize()
             # the page shows it open until it has done so
             self._open, self._ours, self._seen, self._begun = False, True, False, True
 
     def unfold(self) -> None:
-        """Unfold what we have folded."""
+        """Unfold the panel if we folded it."""
         if self._ours:
             self._panel.expand()
             self._open, self._ours = True, False

@@ -25,12 +25,12 @@ from app.ui.numbers import (
 
 _PIECES_SHOWN = 2
 _SPILLS = 60
-"""Tilt of a liquid's level at which no cup holds it, [°]."""
+"""Tilt of a liquid's surface at which any cup spills, [°]."""
 
 
 @once_a_plan
 def notes(plan: Plan) -> dict[str, str]:
-    """Text of each note, and of the motion, as HTML."""
+    """All notes by name, and that of the motion, as HTML."""
     return {
         "bspline": _clearance(plan, plan.bspline) + _control_points(plan),
         "quadratic": _clearance(plan, plan.quadratic) + _coefficients(plan),
@@ -40,7 +40,7 @@ def notes(plan: Plan) -> dict[str, str]:
 
 
 def _clearance(plan: Plan, fit: AnyFit | None) -> str:
-    """Sentence on a curve that comes nearer to an obstacle than asked; empty for one that holds."""
+    """Sentence on a curve that keeps less than the required clearance; empty otherwise."""
     if fit is None or fit.holds or math.isinf(fit.clearance.distance):
         return ""
     unit, number = plan.scene.unit, fit.clearance.obstacle + 1
@@ -53,7 +53,7 @@ def _clearance(plan: Plan, fit: AnyFit | None) -> str:
 
 
 def _control_points(plan: Plan) -> str:
-    """Count of the control points that keep the spline clear; empty where none is needed."""
+    """Number of control points added for clearance; empty for none."""
     spline = None if plan.bspline is None else plan.bspline.curve
     if spline is None or not (spline.inserted or spline.moved):
         return ""
@@ -65,7 +65,7 @@ def _control_points(plan: Plan) -> str:
 
 
 def _coefficients(plan: Plan) -> str:
-    """Polynomials of the quadratic, as the paper prints them."""
+    """Polynomials of the quadratic, as printed in the paper."""
     if plan.quadratic is None:
         return ""
     # above them, since of a long note the end is out of sight
@@ -89,7 +89,7 @@ def _coefficients(plan: Plan) -> str:
 
 
 def _polynomial(*coefficients: float) -> str:
-    """c0 + c1 t + c2 t² in three decimals, without terms that vanish."""
+    """Format c0 + c1 t + c2 t² with three decimals, without vanishing terms."""
     text = ""
     for number, power in zip(coefficients, ("", "t", "t²"), strict=True):
         if abs(number) >= 5e-4:
@@ -126,7 +126,7 @@ def _tilt(plan: Plan) -> str:
 
 
 def _of_joints(search: JointSearch, time: float) -> str:
-    """Sentence on where a motion was found that follows no curve of the tool.
+    """Sentence on where a joint-space motion was found, which follows no curve of the tool.
 
     At a ``time`` of 0, which is not known, it says none.
     """
@@ -140,7 +140,7 @@ def _of_joints(search: JointSearch, time: float) -> str:
 
 
 def _of_direction(span: HeldSpan) -> str:
-    """Sentence on how well the tool keeps a direction."""
+    """Sentence on how well the tool keeps its direction."""
     measured, bound, allowed = map(math.degrees, (span.angle, span.bound, span.tolerance))
     return (
         f"From {span.first:.2f} s to {span.last:.2f} s, where the time bar has a line, the gripper "

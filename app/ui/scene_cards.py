@@ -1,4 +1,4 @@
-"""Cards of the scenes: what each is about, from the comment at the head of its file."""
+"""Cards of the scenes, described by the comment at the head of each file."""
 
 from __future__ import annotations
 

@@ -44,22 +44,22 @@ GHOST_OPACITY = 0.22
 HEAT: tuple[Colour, ...] = ((228, 160, 0), (10, 128, 96), (44, 40, 130))
 """Colours of lengths, from the shortest to the longest."""
 GOOD: tuple[Colour, Colour] = ((10, 122, 90), (60, 196, 152))
-"""Colours of ✓ on the light page and the dark one; as texts apart from their ground by 4.5 to 1."""
+"""Colours of ✓ on the light and the dark page, with a contrast of at least 4.5 to 1 as text."""
 BAD: tuple[Colour, Colour] = ((201, 42, 42), (255, 135, 135))
-"""Colours of ✗, likewise."""
+"""Colours of ✗ on the light and the dark page."""
 
 SEARCH_COLOURS = (A_STAR, DIJKSTRA, BELLMAN_FORD, FOURTH_SEARCH)
 ALGORITHMS: dict[str, tuple[str, Colour]] = {
     name: (one.label, colour)
     for (name, one), colour in zip(SEARCHES.items(), SEARCH_COLOURS, strict=False)
 }
-"""The searches of every plan; all that can be compared are in :mod:`abi.search.compare`."""
+"""The searches of every plan; :mod:`abi.search.compare` has all that can be compared."""
 CURVES: dict[str, tuple[str, Colour]] = {
     "bspline": ("B-spline", BSPLINE),
     "quadratic": ("quadratic", QUADRATIC),
 }
 DASHES: dict[str, tuple[float, int]] = {"dijkstra": (0.03, 3), "taut": (0.07, 6)}
-"""Lines that are dashed, by their switch: a dash's part of the workspace, and pixels in a legend.
+"""Dashed lines by their switch: length of a dash over the workspace, and in a legend, [px].
 
 The straightened path lies among others that are bluish, too, as A*'s and the quadratic are.
 """
@@ -69,12 +69,12 @@ RIGHT_WIDTH = 384
 
 
 def paragraph(text: str) -> str:
-    """HTML between widgets."""
+    """A paragraph between widgets as HTML."""
     return f'<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">{text}</div>'
 
 
 def heading(text: str) -> str:
-    """HTML of a heading between widgets."""
+    """A heading between widgets as HTML."""
     place = "position:relative;top:-3px;margin:0 10px -3px;line-height:1.1"
     return f'<div style="{place};font-size:12.5px;font-weight:600">{text}</div>'
 
@@ -85,13 +85,13 @@ def css(colour: Colour) -> str:
 
 
 def readable(colours: tuple[Colour, Colour]) -> str:
-    """CSS colour of a text on the light and on the dark page."""
+    """CSS colours of a text on the light and the dark page."""
     light, dark = map(css, colours)
     return f"light-dark({light},{dark})"
 
 
 def filling(colour: Colour, name: str = "") -> str:
-    """CSS background of a short line of that colour, with the dashes of the line so named."""
+    """CSS background of a short line in a colour, with the dashes of the line so named."""
     if name not in DASHES:
         return css(colour)
     dash = DASHES[name][1]
@@ -100,7 +100,7 @@ def filling(colour: Colour, name: str = "") -> str:
 
 
 def swatch(colour: Colour, name: str = "") -> str:
-    """A short line of that colour, and dashed as the line so named, as HTML for tables."""
+    """A short line in a colour as HTML for tables, dashed as the line so named."""
     return (
         '<span style="display:inline-block;width:18px;height:4px;margin-right:6px;'
         f'vertical-align:middle;background:{filling(colour, name)}"></span>'

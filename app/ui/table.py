@@ -39,12 +39,12 @@ HINTS = {
     "time": "Processor time of the search. Where few nodes are saved, A* can take longer than "
     "others, as it computes h for each.",
 }
-"""Meaning of each heading, by its text without unit and number."""
+"""Explanations of headings, by their text without unit and number."""
 _REST = re.compile(r"( \[|:).*")
 
 
 def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = "") -> str:
-    """An HTML table of rows under a head; ``last`` is one cell over the whole width."""
+    """An HTML table of rows under a head; ``last`` is one cell over the full width."""
     lines = [_row("th", head)] + [_row("td", row) for row in rows]
     if last:
         cell = f'<td colspan="{len(head)}"{_hint(last)} style="white-space:normal">{last}</td>'
@@ -62,6 +62,6 @@ def _row(tag: str, cells: tuple[str, ...]) -> str:
 
 
 def _hint(heading: str) -> str:
-    """Attribute with what a heading means; empty for one that says it itself."""
+    """Attribute with the explanation of a heading; empty if it needs none."""
     hint = HINTS.get(_REST.sub("", heading))
     return "" if hint is None else f' title="{html.escape(hint)}"'

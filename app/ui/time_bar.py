@@ -1,4 +1,4 @@
-"""The time bar of a motion in colours: what is proven clear, undecided and touching, and in words.
+"""The time bar of a motion: proven clear, undecided and touching stretches, in colours and words.
 
 None is told by its colour alone: touching is thick, undecided is striped, proven is thin.
 """
@@ -14,13 +14,13 @@ from app.ui import style
 
 _UNDECIDED: style.Colour = (214, 140, 0)
 _LEAST = 1.0
-"""Width of the shortest stretch, as a percentage of the bar."""
+"""Least width of a stretch, as a percentage of the bar."""
 _MOST = 200
-"""Stretches that are drawn."""
+"""Most stretches that are drawn."""
 
 
 class _BarLook(NamedTuple):
-    """Words for a state, its image in CSS, and its height, [px]."""
+    """Name of a state, its image in CSS, and its height, [px]."""
 
     words: str
     image: str
@@ -68,7 +68,7 @@ def bar_style(stretches: Sequence[TimeStretch], end: float, held: Sequence[HeldS
 
 
 def legend(stretches: Sequence[TimeStretch]) -> str:
-    """What the bar's colours mean, and how much of the motion each state takes, as HTML."""
+    """Legend of the bar as HTML, with each state's part of the motion."""
     whole = sum(one.last - one.first for one in stretches) or 1.0
     parts = []
     for state, (words, image, height) in _LOOKS.items():
@@ -83,7 +83,7 @@ def legend(stretches: Sequence[TimeStretch]) -> str:
 
 
 def _layer(span: tuple[float, float], end: float, look: _BarLook, height: str = "50%") -> str:
-    """Background of a span of time in CSS, at a height of the bar."""
+    """CSS background of a span of time at a height of the bar."""
     low, high = (100 * moment / end for moment in span)
     width = min(max(high - low, _LEAST), 100.0)
     low = min(max((low + high - width) / 2, 0.0), 100 - width)

@@ -1,4 +1,4 @@
-"""Shortcuts in viser 1.1.1, which is slow with unchanged fields and with plain data.
+"""Shortcuts in viser 1.1.1, which is slow with unchanged fields and plain data.
 
 A tab sets some two hundred fields for each picture, most of them to the values they have, and viser
 looks up the types of each. The bytes that are sent stay the same.
@@ -22,7 +22,7 @@ AnyArray = NDArray[Any]
 
 _PLAIN = (bool, str, float, int)
 _UNCHANGED = (bool, str, NoneType)
-"""Types that viser sends as they are, whatever a field is declared to be."""
+"""Types that viser sends unchanged, whatever a field is declared as."""
 _POSE = ("position", "wxyz")
 
 _set: Any = _assignable_props_api.props_setattr
@@ -30,7 +30,7 @@ _prepare: Any = _messages._prepare_for_serialization
 
 
 def install() -> None:
-    """Take the shortcuts from now on; once is enough."""
+    """Install the shortcuts; one call suffices."""
     props: Any = _assignable_props_api
     props.AssignablePropsBase.__setattr__ = _set_field
     # viser looks up the types of a handle's fields anew for each handle, most of the time that it
@@ -42,7 +42,7 @@ def install() -> None:
 
 
 def _set_field(self: Any, name: str, value: Any) -> None:
-    """Set a handle's field; at once where it has that value."""
+    """Set a handle's field, returning at once if it has that value."""
     impl = self.__dict__.get("_impl")
     if impl is not None and not impl.removed and _is_set(self, impl, name, value):
         return
@@ -50,7 +50,7 @@ def _set_field(self: Any, name: str, value: Any) -> None:
 
 
 def _is_set(handle: Any, impl: Any, name: str, value: Any) -> bool:
-    """Check whether a field has that value, or has it now."""
+    """Check whether a field has that value already."""
     fields = vars(impl.props)
     if name in fields:
         current = fields[name]
@@ -73,7 +73,7 @@ def _is_set(handle: Any, impl: Any, name: str, value: Any) -> bool:
 
 
 def _set_array(self: Any, name: str, current: AnyArray, value: AnyArray) -> None:
-    """Set a handle's array; at once where it has those numbers.
+    """Set a handle's array, returning at once if it has those numbers.
 
     viser copies what it is given up to four times, as it writes into the array that it has. Here
     that is replaced, so that one copy serves both to be kept and to be sent.
@@ -88,13 +88,13 @@ def _set_array(self: Any, name: str, current: AnyArray, value: AnyArray) -> None
 
 @functools.cache
 def _is_only_field(handle: type, name: str) -> bool:
-    """Check whether a handle's field of that name is nothing but a field."""
+    """Check whether a handle's attribute of that name is a plain field."""
     return not isinstance(getattr(handle, name, None), property)
 
 
 @functools.cache
 def _can_cast(have: np.dtype[Any], wanted: np.dtype[Any]) -> bool:
-    """Check if numbers are taken as they are: colours are not, where they are given as shares."""
+    """Check whether numbers can be cast; colours given as fractions cannot."""
     return have == wanted or (have.kind == wanted.kind == "f")
 
 

@@ -1,1 +1,1 @@
-"""Lessons to take home: as one page, and as a package for a learning platform."""
+"""Export of lessons: as a single page, and as a package for learning platforms."""

@@ -1,4 +1,4 @@
-"""A lesson as one HTML page that works from a file, without a server or a network.
+"""A lesson as a single HTML page that works from a file, without server or network.
 
 Every plan that the lesson leads to is in it. Nothing can be planned anew there, so a task is shown
 and not done.
@@ -38,7 +38,7 @@ _DRAWN = {
     "arm": ("arm",),
     "trace": ("tool",),
 }
-"""What a layer draws in the page; others are not drawn."""
+"""What each layer draws in the page; the other layers are left out."""
 _MARKDOWN = MarkdownIt("commonmark", {"html": True})
 
 
@@ -65,13 +65,13 @@ class _PageData:
         self._plans: list[Frame] = []
 
     def data(self, name: str, lesson: Lesson) -> dict[str, Any]:
-        """What the page's script reads."""
+        """Data for the page's script."""
         pages = [self._page(step) for step in lesson.steps]
         plans = [page_data(frame.plan) | _paths(frame) for frame in self._plans]
         return {"name": name, "title": lesson.title, "pages": pages, "plans": plans}
 
     def _page(self, step: Step) -> dict[str, Any]:
-        """Texts of a page with their numbers, and what is seen before and after it is passed."""
+        """Texts of a page with numbers filled in, and the views before and after it is passed."""
         before = self._rehearsal.take(step.set)
         seen = self._view(before)
         question, task = step.question, step.task
@@ -122,7 +122,7 @@ def _paths(frame: Frame) -> dict[str, Any]:
 
 
 def _search(theatre: Theatre) -> dict[str, Any]:
-    """A search at its step: places of the nodes in their order, and of those that wait."""
+    """A search at its step: places of visited nodes in order, and of waiting ones."""
     state, trace = theatre.state, theatre.state.trace
     points, n = trace.arcs.points, len(trace.arcs.points)
     order = trace.order[trace.order >= 0] % n
@@ -139,6 +139,6 @@ def _search(theatre: Theatre) -> dict[str, Any]:
 
 
 def _html(text: str, frame: Frame, inline: bool = False) -> str:
-    """A text of a lesson as HTML, with numbers and formulas."""
+    """A lesson's text as HTML, with numbers and formulas."""
     content = with_formulas(filled(text, frame))
     return str(_MARKDOWN.renderInline(content) if inline else _MARKDOWN.render(content))

@@ -1,4 +1,4 @@
-"""A lesson as a SCORM 1.2 package, which learning platforms import and keep the scores of.
+"""A lesson as a SCORM 1.2 package, which learning platforms import and record scores of.
 
 The manifest follows IMS Content Packaging 1.1.2 with ADL's extensions of SCORM 1.2.
 """
@@ -17,7 +17,7 @@ _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 PAGE = "index.html"
 MANIFEST = "imsmanifest.xml"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Date of the files, so that the same lesson gives the same package."""
+"""Fixed date of the files, so that the same lesson gives the same package."""
 
 
 def scorm_package(name: str, title: str, page: bytes) -> bytes:
@@ -36,7 +36,7 @@ def scorm_package(name: str, title: str, page: bytes) -> bytes:
 
 
 def manifest(name: str, title: str) -> bytes:
-    """The package's table of contents, with one item that starts the page.
+    """The package's manifest, with one item that starts the page.
 
     Characters of the title that XML does not have become spaces.
     """
