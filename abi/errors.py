@@ -30,11 +30,11 @@ from abi.arrays import FloatArray, IntArray, lock, read_only
 from abi.length_text import format_setting, with_minus
 
 UNIT = " [unit]"
-"""Placeholder after every length in a sentence, until the unit is known."""
+"""Placeholder after every length in a sentence until the unit is known."""
 
 
 class AbiError(Exception):
-    """Base class of all errors of this package; ``str(error)`` is one sentence for people.
+    """Base class of all errors of this package; ``str(error)`` is one sentence for the user.
 
     Attributes:
         message: what is wrong, in one sentence.
@@ -47,12 +47,12 @@ class AbiError(Exception):
         self.hint = hint
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy by attributes: the arguments of a kind of error are not those of an exception."""
+        """Copy by attributes, since the errors' arguments differ from those of an exception."""
         return _of_kind, (type(self), self.args, vars(self))
 
 
 class Missing:
-    """Stands in an error for a value that was not given."""
+    """Marker for a value that was not given."""
 
     def __repr__(self) -> str:
         return "missing"
@@ -115,7 +115,7 @@ class ExportError(AbiError):
 
 
 class StageError(AbiError):
-    """Error of a stage that has no result for a valid scene; a plan keeps it in ``plan.error``.
+    """Error of a stage that has no result for a valid scene; kept in ``plan.error``.
 
     Args:
         stage: name of the stage: mesh, graph, search, bspline, quadratic, timing or arm.
@@ -222,7 +222,7 @@ class ClearanceNotHeld(StageError):
 
 
 class TooSlow(StageError):
-    """Error for a motion that takes many times as long as its way should.
+    """Error for a motion that takes many times longer than its length warrants.
 
     Args:
         duration: of the motion, [s].
@@ -278,7 +278,7 @@ def _of_kind(
 
 
 def short(value: object) -> str:
-    """Text of a value given, without the middle if it is long."""
+    """Text of a value, shortened in the middle if it is long."""
     text = repr(value)
     return text if len(text) <= 90 else f"{text[:40]} … {text[-40:]}"
 

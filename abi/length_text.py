@@ -1,4 +1,4 @@
-"""Text of lengths: they look the same wherever they stand."""
+"""Text of lengths, the same everywhere."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ import numpy as np
 
 
 def format_length(length: float) -> str:
-    """A length in three decimals, in fewer from 100 on and in none from 1,000 on."""
+    """Format a length with three decimals, fewer from 100 on, none from 1,000 on."""
     return with_minus(f"{length:,.{_decimals(length)}f}")
 
 
 def format_lower_bound(distance: float) -> str:
-    """A distance as a length, but rounded down, which leaves a lower bound one."""
+    """Format a lower bound of a length, rounded down."""
     shift = 10.0 ** _decimals(distance)
     return format_length(math.floor(shift * distance + 1e-6) / shift)
 
 
 def format_proven(distance: float, digits: int = 4) -> str:
-    """A distance that is proven, in some digits, rounded down so that the text is proven, too."""
+    """Format a proven distance to some digits, rounded down so that the text is proven too."""
     rounded = Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(repr(float(distance)))
     return f"{rounded.normalize():f}"
 
 
 def format_setting(number: float, digits: int = 4) -> str:
-    """A number that was chosen, or stands in a sentence, without trailing zeros."""
+    """Format a chosen number without trailing zeros."""
     if abs(number) >= 10_000:
         return with_minus(f"{number:,.0f}")
     # a zero has no sign
@@ -35,7 +35,7 @@ def format_setting(number: float, digits: int = 4) -> str:
 
 
 def with_minus(number: str) -> str:
-    """A number as Python writes it, with the sign U+2212, which is as wide as a plus."""
+    """Replace the hyphen of a number by the minus sign U+2212, which is as wide as a plus."""
     return number.replace("-", "−")
 
 

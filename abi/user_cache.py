@@ -1,4 +1,4 @@
-"""Folders of the user for what takes long to make, shared by all clones and environments."""
+"""Cache folders of the user for what takes long to make, shared by all clones and environments."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def user_cache() -> Path:
 
 
 def temporary_cache() -> Path:
-    """Folder in the temporary directory that only this user can read and write; it is made.
+    """Private folder of this user in the temporary directory; it is created.
 
     Raises:
         OSError: it cannot be made, or others can write there.

@@ -43,7 +43,7 @@ class ByArcLength:
     arc: ArcLength
 
     def __call__(self, part: FloatArray) -> FloatArray:
-        """Points (n, 3) at parts (n,) in [0, 1], [unit]."""
+        """Points (n, 3) at fractions (n,) of the arc length, [unit]."""
         return self.curve(self.arc.parameter(part * self.arc.length))
 
 
@@ -80,7 +80,7 @@ class Target:
 
     @cached_property
     def aim(self) -> float:
-        """Distance to aim at, [unit]: the clearance and an allowance, if the ends have that."""
+        """Distance to aim at, [unit]: the clearance plus an allowance, if the ends keep that."""
         ends, _ = self.obstacles.nearest(self.control_points[[0, -1]])
         room = max(0.0, float(ends.min()) - self.clearance)
         return self.clearance + min(_ALLOWANCE * self.extent + ROUNDING, room / 2)
@@ -141,7 +141,7 @@ def least_squares_target(
 
 
 def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | None:
-    """Find the clear curve nearest to ``target``, from starts that pass obstacles differently.
+    """Find the clear curve nearest to ``target``, from starts on different sides of obstacles.
 
     A convex obstacle's signed distance is a convex function of the point: it is nowhere below its
     tangent. So with y a point of the start and g the gradient of d there, the half space
@@ -177,7 +177,7 @@ def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | Non
 
 
 def _settled(target: Target, control_points: FloatArray) -> Quadratic | None:
-    """Go on from control points (m + 2, 3) until they settle and the curve is clear.
+    """Iterate from control points (m + 2, 3) until they converge and the curve is clear.
 
     The short pieces that touch their half space are halved, so that in the end it costs nothing
     that a piece lies in its half space with its control points.
@@ -212,7 +212,7 @@ def _settled(target: Target, control_points: FloatArray) -> Quadratic | None:
 def _within_half_spaces(
     target: Target, pieces: _Pieces, near: FloatArray, aim: float
 ) -> tuple[FloatArray, IntArray] | None:
-    """The nearest curve in the half spaces of ``near`` (n, 3), and which pieces touch theirs.
+    """The nearest curve in the half spaces of ``near`` (n, 3), and the pieces on their planes.
 
     Returns:
         Control points (m + 2, 3), [unit], and numbers of pieces; None when there is no such curve.

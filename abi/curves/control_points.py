@@ -63,14 +63,14 @@ def place_control_points(
 
 
 def _room(points: FloatArray, obstacles: ObstacleSet, clearance: float) -> FloatArray:
-    """Room of the inner vertices, with half of each leg, beyond the clearance, (k - 2,), [unit]."""
+    """Free distance around the inner vertices and half of their segments, (k - 2,), [unit]."""
     middles = (points[1:] + points[:-1]) / 2
     bends = np.stack([middles[:-1], points[1:-1], middles[1:]], axis=1)
     return obstacles.polyline_clearances(bends) - clearance
 
 
 def _doubled(first: float) -> list[float]:
-    """Shares of a leg up to its middle, each double the one before."""
+    """Fractions of a segment up to its middle, each twice the one before."""
     shares, share = [], max(first, _FINEST)
     while share < 0.5:
         shares.append(share)

@@ -1,4 +1,4 @@
-"""Motions along a length as piecewise polynomials in time."""
+"""Motions along a curve as piecewise polynomials of time."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) 
 
 
 def _top_speed(length: float, speed: float, acceleration: float, jerk: float) -> float:
-    """Largest speed that is reached on the way, [unit/s]."""
+    """Largest speed that the motion reaches, [unit/s]."""
     change = acceleration / jerk
     # at half the length, the acceleration having stayed at its largest for a while
     long_way = acceleration * (math.sqrt(change**2 + 4 * length / acceleration) - change) / 2
@@ -135,7 +135,7 @@ def _top_speed(length: float, speed: float, acceleration: float, jerk: float) ->
 
 
 def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArray) -> CubicProfile:
-    """The motion whose acceleration is constant between distances, from its speeds there.
+    """The motion with constant acceleration between given distances, from the speeds there.
 
     Args:
         length: distance to travel, [unit].

@@ -45,7 +45,7 @@ def clearance_tolerance(extent: float) -> float:
 def proven_fit(
     curve: CurveT, extent: float, obstacles: ObstacleSet, required: float
 ) -> Fit[CurveT]:
-    """Fit of a curve whose clearance is measured to a millionth of its extent, and proven.
+    """Fit of a curve with its clearance, measured to a millionth of its extent and proven.
 
     Args:
         curve: the curve.

@@ -25,7 +25,7 @@ _SAMPLES = 8  # in each stretch that is too near
 
 @dataclass(frozen=True, eq=False)
 class _Goal:
-    """Aim of pushing and refining a curve.
+    """Goal of pushing and refining a curve.
 
     Attributes:
         obstacles: to keep clear of.
@@ -113,7 +113,7 @@ def fit(
 
 
 def _finished(fitted: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]:
-    """Clear a curve more finely that misses the clearance by no more than the tolerance.
+    """Move a curve that misses the clearance by no more than the tolerance in finer steps.
 
     That happens where the path keeps just the clearance, or the end of a rounding.
     """
@@ -133,7 +133,7 @@ def _finished(fitted: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]
 
 
 def _cleared(spline: BSpline, goal: _Goal, most_pushes: int) -> BSpline:
-    """Push and refine until the clearance is kept; the clearest curve seen if it never is."""
+    """Push and refine until the clearance is kept; otherwise the clearest curve seen."""
     measured = goal.measure(spline)
     best, best_distance = spline, measured.distance
     box = (spline.control_points.min(axis=0), spline.control_points.max(axis=0))

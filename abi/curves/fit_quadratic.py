@@ -21,7 +21,7 @@ Mode = Literal["least_squares", "clear", "pieces"]
 
 _COUNTS = (2, 3, 4, 5, 6, 7, 8, 10, 13, 16, 20, 24)
 MOST_PIECES = _COUNTS[-1]
-"""Largest number of pieces that is tried; more only as the control polygon gives them."""
+"""Most pieces that are tried; the control polygon may give more."""
 
 _DIRECTIONS = 48
 _RADII = np.geomspace(0.02, 4, 12)  # of the curve's extent
@@ -32,7 +32,7 @@ _HALVINGS = 6
 
 
 Accepts = Callable[[Quadratic], bool]
-"""A check of the further conditions for a curve that keeps the clearance."""
+"""Further conditions on a curve that keeps the clearance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ def fit(
 def nearest_single(
     quadratic: Quadratic, curve: ByArcLength, demand: Demand
 ) -> Fit[Quadratic] | None:
-    """The clear quadratic nearest in L2 to ``quadratic``, with its ends, as far as searched.
+    """The clear quadratic nearest in L2 to ``quadratic`` among those searched, with its ends.
 
     Its one free control point is moved in 48 directions by 12 distances. From the nearest clear
     ones that lie apart, and from ``curve`` itself, the nearest clear curve is found by
@@ -139,7 +139,7 @@ def nearest_single(
 
 
 def fewest_pieces(spline: BSpline, curve: ByArcLength, demand: Demand) -> Fit[Quadratic] | None:
-    """The clear C¹ curve of the fewest quadratic pieces found, from two up.
+    """The clear C¹ curve with the fewest quadratic pieces found, from two up.
 
     The quadratic B-spline on the control polygon, refined by :func:`abi.curves.fit_bspline.fit`,
     is clear when the polygon is clearer than required. With fewer pieces than that, the breaks are
@@ -165,7 +165,7 @@ def fewest_pieces(spline: BSpline, curve: ByArcLength, demand: Demand) -> Fit[Qu
 
 
 def _in_pieces(pieces: int, curve: ByArcLength, demand: Demand) -> Fit[Quadratic] | None:
-    """Clear curve of that many pieces near ``curve``, or None."""
+    """Clear curve with that many pieces near ``curve``, or None."""
     obstacles, clearance = demand.obstacles, demand.clearance
     for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(curve, pieces)):
         target = least_squares_target(curve, read_only(breaks), obstacles, clearance)
@@ -186,7 +186,7 @@ def _on_the_polygon(spline: BSpline, demand: Demand) -> Quadratic | None:
 
 
 def _nearest_met(target: Target, demand: Demand) -> Fit[Quadratic] | None:
-    """The nearest of the moved curves that is clear and will do, brought nearer; or None."""
+    """The nearest moved curve that is clear and meets the conditions, brought nearer; or None."""
     directions, lacking = _moved(target)
     for shell, radius in enumerate((_RADII * target.extent).tolist()):
         for direction in directions[lacking[shell] <= 0]:
@@ -199,7 +199,7 @@ def _nearest_met(target: Target, demand: Demand) -> Fit[Quadratic] | None:
 def _nearer(
     target: Target, move: FloatArray, demand: Demand, fitted: Fit[Quadratic]
 ) -> Fit[Quadratic]:
-    """The curve moved less in the same direction, as far as halving finds."""
+    """The curve moved less in the same direction, as far as bisection finds."""
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
@@ -212,14 +212,14 @@ def _nearer(
 
 
 def _by(target: Target, move: FloatArray) -> Quadratic:
-    """The target with its free control point moved (3,), [unit]."""
+    """The target with its free control point displaced by (3,), [unit]."""
     control = target.control_points.copy()
     control[1] += move
     return Quadratic.from_control_points(control, target.breaks)
 
 
 def _starts(target: Target) -> list[Quadratic]:
-    """Moved curves: the nearest that are clear at samples, then the clearest; all apart."""
+    """Displaced curves: the nearest that are clear at samples, then the clearest; all distinct."""
     directions, lacking = _moved(target)
     chosen: list[int] = []
     starts = []
@@ -234,7 +234,7 @@ def _starts(target: Target) -> list[Quadratic]:
 
 
 def _moved(target: Target) -> tuple[FloatArray, FloatArray]:
-    """Directions (48, 3) of moves, and what each of 12 moves lacks of the clearance, (12, 48)."""
+    """Directions (48, 3), and the clearance missing after each of 12 displacements, (12, 48)."""
     directions = _sphere(_DIRECTIONS)
     free = target.control_points[1] + np.multiply.outer(_RADII * target.extent, directions)
     basis = target.basis(np.arange(1, _SAMPLES) / _SAMPLES)
@@ -256,7 +256,7 @@ def _sphere(count: int) -> FloatArray:
 
 
 def _closer_where_bent(curve: ByArcLength, pieces: int) -> FloatArray:
-    """Breaks (pieces + 1,), half of them shared out by length and half by the turn of tangents."""
+    """Breaks (pieces + 1,), half of them spaced by length and half by the turn of the tangent."""
     t = np.linspace(0, 1, 257)
     steps = np.diff(curve(t), axis=0)
     turns = np.linalg.norm(np.diff(steps, axis=0), axis=1)

@@ -1,4 +1,4 @@
-"""Diagnosis of a scene in which only the arm has no motion: changes that work, each tried."""
+"""Diagnosis of a scene in which only the arm has no motion: changes that work, each tested."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 
 _STEPS = (1.0, 2.0, 4.0)
-"""Ways by which the base is moved, in steps of an eleventh of the arm's length."""
+"""Displacements of the base to try, in steps of an eleventh of the arm's length."""
 _SHIFTS = (1.0, 2.0, 4.0)
-"""Ways by which an obstacle is moved, in depths of the contact with some room."""
+"""Displacements of an obstacle to try, in multiples of the contact's depth plus a margin."""
 _MOVED = 3
-"""Obstacles that are moved at the most, those that are touched deepest."""
+"""Most obstacles that are moved: those with the deepest contacts."""
 _LEAST = 0.01
-"""Room that a moved obstacle gets beyond the contact, over the arm's reach."""
+"""Margin of a moved obstacle beyond the contact, over the arm's reach."""
 _WAYS = ((1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
 _ALONG = 1e-6
-"""Largest part of a way across what the base stands on that still counts as along it."""
+"""Largest part of a displacement across the mounting surface that counts as along it."""
 
 
 def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) -> Reason:
@@ -67,7 +67,7 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
 def _remedies(
     scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf
 ) -> list[tuple[str, dict[str, Any]]]:
-    """Changes to try, and the beginnings of sentences on them."""
+    """Changes to try, and the beginnings of sentences about them."""
     remedies: list[tuple[str, dict[str, Any]]] = []
     if not error.has_elbow:
         if scene.arm.axis is not None:
@@ -90,7 +90,7 @@ def _remedies(
 
 
 def _bases(scene: Scene, plan: Plan) -> list[list[float]]:
-    """Places for the base, the nearest first: on the floor, or the wall, that it stands on."""
+    """Places for the base, nearest first, on the floor or wall on which it stands."""
     step = (1.0 if plan.arm is None else plan.arm.reach) / 11
     across = rotation(scene.arm.base_wxyz)[:, 2]
     ways = [np.array(way) for way in _WAYS if abs(np.dot(way, across)) <= _ALONG]
@@ -99,7 +99,7 @@ def _bases(scene: Scene, plan: Plan) -> list[list[float]]:
 
 
 def _shifts(scene: Scene, plan: Plan) -> list[tuple[int, list[float]]]:
-    """Obstacles that the arm touches along the tool's own curve, and places for them to try.
+    """Obstacles that the arm touches along the tool's own curve, and places to try for them.
 
     Each goes away from the link that is deepest in it, by depth and clearance and more.
     """
@@ -164,7 +164,7 @@ def _with_moved(scene: Scene, number: int, place: list[float]) -> list[Any]:
 
 
 def _places(scene: Scene, plan: Plan, error: ArmNotClear) -> FloatArray:
-    """Places of the tool at which the arm is in the way, (k, 3), [unit], world."""
+    """Positions of the tool at which the arm is in the way, (k, 3), [unit], world."""
     if error.where in ("start", "goal"):
         places = [scene.start if error.where == "start" else scene.goal]
     elif plan.motion is not None and plan.arm_clearance is not None:

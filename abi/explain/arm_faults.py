@@ -12,7 +12,7 @@ from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 
 CONTACTS = 3
-"""Contacts that are told one by one at the most."""
+"""Most contacts that are listed one by one."""
 _CURVES = {"bspline": "B-spline", "quadratic": "quadratic"}
 
 
@@ -40,7 +40,7 @@ def arm_faults(plan: Plan) -> list[str]:
 
 
 def arm_warning(plan: Plan) -> str:
-    """The worst of these faults as one sentence, for whoever runs the motion; empty for none."""
+    """The worst of these faults as one sentence for the operator; empty for none."""
     contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
     if plan.motion is None or not contacts or not plan.motion.reachable:
         return next(iter(arm_faults(plan)), "")
@@ -49,7 +49,7 @@ def arm_warning(plan: Plan) -> str:
 
 
 def limits_warning(plan: Plan) -> str:
-    """The worst speed, acceleration or torque past its limit, and what would hold it; or empty."""
+    """The worst speed, acceleration or torque beyond its limit, and its remedy; or empty."""
     passed = [one for one in plan.limits_passed if one.quantity != "position"]
     if plan.motion is None or not passed:
         return ""
@@ -62,14 +62,14 @@ def limits_warning(plan: Plan) -> str:
 
 
 def worst_limit(plan: Plan) -> Violation | None:
-    """The worst limit that a joint passes, one of position before all others; None for none."""
+    """The worst limit that is exceeded, positions before all others; None for none."""
     passed = plan.limits_passed
     positions = [one for one in passed if one.quantity == "position"]
     return positions[0] if positions else _worst(passed) if passed else None
 
 
 def _worst(passed: Sequence[Violation]) -> Violation:
-    """Limit that is passed the farthest: the drives' own before the acceleration asked for."""
+    """The limit exceeded most: the drives' own limits before the requested acceleration."""
     return max(passed, key=lambda one: (one.quantity != "acceleration", one.value / one.limit))
 
 

@@ -33,7 +33,7 @@ class BaseTrial:
 
     @property
     def order(self) -> tuple[float, float]:
-        """Sort key that puts better places first: by length, then by clearance."""
+        """Sort key of places, best first: by length, then by clearance."""
         if self.length is None:
             return float("inf"), -self.rank
         return self.length, -self.clearance
@@ -65,7 +65,7 @@ class BaseMap(ShortRepr):
 
     @property
     def best(self) -> BaseTrial | None:
-        """Place of the shortest certified plan, the clearest of equal ones; None without any."""
+        """Place of the shortest certified plan, the clearest among equals; None without any."""
         found = [trial for trial in self.trials if trial.length is not None]
         return min(found, key=lambda trial: trial.order, default=None)
 
@@ -77,6 +77,6 @@ class BaseMap(ShortRepr):
 
     @property
     def faults(self) -> Mapping[str, int]:
-        """Number of places for each reason against a certified plan, the most frequent first."""
+        """Number of places for each reason why a plan is not certified, most frequent first."""
         counts = Counter(trial.fault for trial in self.trials if trial.length is None)
         return dict(counts.most_common())

@@ -1,4 +1,4 @@
-"""Diagnosis of a scene without a plan: the reason, and a remedy that has been tried."""
+"""Diagnosis of a scene without a plan: the reason, and a tested remedy."""
 
 from __future__ import annotations
 
@@ -260,7 +260,7 @@ def _narrowest_point(plan: Plan) -> FloatArray:
 
 
 def _tested(plan: Plan) -> str:
-    """End of a hint: that it was tested, and the next error where there is one."""
+    """End of a hint that says it was tested, with the next error if there is one."""
     error: StageError | None = plan.error
     if error is None:
         return " (tested)"
@@ -268,7 +268,7 @@ def _tested(plan: Plan) -> str:
 
 
 def _listed(obstacles: list[int]) -> str:
-    """Numbers of obstacles, from 1, as the page has them: "obstacles 1–3 and 5"."""
+    """Numbers of obstacles, from 1, in the page's form: "obstacles 1–3 and 5"."""
     if len(obstacles) > 2 and obstacles == list(range(obstacles[0], obstacles[-1] + 1)):
         return f"obstacles {obstacles[0] + 1}–{obstacles[-1] + 1}"
     numbers = [str(k + 1) for k in obstacles[:_NAMED]]

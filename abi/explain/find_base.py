@@ -1,4 +1,4 @@
-"""Search for the place of an arm's base, in a region, that gives the shortest certified plan.
+"""Search for the arm's base in a region: the place with the shortest certified plan.
 
 The region is cut into some sixty cells, and the scene is planned with the base in the middle of
 each. Then the best cells are halved along every side, three times over. The tool's own path does
@@ -25,14 +25,14 @@ from abi.planner.planner import Planner
 from abi.scene.scene import Scene, require_scene
 
 MOST_NODES = 8_000
-"""Largest mesh that bases are tried on, in nodes; the best ones are planned on the scene's."""
+"""Most nodes of the mesh on which bases are tried; the best ones are planned on the scene's."""
 
 _FIRST_CELLS = 64
 _ROUNDS = 3
 _SPLIT = 4
-"""Cells that are cut in a round."""
+"""Cells that are split in a round."""
 _SPLIT_BLINDLY = 16
-"""The same while no base has a plan."""
+"""Cells that are split in a round while no base has a plan."""
 _FARTHEST = 1e6
 _THREE = "three numbers from -1,000,000 to 1,000,000"
 _RANKS = {"start": 1, "goal": 2, "path": 3, "curve": 4}
@@ -153,7 +153,7 @@ def _region(low: Sequence[float], high: Sequence[float]) -> tuple[Vec3, Vec3]:
 
 
 def _coarser(scene: Scene) -> Scene:
-    """The scene, with a coarser pitch where its mesh is large."""
+    """The scene with a coarser pitch if its mesh is large."""
     mesh = scene.mesh
     while mesh.node_count(scene.workspace) > MOST_NODES:
         mesh = mesh.model_copy(update={"pitch": mesh.pitch * _COARSER})
@@ -161,7 +161,7 @@ def _coarser(scene: Scene) -> Scene:
 
 
 def _first_cells(low: Vec3, high: Vec3) -> list[BaseTrial]:
-    """Cells that fill the region, about as wide as long, in rows."""
+    """Cells that fill the region, nearly cubes, in rows."""
     sides = np.subtract(high, low)
     wide = sides[sides > 0]
     side = float(np.prod(wide) / _FIRST_CELLS) ** (1 / max(len(wide), 1))
@@ -172,7 +172,7 @@ def _first_cells(low: Vec3, high: Vec3) -> list[BaseTrial]:
 
 
 def _halves(cell: BaseTrial) -> list[BaseTrial]:
-    """Cells of half its sides."""
+    """The cells of half the side that a cell is split into."""
     half = np.array(cell.cell) / 2
     signs = itertools.product(*((-0.5, 0.5) if side > 0 else (0.0,) for side in cell.cell))
     return [_cell(np.array(cell.base) + np.array(sign) * half, half) for sign in signs]
@@ -188,18 +188,18 @@ def _cell(middle: FloatArray, sides: FloatArray) -> BaseTrial:
 
 
 def _parts(cell: BaseTrial) -> int:
-    """Number of cells that it is cut into."""
+    """Number of cells that a cell is split into."""
     return int(2 ** sum(side > 0 for side in cell.cell))
 
 
 def _to_split(cells: Sequence[BaseTrial]) -> list[BaseTrial]:
-    """The best cells; more while none has a plan."""
+    """The best cells to split next; more while none has a plan."""
     best = sorted(cells, key=lambda cell: cell.order)
     return best[: _SPLIT if best[0].length is not None else _SPLIT_BLINDLY]
 
 
 def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
-    """The cell with what a plan from its middle comes to; why no base helps where that is so."""
+    """The cell with the result of a plan from its middle, and a reason if no base can help."""
     arm = scene.arm.model_copy(update={"base": cell.base})
     plan = planner(scene.model_copy(update={"arm": arm}), chosen_only=True)
     if plan.error is not None and plan.error.stage != "arm":
@@ -212,7 +212,7 @@ def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
 
 
 def _fault(plan: Plan) -> tuple[str, int]:
-    """Reason why a plan is not certified, empty if it is, and how far it came."""
+    """Reason why a plan is not certified, empty if it is, and the last stage reached."""
     error: StageError | None = plan.error
     if isinstance(error, ArmNotClear):
         rank = _RANKS[error.where]
@@ -237,7 +237,7 @@ def _fault(plan: Plan) -> tuple[str, int]:
 
 
 def _confirmed(found: BaseMap, best: BaseTrial, planner: Planner) -> tuple[BaseMap, bool]:
-    """The map with its best base planned anew on the scene's own mesh; whether it has a plan."""
+    """The map with its best base planned again on the scene's own mesh; whether that has a plan."""
     anew = _tried(planner, found.scene, best)
     if isinstance(anew, str):
         anew = replace(best, length=None, fault="no path on the scene's own mesh")

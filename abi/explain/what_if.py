@@ -25,7 +25,7 @@ from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 
 MOST_NODES = 60_000
-"""Largest number of nodes of a mesh that is tried."""
+"""Most nodes of a mesh that is tried."""
 
 _NEGLIGIBLE = 1e-3  # part of the scene's clearance below which a clearance counts as none
 _RESOLUTION = 1e-2  # of the largest clearance, as a part of it

@@ -1,4 +1,4 @@
-"""What the gripper takes, carries and leaves in a sequence of tasks."""
+"""Objects that the gripper takes, carries and releases in a sequence of tasks."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class CarriedObject(NamedTuple):
 
     @property
     def link(self) -> str:
-        """Name of the link that it is while it is held."""
+        """Name of the link that stands for the object while it is held."""
         held = self.arm.chain.robot.attached
         assert held is not None
         return held.link

@@ -88,7 +88,7 @@ FORMATS: dict[str, Format] = {
 
 
 def format_of(path: Path) -> str:
-    """Name of the format that a file's ending means; the longest matching ending counts.
+    """Name of the format for a file's ending; the longest matching ending counts.
 
     Raises:
         ExportError: no format has this ending.

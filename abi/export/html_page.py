@@ -28,11 +28,11 @@ from abi.search.search import search
 from abi.search.subset import evenly, subset
 
 EDGES = 5_000
-"""Largest number of mesh edges that are drawn, those near path and obstacles."""
+"""Most mesh edges that are drawn, those near path and obstacles."""
 EXPANSIONS = 4_000
-"""Largest number of expanded nodes that are drawn, evenly spaced."""
+"""Most expanded nodes that are drawn, evenly spaced."""
 FACES = 3_000
-"""Largest number of triangles of an obstacle that are drawn."""
+"""Most triangles of an obstacle that are drawn."""
 _CURVE, _POSES = 161, 121  # samples
 _DIGITS = 5
 _SEARCH_SECONDS = 8.0
@@ -50,7 +50,7 @@ def write(plan: Plan, name: str) -> bytes:
 
 
 def page_of(template: str, data: dict[str, Any]) -> bytes:
-    """A page of data and of the script that draws it, from a template in ``assets/export``."""
+    """A page of data and the script that draws it, from a template in ``assets/export``."""
     # what could end the script's element is written as an escape
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     page = _asset(template).replace("/*DRAWING*/", _asset("drawing.js"))
@@ -62,7 +62,7 @@ def _asset(name: str) -> str:
 
 
 def page_data(plan: Plan) -> dict[str, Any]:
-    """Numbers of the drawing, and words beside it; the plan has a mesh."""
+    """Data of the drawing and the text beside it; the plan has a mesh."""
     assert plan.free is not None
     scene = plan.scene
     near = np.array([scene.start]) if plan.path is None else plan.path.points
@@ -91,7 +91,7 @@ def page_data(plan: Plan) -> dict[str, Any]:
 
 
 def _order(plan: Plan) -> FloatArray:
-    """Places (k, 3) of the nodes that the chosen search expanded, in order, [unit]."""
+    """Positions (k, 3) of the nodes that the chosen search expanded, in order, [unit]."""
     if plan.path is None or plan.graph is None:
         return np.zeros((0, 3))
     return plan.graph.places(evenly(plan.path.order, EXPANSIONS))
@@ -134,7 +134,7 @@ def _by(algorithm: str) -> str:
 
 
 def _beside_ours(plan: Plan) -> str:
-    """What A* expands on the same graph, and the shortest length, beside a user's own search."""
+    """A*'s expanded nodes on the same graph, and the shortest length, beside a user's search."""
     assert plan.graph is not None
     straight, grid = expanded_by_a_star(plan.graph)
     least = search("a_star", plan.graph, "length").length
@@ -150,7 +150,7 @@ def _step(name: str, title: str, text: str, draw: list[str]) -> dict[str, Any]:
 
 
 def _arm_step(plan: Plan, duration: float) -> dict[str, Any]:
-    """The last stage: whether the whole arm is clear, or what it touches when and how deep."""
+    """The last stage: whether the whole arm is clear, or what it touches, when and how deeply."""
     faults = [*arm_faults(plan), *filter(None, [limits_warning(plan)])]
     unproven = "The motion is NOT proven clear. " if arm_faults(plan) else ""
     name = {"bspline": "B-spline", "quadratic": "quadratic"}.get(plan.followed or "")
@@ -166,7 +166,7 @@ def _arm_step(plan: Plan, duration: float) -> dict[str, Any]:
 
 
 def _kept(plan: Plan, name: str) -> str:
-    """Check if a curve keeps the clearance, and by whom that is kept where the arm does not."""
+    """Phrase on whether a curve keeps the clearance, or only the tool tip along it."""
     fit, _ = plan.curves[name]
     if fit is None or not fit.holds:
         return "✗ nearer to an obstacle than asked"
@@ -207,13 +207,13 @@ def _arm(plan: Plan) -> dict[str, Any]:
 
 
 def _standing(plan: Plan) -> Obstacles:
-    """The obstacles that are carried nowhere."""
+    """The obstacles that are never carried."""
     carried = {one.number for one in carried_objects(plan)}
     return tuple(one for k, one in enumerate(plan.scene.obstacles) if k not in carried)
 
 
 def _carried(plan: Plan, chosen: IntArray) -> list[PlacedCapsule]:
-    """Capsules of what is taken and left at some samples of the motion, wherever it then is."""
+    """Capsules of carried objects at some samples of the motion, wherever they then are."""
     assert plan.motion is not None
     found = []
     for one in carried_objects(plan):
@@ -236,7 +236,7 @@ def _faces(obstacles: Obstacles) -> FloatArray:
 
 
 def rounded(array: FloatArray) -> Any:
-    """The numbers as lists, to as many digits as a drawing shows."""
+    """The numbers as lists, rounded to what a drawing shows."""
     largest = float(np.abs(array).max(initial=0.0))
     digits = _DIGITS - (math.floor(math.log10(largest)) + 1 if largest > 0 else 0)
     return np.round(array, max(digits, 0)).tolist()

@@ -1,4 +1,4 @@
-"""An arm in a recording: its links with what they are drawn with, and the frames that move them.
+"""The arm in a recording: its links as they are drawn, and the frames that move them.
 
 So Foxglove draws it from the recording alone: meshes that a URDF names are nowhere where it looks.
 """
@@ -53,7 +53,7 @@ def scene_frame(chain: Chain) -> str:
 
 
 def link_frames(chain: Chain, positions: FloatArray) -> tuple[list[LinkFrame], list[LinkFrame]]:
-    """Frames of the links that stand still in their parents' for good, and of those that move.
+    """Frames of links that never move in their parents, and of those that do.
 
     Args:
         chain: the chain.
@@ -89,7 +89,7 @@ def link_entities(chain: Chain) -> Part:
 def _frames(
     world: dict[str, FloatArray], pairs: list[tuple[str, str]], samples: int
 ) -> list[LinkFrame]:
-    """Poses of the second of each pair of frames in the first, at the first samples."""
+    """Poses of the second frame of each pair in the first, at the first samples."""
     found = []
     for parent, child in pairs:
         poses = np.linalg.inv(world[parent][:samples]) @ world[child][:samples]
@@ -127,7 +127,7 @@ def quaternions(turns: FloatArray) -> FloatArray:
 
 
 def _extent(shape: LinkShape) -> Vec3:
-    """Edges of the box around a shape that is no mesh, [m]."""
+    """Size of the box around a shape that is not a mesh, [m]."""
     radius, length, _ = shape.size
     if shape.kind == "box":
         return shape.size

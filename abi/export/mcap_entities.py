@@ -1,4 +1,4 @@
-"""Parts of the messages that Foxglove draws: poses, colours, and entities of solids and triangles.
+"""Parts of messages that Foxglove draws: poses, colours, and entities of solids and triangles.
 
 Fields: https://docs.foxglove.dev/docs/sdk/schemas/scene-entity.
 """
@@ -14,13 +14,13 @@ from abi.arrays import FloatArray, IntArray
 from abi.obstacles.pose import UNTURNED, Quaternion
 
 Part = dict[str, Any]
-"""A part of a message, as JSON has it."""
+"""A part of a message as JSON."""
 Colour = tuple[float, ...]
 """Red, green, blue and opacity, 0 to 1."""
 
 
 def entity(label: str, frame: str, parts: Mapping[str, Sequence[Part]]) -> Part:
-    """An entity that stays in its frame.
+    """An entity that is fixed in its frame.
 
     Args:
         label: its name.
@@ -42,7 +42,7 @@ def entity(label: str, frame: str, parts: Mapping[str, Sequence[Part]]) -> Part:
 
 
 def by_kind(parts: Sequence[tuple[str, Part]]) -> dict[str, list[Part]]:
-    """Parts by the kind that comes with each."""
+    """Parts grouped by kind."""
     found: dict[str, list[Part]] = {}
     for kind, part in parts:
         found.setdefault(kind, []).append(part)
@@ -99,7 +99,7 @@ def pose_of(position: Sequence[float] | FloatArray, wxyz: Quaternion) -> Part:
 
 
 def by_letter(letters: str, numbers: Sequence[float] | FloatArray) -> dict[str, float]:
-    """A vector (``xyz``), a quaternion (``wxyz``) or a colour (``rgba``) by its parts."""
+    """A vector (``xyz``), quaternion (``wxyz``) or colour (``rgba``) by its components."""
     return dict(zip(letters, map(float, numbers), strict=True))
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 
 class RecordedMessage(NamedTuple):
-    """A message, as both formats of recordings write it.
+    """A message that both recording formats write.
 
     Attributes:
         topic: its topic.

@@ -1,4 +1,4 @@
-"""Definitions of the ROS 2 messages in a bag, each with those of the messages inside it.
+"""Definitions of the ROS 2 messages in a bag, each with those of its nested messages.
 
 Fields: https://docs.ros2.org/latest/api, packages std_msgs, geometry_msgs, sensor_msgs,
 trajectory_msgs and tf2_msgs; the format: https://mcap.dev/spec/registry#ros2msg.
@@ -28,7 +28,7 @@ _POINT = {
 
 
 def _definition(fields: str, inside: dict[str, str]) -> str:
-    """A definition followed by those of the messages inside, as in the file of a bag."""
+    """A definition followed by those of its nested messages, as in a bag."""
     parts = [fields, *(f"MSG: {name}\n{of_one}" for name, of_one in inside.items())]
     return f"\n{'=' * 80}\n".join(parts)
 

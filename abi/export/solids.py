@@ -49,7 +49,7 @@ def _of(shape: Obstacle, metres: float) -> tuple[Solid, ...]:
 
 
 def _solid(shape: ConvexShape, metres: float) -> Solid:
-    """A convex shape by its name, or by its triangles where other programs have no such."""
+    """A convex shape by name, or by its triangles if other programs do not know it."""
     if shape.shape not in KINDS:
         return _mesh(shape.triangles() * metres)
     core = shape.core()

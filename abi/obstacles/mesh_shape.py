@@ -27,7 +27,7 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, Surfac
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500
-"""Sizes of a mesh, as multiples of the workspace's longest side, that suggest another unit."""
+"""Sizes of a mesh, over the workspace's longest side, that suggest another unit."""
 _UNITS = {
     **{1.0: "metres", 0.01: "centimetres", 0.001: "millimetres", 1e-6: "micrometres"},
     **{0.0254: "inches", 0.3048: "feet"},
@@ -70,7 +70,7 @@ class MeshShape(Posed):
 
     @classmethod
     def of(cls, surface: Surface, file: str = "mesh.stl", **fields: Any) -> Self:
-        """Make a shape with ``surface`` instead of the content of ``file``."""
+        """Make a shape with ``surface`` in place of the content of ``file``."""
         context = {"meshes": MeshSource({file: surface})}
         return cls.model_validate({"file": file, **fields}, context=context)
 
@@ -210,7 +210,7 @@ class MeshShape(Posed):
         return frame.tables, placement(frame, self.position, self.wxyz, self.factor)
 
     def _refuse_far(self) -> None:
-        """Raise a SceneError where the bounds are beyond what any other obstacle may have."""
+        """Raise a SceneError if the bounds exceed those allowed for any other obstacle."""
         low, high = self.bounds()
         size = float((high - low).max())
         if size > LARGEST:

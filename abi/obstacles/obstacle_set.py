@@ -35,7 +35,7 @@ Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
 Obstacles = tuple[Obstacle, ...]
 
 _TOUCH = 1e-9
-"""Least margin to a mesh's bounds, [unit]: what touches the surface may lie on them."""
+"""Least margin to a mesh's bounds, [unit], as a touching point may lie on them."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -326,7 +326,7 @@ class ObstacleSet(ShortRepr):
         return pack(self._mesh_boxes)
 
     def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Least signed distance of points to a primitive (n,), and whose it is (n,)."""
+        """Least signed distance (n,) of points to a primitive, and that primitive's number (n,)."""
         distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
         kernels.nearest(flat(points), self.packed, distance, row)
         return distance, row

@@ -35,7 +35,7 @@ def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
 
 
 class _Memory(threading.local):
-    """Each thread's last crowds with their rows: primitives, the boxes of meshes, and both."""
+    """Each thread's latest crowds with their rows: primitives, the boxes of meshes, and both."""
 
     crowds: tuple[tuple[tuple[Primitive, ...], FloatArray], ...] = ()
 
@@ -44,7 +44,7 @@ _memory = _Memory()
 
 
 def _of_last(primitives: tuple[Primitive, ...]) -> tuple[FloatArray, list[int]]:
-    """Rows (k, ``WIDTH``) as of the last crowd that had as many, and which primitives changed.
+    """Rows (k, ``WIDTH``) of the latest crowd of that size, and which primitives changed.
 
     By identity: to compare by value, or to hash, takes longer than all else of a drag.
     """

@@ -1,4 +1,4 @@
-"""Results that belong to a shape, for crowds of which little moves at a time."""
+"""Caches of results that belong to a shape, for crowds of which few move at a time."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ _S = TypeVar("_S")
 _R = TypeVar("_R")
 
 CROWD = 64
-"""Shapes from which on results are remembered."""
+"""Number of shapes from which results are cached."""
 
 
 class PerShape(threading.local, Generic[_S, _R]):
-    """A function of a shape, with the results for each thread's last crowd.
+    """Function of a shape with its results for each thread's latest crowd.
 
     Shapes are found by identity: to compare them by value, or to hash them, takes longer than all
     else of a drag.

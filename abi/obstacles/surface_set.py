@@ -43,7 +43,7 @@ def _placed(mesh: MeshShape) -> tuple[Surface, FloatArray]:
 
 @lru_cache(maxsize=2)
 def _joined(surfaces: tuple[Surface, ...]) -> SurfaceSet:
-    """Tables of the surfaces, of no mesh yet."""
+    """Join the tables of the surfaces, without poses yet."""
     all_tables = [body_frame(surface).tables for surface in surfaces]
     at = np.zeros(4, dtype=np.int64)
     begins, numbers = [], []

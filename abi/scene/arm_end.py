@@ -1,4 +1,4 @@
-"""Where an arm begins or ends, said by more than the place of its tool."""
+"""Start or goal of an arm, given by more than the position of its tool."""
 
 import math
 from collections.abc import Mapping
@@ -14,17 +14,17 @@ from abi.robot.urdf.urdf_joints import some_of
 from abi.scene.section import Settings
 
 _PAST = 1e-9
-"""Distance that a joint may be past its limit, [rad] or [m]."""
+"""Distance by which a joint may exceed its limit, [rad] or [m]."""
 _FEW = 8
 
 ENDS: tuple[Literal["start", "goal"], ...] = ("start", "goal")
 
 Joints = tuple[tuple[str, float], ...] | tuple[float, ...]
-"""Positions by the names of joints, or of all that are planned in their order."""
+"""Positions by the names of joints, or of all planned joints in order."""
 
 
 def _read(value: object) -> Joints | None:
-    """Joint positions from plain data.
+    """Parse joint positions from plain data.
 
     Raises:
         ValueError: they are none; says what would be.
@@ -81,18 +81,18 @@ class ArmEnd(Settings):
 
     @model_serializer
     def _given(self) -> dict[str, Any]:
-        """Plain data of what is given."""
+        """The given fields as plain data."""
         if self.position is None:
             return {"state": self.state} if self.joints is None else {"joints": _plain(self.joints)}
         return {name: getattr(self, name) for name in _OF_POSE}
 
     @property
     def is_pose(self) -> bool:
-        """Whether it is a pose of the tool; otherwise it names positions of all joints."""
+        """Whether it is a pose of the tool; otherwise it gives positions of all joints."""
         return self.position is not None
 
     def positions(self, field: str, robot: Robot, tip: str, metres: float) -> dict[str, float]:
-        """Positions of all planned joints by name, [rad] or [m]; only where it is no pose.
+        """Positions of all planned joints by name, [rad] or [m]; not for a pose.
 
         Args:
             field: its own name in the scene, for errors.
@@ -123,7 +123,7 @@ class ArmEnd(Settings):
     def _named(
         self, field: str, robot: Robot, planned: tuple[str, ...], metres: float
     ) -> dict[str, float]:
-        """Positions by name, [rad] or [m], that are given or belong to the state."""
+        """Positions by name, [rad] or [m], that are given or belong to the named state."""
         if self.state is not None:
             states = {one.name: one.positions for one in robot.states}
             if self.state not in states:
@@ -151,7 +151,7 @@ def _joint(robot: Robot, name: str) -> Joint:
 
 
 def with_arm_ends(data: dict[str, Any]) -> dict[str, Any]:
-    """A scene's fields with a ``start`` or ``goal`` that is more than a point put into its arm."""
+    """A scene's fields; a ``start`` or ``goal`` that is more than a point is moved into its arm."""
     given = {name: data[name] for name in ENDS if isinstance(data.get(name), Mapping)}
     if not given:
         return data
@@ -164,7 +164,7 @@ def with_arm_ends(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def without_stale_ends(data: dict[str, Any], before: Mapping[str, Any]) -> dict[str, Any]:
-    """Fields of a changed scene, without what its arm asked for at an end that was moved.
+    """A changed scene's fields, without the arm's requests for an end that was moved.
 
     Args:
         data: the fields after the change.

@@ -1,4 +1,4 @@
-"""Settings of the arm: which, where it stands, what it holds, and what it keeps clear of."""
+"""Settings of the arm: which arm, where it stands, what it holds, and what it keeps clear of."""
 
 import math
 from collections.abc import Mapping
@@ -42,23 +42,23 @@ Elbow = Literal["up", "down"]
 
 
 def _end(value: object) -> object:
-    """A list of joint positions as the fields of an end."""
+    """Parse a list of joint positions as the fields of an end."""
     return {"joints": value} if isinstance(value, list | tuple) else value
 
 
 def _opening(value: object, check: ValidatorFunctionWrapHandler) -> Any:
-    """``open`` or ``closed`` as it is, until the unit of lengths is known."""
+    """Keep ``open`` and ``closed`` until the unit of lengths is known."""
     return value if value in ("open", "closed") else check(value)
 
 
 HeldJoints = Annotated[
     dict[Annotated[str, Strict()], Number], Field(max_length=150), WrapValidator(_opening)
 ]
-"""Positions of joints by name; in a scene that is checked ``open`` and ``closed`` are such, too."""
+"""Positions of joints by name; once a scene is checked, ``open`` and ``closed`` are resolved."""
 
 
 def _contact(value: object) -> object:
-    """A link, and another one or the number of an obstacle.
+    """Parse a contact: a link, and another link or the number of an obstacle.
 
     Raises:
         SceneError: it is anything else.
@@ -163,7 +163,7 @@ class ArmSettings(Settings):
     def held(
         self, field: str, gripper: Mapping[str, float] | Opening, metres: float
     ) -> dict[str, float]:
-        """Positions of joints by name, [rad] or [unit], of a gripper that may be said in one word.
+        """Positions by name, [rad] or [unit], of a gripper that may be given in one word.
 
         Args:
             field: of the scene that says so, for errors.
@@ -181,7 +181,7 @@ class ArmSettings(Settings):
         return held_in_metres(self.robot, at, 1 / metres)
 
     def check_gripper(self, metres: float) -> None:
-        """Raise a SceneError where ``gripper`` names no joint to hold, or not within its limits.
+        """Raise a SceneError if ``gripper`` names no joint to hold, or exceeds its limits.
 
         Args:
             metres: one [unit] of the scene in metres.
@@ -191,7 +191,7 @@ class ArmSettings(Settings):
             positions_held(self.robot, planned_joints(self.robot, self.tool), held)
 
     def check_allowed(self, obstacles: int) -> None:
-        """Raise a SceneError where ``allowed`` names no link of the arm, or no obstacle.
+        """Raise a SceneError if ``allowed`` names no link of the arm, or no obstacle.
 
         Args:
             obstacles: how many the scene has.
@@ -225,7 +225,7 @@ class ArmSettings(Settings):
         return end.positions(f"arm.{name}", self.robot, self.tool, metres)
 
     def tool_at(self, name: Literal["start", "goal"], metres: float) -> Vec3 | None:
-        """Place of the tool that ``start`` or ``goal`` asks for, [unit], world; None for any.
+        """Tool position that ``start`` or ``goal`` asks for, [unit], world; None for any.
 
         Args:
             name: of the end.

@@ -43,7 +43,7 @@ _LIMITS = {
 }
 """Name of the limit in the context of such a kind, and its wording."""
 _TINY = 1e-3
-"""A positive limit below this only keeps numbers above 0."""
+"""Positive limits below this only exclude 0."""
 _MISSING = {
     "version": "version: 1",
     "shape": f"shape: {_ANY_SHAPE}",
@@ -53,7 +53,7 @@ _MISSING = {
     "file": "the name of a file of triangles, such as file: bracket.stl",
     "direction": "three numbers, such as direction: [0, 0, -1]",
 }
-"""Values that would do for each field without a default."""
+"""Example values for fields without a default."""
 
 
 def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
@@ -126,7 +126,7 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
 
 
 def _holds_shape(part: int | str) -> bool:
-    """Check whether a part of a location is that of an obstacle, or of the object that is held."""
+    """Check whether part of a location is that of an obstacle or of the held object."""
     return isinstance(part, int) or part == _HELD
 
 

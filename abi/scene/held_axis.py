@@ -13,7 +13,7 @@ Share = Annotated[Number, Field(ge=0, le=1)]
 
 
 class HeldAxis(Settings):
-    """A direction that the tip's z axis keeps within ``tolerance`` [rad], for a part of a motion.
+    """A direction that the tip's z axis keeps within ``tolerance`` [rad] for a part of a motion.
 
     In a file the part's begin and end are ``from`` and ``to``, shares of the motion's time: 0 is
     its first moment, 1 its last. Outside of it the tip may point anywhere. The motion is sought in
@@ -35,7 +35,7 @@ class HeldAxis(Settings):
 
     @model_serializer
     def _given(self) -> dict[str, Any]:
-        """Plain data, with the names of a file."""
+        """The given fields as plain data, with the names of a file."""
         return {
             "direction": self.direction,
             "tolerance": self.tolerance,
@@ -46,11 +46,11 @@ class HeldAxis(Settings):
 
 _HELD, _EXACT = "a held direction", "a direction"
 AXIS_TAGS = {_HELD: HeldAxis, _EXACT: None}
-"""Names that pydantic puts into the place of an error in an axis, and what each is checked as."""
+"""Names that pydantic inserts into the location of an error in an axis, by what was checked."""
 
 
 def _tag(value: object) -> str:
-    """Whether a value is to be read as a direction alone."""
+    """Tag that decides whether a value is parsed as a direction alone."""
     return _HELD if isinstance(value, dict | HeldAxis) else _EXACT
 
 
@@ -61,7 +61,7 @@ Axis = Annotated[
 
 
 def check_axis(field: str, axis: Vec3 | HeldAxis | None, model: str, search: str) -> None:
-    """Raise a SceneError where an axis is none, or no arm or search can hold it.
+    """Raise a SceneError if an axis is invalid, or no arm or search can hold it.
 
     Args:
         field: of the scene that has it.

@@ -37,7 +37,7 @@ class Leg(Settings):
 
     @property
     def grasps(self) -> bool:
-        """Whether an object is taken or set down at its end."""
+        """Whether an object is taken or released at its end."""
         return self.attach is not None or self.release
 
     def __hash__(self) -> int:
@@ -46,7 +46,7 @@ class Leg(Settings):
 
 
 def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
-    """A scene's fields with goal, gripper and axis of its first leg where a scene has them."""
+    """A scene's fields with goal, gripper and axis of its first leg, if it has legs."""
     tasks = data.get("tasks")
     if not isinstance(tasks, list | tuple) or not tasks or not isinstance(tasks[0], dict):
         return data

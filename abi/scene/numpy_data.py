@@ -1,4 +1,4 @@
-"""What numpy and trimesh hold as the fields of a scene: poses, points and meshes."""
+"""Conversion of numpy and trimesh objects to fields of a scene: poses, points and meshes."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
 
 _RIGID = 1e-6
-"""Largest entry by which a pose's turn, times its transpose, may differ from the identity."""
+"""Largest deviation of a pose's rotation times its transpose from the identity."""
 
 
 def plain(field: str, value: object) -> object:
-    """Plain data of a scene's field, of which parts may be numpy's or trimesh's.
+    """Plain data of a scene's field that may contain numpy or trimesh objects.
 
     Arrays become lists, of shape (4, 4) a position and a quaternion; a triangle mesh of trimesh
     becomes a mesh shape where it stands. All else stays as it is.
@@ -55,7 +55,7 @@ def _with_pose(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _pose(field: str, matrix: FloatArray) -> dict[str, Any]:
-    """Position and quaternion of a pose (4, 4), world from what it is the pose of."""
+    """Position and quaternion of a pose (4, 4), ``world_from_body``."""
     from scipy.spatial.transform import Rotation  # here, since it takes long to import
 
     pose = np.asarray(matrix, dtype=np.float64)
@@ -69,7 +69,7 @@ def _pose(field: str, matrix: FloatArray) -> dict[str, Any]:
 
 
 def _mesh(field: str, mesh: Any) -> MeshShape:
-    """A mesh of trimesh as an obstacle; its units count, and without any the scene's do."""
+    """A trimesh mesh as an obstacle, in its own units or else in the scene's."""
     try:
         surface = clean(np.array(mesh.vertices, dtype=float), np.array(mesh.faces), field)
         units = getattr(mesh, "units", None)

@@ -49,7 +49,7 @@ MOST_OBSTACLES = 5_000
 
 
 def _in_unit(unit: str, shape: MeshShape) -> MeshShape | SceneError:
-    """A mesh in a scene of this unit, or what is wrong with it."""
+    """A mesh in a scene of this unit, or the fault that prevents it."""
     try:
         return shape.in_unit(unit)
     except SceneError as error:
@@ -185,7 +185,7 @@ class Scene(Settings):
         return self
 
     def _check_tasks(self) -> None:
-        """Raise a SceneError where legs attach or release what cannot be."""
+        """Raise a SceneError if legs attach or release what they cannot."""
         if self.arm.model != "urdf" and (self.tasks or self.arm.attached is not None):
             expected = "urdf where there are tasks, or an object is attached"
             raise SceneError("arm.model", self.arm.model, expected)
@@ -300,7 +300,7 @@ class Scene(Settings):
         return scene_archive.pack(self.to_dict(), self.meshes.files)
 
     def save(self, path: str | Path) -> None:
-        """Write a scene file; if that fails, an old file stays as it was.
+        """Write a scene file; if that fails, an existing file is unchanged.
 
         Args:
             path: file to write; its ending decides between YAML and JSON.
@@ -342,7 +342,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
 
 def require_scene(value: object) -> None:
-    """Raise a SceneError for what is given instead of a scene."""
+    """Raise a SceneError for anything but a scene."""
     if not isinstance(value, Scene):
         raise SceneError("scene", value, "a Scene, such as abi.load_scene('paper')")
 

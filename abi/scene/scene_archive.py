@@ -103,7 +103,7 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
 
 
 def _in_one_folder(entries: Mapping[str, zipfile.ZipInfo], name: str) -> dict[str, zipfile.ZipInfo]:
-    """Files in the folder of the scene, by their names there; ``name`` is that of the archive."""
+    """Files in the scene's folder by their names there; ``name`` is that of the archive."""
     scenes = [PurePosixPath(file) for file in entries if PurePosixPath(file).name in _SCENES]
     if not scenes:
         raise SceneError(_FIELD, name, "an archive with a scene.yaml in it")
@@ -117,7 +117,7 @@ def _in_one_folder(entries: Mapping[str, zipfile.ZipInfo], name: str) -> dict[st
 
 
 def _stored_names(files: Sequence[str]) -> dict[str, str]:
-    """Name of the OBJ file for each mesh file: its own, or one that is still free."""
+    """Name of the OBJ file for each mesh file: its own, or one that is not taken."""
     names = {file: file for file in files if file.lower().endswith(_STORED)}
     for file in files:
         if file in names:
@@ -129,7 +129,7 @@ def _stored_names(files: Sequence[str]) -> dict[str, str]:
 
 
 def _original_names(entries: Mapping[str, zipfile.ZipInfo]) -> dict[str, str]:
-    """Name of the mesh file for each OBJ file that was made of one of another format."""
+    """Original name of the mesh file for each OBJ file converted from another format."""
     names = {
         file: entry.comment.decode(errors="replace")
         for file, entry in entries.items()
@@ -143,7 +143,7 @@ def _original_names(entries: Mapping[str, zipfile.ZipInfo]) -> dict[str, str]:
 
 
 def _renamed(data: Any, names: Mapping[str, str]) -> Any:
-    """Plain data of a scene, which need not be right, with other names of mesh files."""
+    """Plain data of an unvalidated scene with mesh files renamed."""
     if not isinstance(data, Mapping) or not isinstance(data.get("obstacles"), list):
         return data
     obstacles = [
@@ -156,7 +156,7 @@ def _renamed(data: Any, names: Mapping[str, str]) -> Any:
 
 
 def _named(data: Any) -> set[str]:
-    """Names of files in plain data of a scene, which need not be right."""
+    """Names of files in plain data of an unvalidated scene."""
     if not isinstance(data, Mapping):
         return set()
     entries = data["obstacles"] if isinstance(data.get("obstacles"), list) else []

@@ -49,7 +49,7 @@ def without_stale_meshes(obstacles: object, files: Mapping[str, object]) -> obje
 
 
 def _reused(current: object, change: object) -> object:
-    """``current`` where ``change`` equals it, with all fields of an obstacle."""
+    """``current`` if ``change`` equals it, with all fields of an obstacle."""
     if isinstance(current, BaseModel) and isinstance(change, dict):
         equal = len(change) == len(vars(current)) and _fields_equal(change, current)
     else:

@@ -21,16 +21,16 @@ from abi.atomic_file import replace_file
 from abi.errors import SceneError
 
 MAX_BYTES = 400_000
-"""Largest scene file in YAML: some 1,000 obstacles, and a few seconds to read."""
+"""Most bytes of a scene file in YAML: some 1,000 obstacles, and a few seconds to read."""
 MAX_JSON_BYTES = 2_000_000
-"""Largest in JSON: some 5,000 obstacles."""
+"""Most bytes in JSON: some 5,000 obstacles."""
 _MAX_DEPTH = 16
 _MOST_EVENTS = 60_000
-"""Scalars, and beginnings and ends of lists, in YAML: some 2,500 obstacles."""
+"""Most YAML events, such as scalars and starts of lists: some 2,500 obstacles."""
 _MANY = 1_000  # obstacles that are not tried to be written as YAML
 
 ENDINGS = (".yaml", ".yml", ".json")
-"""Those of scene files."""
+"""Endings of scene files."""
 
 
 def parse(path: Path) -> object:
@@ -59,7 +59,7 @@ def read_file(path: Path, most: int) -> bytes:
 
 
 def parse_bytes(content: bytes, name: str) -> object:
-    """Plain data of a scene file's content; the ending of ``name`` gives the format."""
+    """Parse a scene file's content; the ending of ``name`` gives the format."""
     if len(content) > _most(name):
         raise SceneError("scene", name, f"a file of at most {_most(name) // 1000} kB")
     try:
@@ -90,7 +90,7 @@ def parse_bytes(content: bytes, name: str) -> object:
 
 
 def write(data: dict[str, Any], path: Path) -> None:
-    """Write ``data`` as YAML or JSON, by the ending of ``path``, in one step.
+    """Write ``data`` atomically as YAML or JSON, by the ending of ``path``.
 
     An existing file keeps its permissions; a new one has those of any new file.
 

@@ -25,7 +25,7 @@ Law = Literal["three_phase", "slowed", "time_optimal", "jerk_limited"]
 
 
 def as_python(value: object) -> object:
-    """A count or a truth value of numpy as Python's own, as strict fields want it."""
+    """Convert numpy's integers and booleans to Python's, as strict fields require."""
     return value.item() if isinstance(value, np.integer | np.bool_) else value
 
 
@@ -39,7 +39,7 @@ FINEST_PITCH = 1e-6
 
 
 _SLACK = 1e-3
-"""Of the workspace's longest side: see :attr:`Workspace.slack`."""
+"""Relative distance, over the workspace's longest side, see :attr:`Workspace.slack`."""
 
 
 class Workspace(Settings):

@@ -1,4 +1,4 @@
-"""A scene without some of its obstacles, in which contacts still refer to the same ones."""
+"""A scene without some of its obstacles, with contacts still referring to the same ones."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Contact = tuple[str, str | int]
 
 
 def without_obstacles(scene: Scene, numbers: Collection[int]) -> dict[str, Any]:
-    """Change of a scene, as :meth:`Scene.replace` takes it, that leaves obstacles out.
+    """Change of a scene, for :meth:`Scene.replace`, that removes obstacles.
 
     Contacts that the scene allows with obstacles after them get their new numbers.
 
@@ -26,7 +26,7 @@ def without_obstacles(scene: Scene, numbers: Collection[int]) -> dict[str, Any]:
 
 
 def contacts_without(contacts: Iterable[Contact], numbers: Collection[int]) -> tuple[Contact, ...]:
-    """Contacts that are left without obstacles, and the numbers that the others then have.
+    """Contacts that remain without some obstacles, with the remaining obstacles' new numbers.
 
     Args:
         contacts: pairs of links, or of a link and the number of an obstacle from 0.

@@ -71,11 +71,11 @@ class Arcs(ReadOnlyCopies):
 
     @property
     def little(self) -> float:
-        """Smallest decrease of a cost that counts as one."""
+        """Smallest decrease of a cost that counts."""
         return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
 
     def with_arc(self, tail: int, head: int, weight: float) -> Arcs:
-        """The arcs and one more, of any cost; the estimates stay, and may then be too large.
+        """The arcs with an additional one of any cost; the estimates may then be too large.
 
         Raises:
             ArgumentError: an end is no node, or the cost not finite.

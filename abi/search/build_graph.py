@@ -98,7 +98,7 @@ def _graph(
     links: list[tuple[IntArray, IntArray, FloatArray]],
     ids: list[int],
 ) -> Graph:
-    """The graph of the free mesh, with these open directions, places of start and goal, links."""
+    """Assemble the graph from the free mesh, open directions, start and goal, and links."""
     tails, heads, lengths = NO_IDS, NO_IDS, NO_NUMBERS
     if links:  # in most frames there are none
         tails, heads, lengths = map(read_only, map(np.concatenate, zip(*links, strict=True)))
@@ -124,7 +124,7 @@ def _end_distances(
     clearance: float,
     margin: float,
 ) -> list[float]:
-    """Signed distances of start and goal, [unit], or more than the margin, once they are enough.
+    """Signed distances of start and goal, [unit], or bounds beyond the margin if those suffice.
 
     Raises:
         PointBlocked: one is less than ``clearance``.
@@ -165,7 +165,7 @@ def _seen_from(
     margin: float,
     reach: float,
 ) -> tuple[IntArray, FloatArray]:
-    """Free mesh nodes that ``point`` sees, and their distances, [unit].
+    """Nodes of the free mesh visible from ``point``, and their distances, [unit].
 
     Looks within ``reach``, [unit], and twice and four times as far while it sees none.
     """
@@ -192,7 +192,7 @@ def _joined(
     links: list[tuple[IntArray, IntArray, FloatArray]],
     ids: list[int],
 ) -> bool:
-    """Check whether there is an edge between start and goal already."""
+    """Check whether an edge between start and goal exists already."""
     a, b = ids
     if any(
         ((tails == a) & (heads == b) | (tails == b) & (heads == a)).any()

@@ -73,7 +73,7 @@ def _bidirectional_dijkstra(task: SearchTask) -> SearchTrace:
 
 
 def _as_planned(search: PlannedSearch, task: SearchTask) -> SearchTrace:
-    """A search as every plan runs it; as in the textbook where a cost is negative."""
+    """A search as every plan runs it, or the textbook version if a cost is negative."""
     if task.arcs.negative is not None:
         return _best_first(search.factors, task)
     order = read_only(search.expand(task.graph, task.weight).order)
@@ -81,7 +81,7 @@ def _as_planned(search: PlannedSearch, task: SearchTask) -> SearchTrace:
 
 
 def _planned(search: PlannedSearch) -> ComparedSearch:
-    """The entry of a search of every plan."""
+    """The table entry of a search of every plan."""
     substitute = None if search.queue == "best_first" else "bellman_ford_rounds"
     return ComparedSearch(search.label, partial(_as_planned, search), True, substitute)
 

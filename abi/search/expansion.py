@@ -1,4 +1,4 @@
-"""What the kernels of a search of every plan take, and what they find out."""
+"""Input and output of the kernels for the searches of every plan."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
 
 
 def _most_hops(graph: Graph) -> float:
-    """Half the hops by which the heuristic may change along an edge, at most.
+    """Upper bound of half the change of the heuristic along an edge, in hops.
 
     A link counts as one hop however far it goes; a lattice takes up to two for each cell.
     """

@@ -38,7 +38,7 @@ def metric(graph: Graph, weight: Weight) -> Metric:
 
 @lru_cache
 def norm_of(cell: Vec3) -> Norm:
-    """Lengths, [unit], in a cell with these edges."""
+    """Lengths, [unit], of the edges in a cell."""
     x, y, z = (side * side for side in cell)
     faces = (math.sqrt(y + z), math.sqrt(x + z), math.sqrt(x + y))
     diagonal = math.sqrt(x + y + z)

@@ -19,13 +19,13 @@ from abi.search.task import SearchTask
 from abi.search.trace import last_labels
 
 _HEADS = 8
-"""Nodes of the path that are tried."""
+"""Number of path nodes that are tried as heads."""
 _TAILS = 400
-"""Nodes from which an arc to each of them is tried."""
+"""Number of nodes that are tried as tails for each head."""
 _SAMPLES = 200
-"""Points of an arc whose distance from the obstacles is asked: it is drawn, not driven."""
+"""Points of an arc whose distance from the obstacles is checked."""
 _TOO_LITTLE = 1e-3
-"""Part of the largest weight: room that there must be between too small and too large a reward."""
+"""Least interval, over the largest weight, between too small and too large a reward."""
 
 
 class _Place(NamedTuple):
@@ -44,7 +44,7 @@ class _Place(NamedTuple):
 
 
 def with_negative_arc(task: SearchTask, cycle: bool) -> SearchTask:
-    """The task with one more arc, from a node that Dijkstra expands later to one of the path.
+    """The problem with an additional arc, from a node expanded later to one of the path.
 
     Without a negative cycle the reward is half way between what makes the detour pay and what would
     make it pay to return; with one it is larger than the cost of returning.

@@ -1,4 +1,4 @@
-"""Replay of a search up to any step: its open and closed nodes then, and the next one."""
+"""Replay of a search up to any step: its open and closed nodes, and the next one."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class SearchState:
         return self.open[np.lexsort((self.open, promise))]
 
     def candidates(self) -> IntArray:
-        """Open nodes, any of which is as good a choice as the one that is expanded next."""
+        """Open nodes that tie with the one that is expanded next."""
         if self.following < 0:
             return NO_NODES
         if self.trace.queue != "best_first":
@@ -106,12 +106,12 @@ class SearchState:
         return np.asarray(self.open[equal | (self.open == self.following)], np.int32)
 
     def may_follow(self, node: int) -> bool:
-        """Check whether a node is as good a choice as the one that is expanded next."""
+        """Check whether a node ties with the one that is expanded next."""
         return node in self.candidates()
 
 
 def replay(trace: SearchTrace, step: int) -> SearchState:
-    """The search after ``step`` steps, 0 to ``trace.steps``, however one gets there."""
+    """The search after ``step`` steps, 0 to ``trace.steps``, independent of earlier calls."""
     cost, parent = last_labels(trace, step)
     changed = steps_of_changes(trace, step)
     expanded = np.full(len(cost), -2, np.int32)

@@ -75,7 +75,7 @@ class PlannedSearch:
     factors: tuple[float, float] = (1.0, 0.0)
 
     def __call__(self, graph: Graph, weight: Weight) -> SearchResult:
-        """Search for the path from start to goal that costs least.
+        """Find the cheapest path from start to goal.
 
         Args:
             graph: the graph.
@@ -135,11 +135,11 @@ SEARCHES: Mapping[str, PlannedSearch] = MappingProxyType(
 )
 """The searches of every plan by name, in the order in which they run and are shown."""
 SearchFunction = Callable[[Graph, Weight], SearchResult]
-"""Finds the path of a graph that costs least."""
+"""Function that finds the cheapest path of a graph."""
 
 
 def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
-    """Search for the path from start to goal that costs least.
+    """Find the cheapest path from start to goal.
 
     Args:
         algorithm: a name in :data:`SEARCHES`.

@@ -1,4 +1,4 @@
-"""Subset of a mesh that is drawn if all of it would be too much for eye and browser."""
+"""Subset of a mesh to draw if all of it would be too much."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def subset(
 
 
 def _seen(view: str, free: FreeMesh, points: FloatArray, obstacles: Obstacles) -> BoolArray:
-    """Flags of the nodes that the view shows, however many."""
+    """Flags of the nodes in the view, however many."""
     low, high = free.mesh.points.min(axis=0), free.mesh.points.max(axis=0)
     if view == "near":
         return np.ones(len(points), dtype=np.bool_)
@@ -117,7 +117,7 @@ def _seen(view: str, free: FreeMesh, points: FloatArray, obstacles: Obstacles) -
 def _near(
     points: FloatArray, seen: BoolArray, path_points: FloatArray, obstacles: Obstacles, most: int
 ) -> BoolArray:
-    """Flags of about ``most`` of the nodes seen, in the cells nearest to path and obstacles."""
+    """Flags of about ``most`` of the nodes in view, in the cells nearest to path and obstacles."""
     low, high = points.min(axis=0), points.max(axis=0)
     side = float((high - low).max()) / _CELLS
     counts = np.maximum(np.ceil((high - low) / side).astype(int), 1)
@@ -135,7 +135,7 @@ def _near(
 
 
 def evenly(rows: _Rows, most: int) -> _Rows:
-    """At most ``most`` of the rows of an array, left out evenly."""
+    """At most ``most`` rows of an array, evenly thinned."""
     return rows if len(rows) <= most else rows[:: -(-len(rows) // most)]  # type: ignore[return-value]
 
 

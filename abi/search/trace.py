@@ -15,7 +15,7 @@ from abi.search.label_kernels import Labels, relax_in_order
 from abi.search.search_kernels import reconstruct_path
 
 Queue = Literal["best_first", "first_in", "rounds"]
-"""Which node comes next: the most promising, the first in the queue, or all at once."""
+"""Selection of the next node: the most promising, the first in the queue, or all at once."""
 
 NO_NODES: IntArray = read_only(np.zeros(0, np.int32))
 
@@ -62,7 +62,7 @@ class SearchTrace(ShortRepr):
 
     @property
     def hops(self) -> int:
-        """Number of legs of the path; -1 without one."""
+        """Number of edges of the path; -1 without one."""
         return len(self.vertices) - 1
 
     @property
@@ -75,7 +75,7 @@ class SearchTrace(ShortRepr):
 
 
 def last_labels(trace: SearchTrace, step: int) -> tuple[FloatArray, IntArray]:
-    """Costs and parents (n or 2n,) after a number of steps; inf and -1 where not reached."""
+    """Costs and parents (n or 2n,) after a number of steps; inf and -1 for unreached nodes."""
     ends, nodes, costs, parents = trace.changes
     total, count = trace.sides * len(trace.arcs.points), int(ends[step])
     cost, parent = np.full(total, np.inf), np.full(total, -1, np.int32)
@@ -93,7 +93,7 @@ def trace_of(
     sides: int = 1,
     reopens: bool = False,
 ) -> SearchTrace:
-    """The trace of a search whose order of expansion is known.
+    """The trace of a search with a known order of expansion.
 
     Args:
         arcs: the arcs that were searched.
@@ -124,7 +124,7 @@ def finished_trace(
     sides: int = 1,
     cycle: IntArray = NO_NODES,
 ) -> SearchTrace:
-    """The trace of a search, with the path that its last labels give.
+    """The trace of a search, with the path that its final labels give.
 
     Args:
         arcs, queue, order, factors, sides, cycle: see :class:`SearchTrace`.
@@ -157,6 +157,6 @@ def finished_trace(
 
 
 def _stops(arcs: Arcs, order: IntArray, queue: Queue, sides: int) -> bool:
-    """Check whether a search ends at the goal, and so does not look at the goal's arcs."""
+    """Check whether a search ends at the goal without examining the goal's arcs."""
     at_goal = len(order) > 0 and int(order[-1]) == arcs.goal
     return sides == 1 and queue == "best_first" and at_goal

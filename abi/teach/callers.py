@@ -1,4 +1,4 @@
-"""How each exercise calls the student's function: alone, in a best-first search, or with a test.
+"""Ways to call a student's function: alone, in a best-first search, or with a clearance test.
 
 They run in the student's process, so that they import only Python's own library.
 """
@@ -18,12 +18,12 @@ Function = Callable[..., Any]
 
 
 def _alone(function: Function, arguments: list[Any]) -> Any:
-    """Call it with its arguments; points are tuples."""
+    """Call the function with its arguments; points are tuples."""
     return function(*map(_with_tuples, arguments))
 
 
 def _in_search(function: Function, arguments: list[Any]) -> list[int]:
-    """Expand nodes by the priorities that it gives, least first, until the goal.
+    """Expand nodes in the order of the function's priorities, least first, until the goal.
 
     Args:
         function: priority of (g, h).
@@ -60,7 +60,7 @@ def _in_search(function: Function, arguments: list[Any]) -> list[int]:
 
 
 def _with_clear_test(function: Function, arguments: list[Any]) -> Any:
-    """Call it with a path and a test that says whether a segment is clear of boxes."""
+    """Call the function with a path and a test whether a segment is clear of boxes."""
     path, boxes = arguments
     return function([tuple(point) for point in path], partial(_is_clear, boxes))
 
@@ -70,7 +70,7 @@ def _is_clear(boxes: list[Any], a: Any, b: Any) -> bool:
 
 
 def _with_tuples(value: Any) -> Any:
-    """Lists of numbers as tuples, so that a point is one; longer lists stay lists of them."""
+    """Convert lists of numbers, such as points, to tuples; lists of lists stay lists."""
     if isinstance(value, list):
         inner = [_with_tuples(part) for part in value]
         return inner if inner and isinstance(inner[0], tuple) else tuple(inner)
@@ -80,4 +80,4 @@ def _with_tuples(value: Any) -> Any:
 CALLERS: Mapping[str, Callable[[Function, list[Any]], Any]] = MappingProxyType(
     {"alone": _alone, "search": _in_search, "clear_test": _with_clear_test}
 )
-"""The ways to call it, by name."""
+"""The callers by name."""

@@ -1,4 +1,4 @@
-"""An exercise: a function of a few lines to write, hidden trials, and who judges the answers."""
+"""An exercise: a short function to write, hidden trials, and a judge of the answers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class ExerciseFault:
-    """What is wrong with an answer.
+    """Fault of an answer.
 
     Attributes:
         sentence: what the function does there and what would be right, for the student.

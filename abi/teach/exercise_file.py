@@ -1,4 +1,4 @@
-"""Files with the functions of exercises: which they have, and a beginning for one."""
+"""Python files of exercises: finding the functions in one, and writing the beginning of one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WIDTH = 90
 
 
 def exercises_in(file: Path) -> tuple[Exercise, ...]:
-    """The exercises whose functions a file defines, in the order of the stages; none is run.
+    """The exercises whose functions a file defines, in the order of the stages, without running it.
 
     Raises:
         ArgumentError: the file cannot be read, is no Python, or has no function of an exercise.
@@ -43,7 +43,7 @@ def exercises_in(file: Path) -> tuple[Exercise, ...]:
 
 
 def beginning(asked: Sequence[Exercise]) -> str:
-    """The text of a file with the tasks of exercises as comments, and functions to change."""
+    """Text of a file with the tasks of exercises as comments, and functions to complete."""
     parts = []
     for one in asked:
         title = one.title if one.title.endswith("?") else f"{one.title}."

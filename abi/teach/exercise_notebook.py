@@ -13,7 +13,7 @@ from abi.teach.gradescope import POINTS
 from abi.teach.verdict import SEED
 
 GRADED = SEED + 1
-"""Seed of the hidden scenes by which a grader's notebook grades; students try those of ``SEED``."""
+"""Seed of the hidden scenes for grading; students try those of ``SEED``."""
 _NBGRADER_SCHEMA = 3
 _HEAD = (
     "# Exercises\n\nChange each function until its check says that all hidden scenes are right. A "
@@ -59,7 +59,7 @@ def _for_students(one: Exercise, seed: int) -> list[Cell]:
 
 
 def _for_nbgrader(one: Exercise, seed: int) -> list[Cell]:
-    """Task, solution and tests with nbgrader's marks; a release has neither solution nor seed."""
+    """Task, solution and tests with nbgrader's marks; the release has neither solution nor seed."""
     hidden = f"### BEGIN HIDDEN TESTS\n{_test(one, seed)}\n### END HIDDEN TESTS"
     task = _markdown(f"{one.name}-task", _task_with_beginning(one))
     solution = _code(one.name, _with_region(one.starter, "### "))
@@ -94,7 +94,7 @@ _GRADERS: Mapping[str, Callable[[Exercise, int], list[Cell]]] = MappingProxyType
 
 
 def _test(one: Exercise, seed: int | None = None) -> str:
-    """Lines that fail with the check's sentence where a function is wrong."""
+    """Code that fails with the check's sentence if a function is wrong."""
     scenes = "" if seed is None else f", seed={seed}"
     return (
         f'verdict = abi.teach.check("{one.name}", {one.name}{scenes})\n'
@@ -103,7 +103,7 @@ def _test(one: Exercise, seed: int | None = None) -> str:
 
 
 def _task_with_beginning(one: Exercise) -> str:
-    """The task, and the beginning that the grader takes out of the solution's cell."""
+    """The task, and the beginning that the grader cuts out of the solution's cell."""
     beginning = f"A beginning, not right yet:\n\n```python\n{one.starter.strip()}\n```"
     return f"## {one.title}\n\n{one.task}\n\n{beginning}"
 

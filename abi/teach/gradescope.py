@@ -9,11 +9,11 @@ from abi.teach.catalogue import exercise
 from abi.teach.verdict import ExerciseVerdict
 
 POINTS = 10.0
-"""For each exercise that is right; nothing for others."""
+"""Points for each exercise that is right."""
 
 
 def results(verdicts: Sequence[ExerciseVerdict]) -> dict[str, Any]:
-    """The content of ``results.json``: a test for each verdict, with what was found."""
+    """The content of ``results.json``: a test for each verdict."""
     return {
         "tests": [
             {

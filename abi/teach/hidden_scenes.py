@@ -1,4 +1,4 @@
-"""Hidden scenes of exercises: the paper's, and boxes at random, with their graphs."""
+"""Hidden scenes of exercises: the paper's, and random boxes, with their graphs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 
 SCENES = 20
-"""Hidden scenes of an exercise."""
+"""Number of hidden scenes of an exercise."""
 _SIDE, _PITCH, _CLEARANCE = 6.0, 1.3, 0.2
 _MOST_BOXES = 4
 
@@ -91,7 +91,7 @@ def hidden_scene(scene: Scene) -> HiddenScene | None:
 
 
 def _random_boxes(random: np.random.Generator) -> Iterator[list[dict[str, Any]]]:
-    """Boxes at random, without end; they may overlap, but keep clear of start and goal."""
+    """Endless sequence of random boxes, which may overlap but leave start and goal free."""
     while True:
         boxes = []
         for _ in range(int(random.integers(1, _MOST_BOXES + 1))):

@@ -1,4 +1,4 @@
-"""Numbers and points in the sentences of exercises, and whether an answer is one."""
+"""Numbers and points in the sentences of exercises, and checks of answers."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from abi.length_text import with_minus
 
 
 def text(value: float) -> str:
-    """A number with four digits, as people read it."""
+    """Format a number with four digits."""
     return with_minus(f"{value + 0.0:.4g}")
 
 
 def point(place: Iterable[float]) -> str:
-    """A point in brackets."""
+    """Format a point in parentheses."""
     return f"({', '.join(map(text, place))})"
 
 
 def shown(value: Any) -> str:
-    """An answer as text, short enough for a sentence."""
+    """Format an answer, shortened for a sentence."""
     if isinstance(value, float):
         return text(value)
     if isinstance(value, list) and value and all(is_number(part) for part in value):
@@ -35,7 +35,7 @@ def is_number(value: Any) -> bool:
 
 
 def are_numbers(value: Any, count: int) -> bool:
-    """Check whether an answer is a list of so many finite numbers."""
+    """Check whether an answer is a list of that many finite numbers."""
     return isinstance(value, list) and len(value) == count and all(map(is_number, value))
 
 

@@ -25,7 +25,7 @@ _REFUSED = frozenset(
     | {"os.spawn", "os.startfile", "os.symlink", "os.system", "os.truncate", "os.utime"}
     | {"shutil.rmtree", "signal.pthread_kill", "subprocess.Popen", "winreg.CreateKey"}
 )
-"""Audit events of what no exercise needs."""
+"""Audit events that no exercise needs."""
 _NETWORK = "socket."
 _WRITTEN = "files to write to"
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -33,7 +33,7 @@ _NEW_USER_AND_NETWORK = 0x10000000 | 0x40000000  # CLONE_NEWUSER, CLONE_NEWNET
 
 
 def main() -> None:
-    """Run the job that comes on standard input, one line of answer for each call.
+    """Run the job from standard input, and print one line of answer for each call.
 
     The command line has the limits: memory in bytes, bytes of the answers, and processor time in
     seconds.
@@ -57,7 +57,7 @@ def main() -> None:
 
 
 def answers_of(job: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """The answers of a job, one for each of its trials, until one of them fails."""
+    """The answers of a job, one for each trial, until one fails."""
     try:
         function = _function(job)
     except BaseException as error:
@@ -79,7 +79,7 @@ def answers_of(job: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _function(job: dict[str, Any]) -> Callable[..., Any]:
-    """The student's function, of a pickle or of a file's text."""
+    """Load the student's function from a pickle or from a file's text."""
     if "pickle" in job:
         function = pickle.loads(bytes.fromhex(job["pickle"]))
     else:
@@ -94,7 +94,7 @@ def _function(job: dict[str, Any]) -> Callable[..., Any]:
 
 
 def _plain(value: Any) -> Any:
-    """The value as JSON can hold it: numpy's numbers and arrays as Python's."""
+    """Convert a value for JSON: numpy's numbers and arrays to Python's."""
     if isinstance(value, (bool, int, float, str)) or value is None:
         return value
     if hasattr(value, "tolist"):
@@ -107,7 +107,7 @@ def _plain(value: Any) -> Any:
 
 
 def _told(error: BaseException, file: str) -> str:
-    """The error in one line, with the line of the student's code where it happened."""
+    """The error in one line, with the line of the student's code that raised it."""
     place = ""
     with contextlib.suppress(Exception):
         own = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_in(frame, file)]
@@ -131,13 +131,13 @@ def _write(answers: TextIO, line: dict[str, Any]) -> None:
 
 
 def _leave_the_network(ctypes: Any) -> None:
-    """Move to a network of its own that leads nowhere, where Linux allows that to everybody."""
+    """Move to an isolated network namespace, if Linux allows that to any user."""
     with contextlib.suppress(OSError, AttributeError):
         ctypes.CDLL(None).unshare(_NEW_USER_AND_NETWORK)
 
 
 def _restrict(memory: int, answer: int, seconds: int) -> None:
-    """Give up all but ``memory`` more bytes, ``answer`` bytes of answers, ``seconds`` of time.
+    """Limit memory to ``memory`` more bytes, answers to ``answer`` bytes, and time to ``seconds``.
 
     Whoever ignores the signal at the end of the time is ended a second later. Where the system has
     no such limits, as Windows, whoever waits still limits the time.
@@ -156,7 +156,7 @@ def _restrict(memory: int, answer: int, seconds: int) -> None:
 
 
 def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
-    """Refuse what no exercise needs, before it happens."""
+    """Audit hook that refuses what no exercise needs."""
     if event == "open":
         _, mode, flags = arguments
         writes = isinstance(mode, str) and any(letter in mode for letter in "wax+")

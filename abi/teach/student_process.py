@@ -1,4 +1,4 @@
-"""A student's function in a process of its own, with limits of time and memory."""
+"""Runs a student's function in a separate process with limits of time and memory."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _ROOT = Path(__file__).resolve().parents[2]
 _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _KEPT = ("HOME", "LANG", "LD_LIBRARY_PATH", "PATH", "SYSTEMROOT", "TEMP", "TMPDIR")
 _LARGEST_FILE = 1_000_000
-"""Bytes of a student's file."""
+"""Most bytes of a student's file."""
 _OUT_OF_TIME = -signal.SIGXCPU if hasattr(signal, "SIGXCPU") else None
-"""Code of a process that the system ended for its processor time."""
+"""Exit code of a process that exceeded its processor time."""
 _ENDED = "it ended its process, or took too much time or memory"
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a student's function may take.
+    """Limits of a student's function.
 
     Attributes:
         seconds: of processor time, for all trials together, its start included.
@@ -72,7 +72,7 @@ Student = Callable[..., Any] | str | Path
 def run(
     student: Student, name: str, caller: str, trials: Sequence[Any], limits: Limits | None = None
 ) -> Answers:
-    """Run a student's function on trials, in a process that is ended when its time is over.
+    """Run a student's function on trials, in a process that is killed at its time limit.
 
     Args:
         student: the function, or the file that has one of that name.
@@ -116,19 +116,19 @@ def run(
 
 
 def _environment() -> dict[str, str]:
-    """What the process is told of its surroundings: no secrets of a server, for one."""
+    """Environment of the process, without the server's secrets."""
     paths = [str(_ROOT), *(path for path in sys.path if path)]
     kept = {name: os.environ[name] for name in _KEPT if name in os.environ}
     return {**kept, "PYTHONPATH": os.pathsep.join(paths), **dict.fromkeys(_SINGLE, "1")}
 
 
 def job_of(student: Student, name: str, caller: str, trials: Sequence[Any]) -> dict[str, Any]:
-    """What the other process is sent, as plain data; arguments and errors as for :func:`run`."""
+    """The job as plain data for the process; arguments and errors as for :func:`run`."""
     return {**_sent(student, name), "caller": caller, "trials": list(trials)}
 
 
 def _sent(student: Student, name: str) -> dict[str, Any]:
-    """The student's function, as the other process takes it."""
+    """The student's function in a form that the process can load."""
     if isinstance(student, (str, Path)):
         try:
             with open(student, encoding="utf-8") as file:
@@ -149,7 +149,7 @@ def _sent(student: Student, name: str) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def _by_value(module: ModuleType | None) -> Iterator[None]:
-    """Send a module's functions whole: the other process need not find its file."""
+    """Pickle a module's functions by value, as the process need not find its file."""
     own = module is not None and module.__name__ not in ("__main__", "builtins", "math")
     own = own and getattr(module, "__file__", None) is not None
     if not own or module is None or module.__name__ in cloudpickle.list_registry_pickle_by_value():
@@ -163,7 +163,7 @@ def _by_value(module: ModuleType | None) -> Iterator[None]:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """End it, with all that it has started, unless it has ended by itself."""
+    """Kill the process and its children, unless it has ended."""
     if process.poll() is not None:
         return
     with contextlib.suppress(OSError):
@@ -174,7 +174,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def read(lines: Iterable[bytes], trials: int, failure: str = _ENDED) -> Answers:
-    """The answers in lines that the process has written, the last of which may be cut off.
+    """Parse the answers in the process's output, whose last line may be truncated.
 
     Args:
         lines: each one answer as JSON.

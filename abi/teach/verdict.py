@@ -13,7 +13,7 @@ from abi.teach.numbers import shown
 from abi.teach.student_process import Answers, Limits, Student, run
 
 SEED = 2016
-"""Of the hidden scenes; a teacher may take another."""
+"""Default seed of the hidden scenes; a teacher may choose another."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Counterexample:
 
 @dataclass(frozen=True)
 class ExerciseVerdict:
-    """What a check found.
+    """Result of a check.
 
     Attributes:
         exercise: its name.
@@ -85,7 +85,7 @@ class ExerciseVerdict:
 def check(
     name: str, function: Student, *, seed: int = SEED, limits: Limits | None = None
 ) -> ExerciseVerdict:
-    """Run a student's function on 20 hidden scenes, in a process of its own.
+    """Run a student's function on 20 hidden scenes, in a separate process.
 
     Args:
         name: of the exercise, in :func:`abi.teach.exercises`.
@@ -129,7 +129,7 @@ def judged(asked: Exercise, trials: tuple[Trial, ...], answers: Answers) -> dict
 
 
 def _fault(asked: Exercise, trial: Trial, values: list[Any]) -> ExerciseFault | None:
-    """What is wrong with the values of a trial; a student's process may have answered anything."""
+    """Fault of the values of a trial, which may be anything."""
     if len(values) != len(trial.calls):
         return ExerciseFault("It did not answer every call.")
     return asked.judge(trial, values)

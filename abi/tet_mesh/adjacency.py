@@ -1,4 +1,4 @@
-"""Adjacency of a mesh in the format of the kernels, which ``adjacency_kernels`` describes."""
+"""Adjacency of a mesh in the format of the kernels, see ``adjacency_kernels``."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from abi.scene.settings import Workspace
 from abi.tet_mesh.regular_lattice import Cells, grid
 
 _JITTER = 0.3
-"""Largest displacement of a node along each axis, in cells; below 0.5 nodes keep their order."""
+"""Largest random displacement of a node along each axis, in cells; below 0.5 their order stays."""
 
 _SLIVER = 1e-9
 """Part of a cell's volume below which a tetrahedron is left out: where more than four nodes lie on
@@ -19,7 +19,7 @@ one sphere, Delaunay's triangulation has tetrahedra without volume."""
 
 
 def jittered_delaunay(workspace: Workspace, cells: Cells, seed: int) -> tuple[FloatArray, IntArray]:
-    """The grid with displaced nodes; a node on a face of the box is not moved out of its plane.
+    """The grid with displaced nodes; those on a face of the box stay in its plane.
 
     Args:
         workspace: the box.

@@ -54,7 +54,7 @@ class Exclusion(ShortRepr):
 
     @cached_property
     def end(self) -> int:
-        """Number behind the last of all nodes that it names."""
+        """One more than the largest node that it names."""
         runs = self.starts.astype(np.int64) + self.lengths
         return max(int(runs.max(initial=0)), int(self.cut_nodes.max(initial=-1)) + 1)
 
@@ -110,7 +110,7 @@ def exclude(mesh: TetMesh, obstacles: ObstacleSet, margin: float) -> FreeMesh:
 
 
 def apply(free: FreeMesh, exclusions: Sequence[Exclusion]) -> FreeMesh:
-    """Exclude more from a free mesh."""
+    """Exclude further nodes and edges from a free mesh."""
     if not exclusions:
         return free
     mesh, nodes = free.mesh, free.nodes

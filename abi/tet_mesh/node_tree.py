@@ -1,4 +1,4 @@
-"""A tree over the nodes of a mesh, to decide about many at once."""
+"""A tree over the nodes of a mesh, for decisions about many at once."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from abi.compiled import FLOATS, IDS
 from abi.obstacles.triangle_mesh.bvh import of_all_nodes
 
 _LEAF = 4
-"""Nodes that a leaf has, about."""
+"""Approximate number of nodes in a leaf."""
 _BITS = 10
-"""Bits of the cells along each side, by which the nodes are sorted."""
+"""Bits per axis of the cells by which the nodes are sorted."""
 
 
 class NodeTree(NamedTuple):
-    """A complete binary tree over places: branch k parts into 2 k + 1 and 2 k + 2.
+    """A complete binary tree over points: branch k has the children 2 k + 1 and 2 k + 2.
 
     Attributes:
         points: the places, in the tree's order, flat (3 n,), [unit], world.
@@ -39,7 +39,7 @@ NO_NODES = NodeTree(FLOATS, IDS, IDS, FLOATS)
 
 
 def tree_over(points: FloatArray) -> NodeTree:
-    """The tree over places (n, 3), [unit], world, sorted along Morton's curve."""
+    """Build the tree over points (n, 3), [unit], world, sorted along Morton's curve."""
     points = arguments.points("points", points)
     order = np.argsort(_morton(points), kind="stable")
     ordered = points[order]
@@ -57,7 +57,7 @@ def tree_over(points: FloatArray) -> NodeTree:
 
 
 def _morton(points: FloatArray) -> IntArray:
-    """Cells of places (n, 3): their numbers along each axis, bit by bit in turn."""
+    """Morton codes of points (n, 3)."""
     low = points.min(axis=0)
     size = max(float(np.ptp(points, axis=0).max()), 1e-300)
     cells = ((points - low) * ((2**_BITS - 1) / size)).astype(np.int32)

@@ -1,4 +1,4 @@
-"""A regular lattice as views of arrays of one value per node.
+"""A regular lattice as array views with one value per node.
 
 A family is all edges, or all tetrahedra, that are translates of one another. Each family is given
 by the values at its corners, so one description serves node ids (which makes the table) and flags
@@ -29,7 +29,7 @@ Corners = tuple[Values, Values, Values, Values]
 
 @dataclass(frozen=True)
 class RegularLattice:
-    """Cubes, each cut in the same way.
+    """A lattice of cubes that are all cut in the same way.
 
     Attributes:
         kind: its number in the kernels, see ``adjacency_kernels``.

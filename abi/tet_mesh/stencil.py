@@ -1,4 +1,4 @@
-"""Directions of a lattice: which nodes are a node's neighbours, without a table of edges.
+"""Directions of a lattice, which give a node's neighbours without a table of edges.
 
 Positions are counted in half cells: the corner (i, j, k) is at (2i, 2j, 2k) and the centre of a
 cube at (2i + 1, 2j + 1, 2k + 1). An edge has one number at each of its ends, its bit in
@@ -97,7 +97,7 @@ class Stencil(ReadOnlyCopies):
         return read_only(bits)
 
     def ends(self, step: Step) -> tuple[int, int]:
-        """Numbers of an edge at its tail and at its head; ``step`` is in cells, tail to head."""
+        """Ends of the edges in a direction; ``step`` is in cells, from tail to head."""
         found = np.flatnonzero((self.steps == 2 * np.array(step)).all(axis=1))
         there = int(found[0])
         return there, (there if there < self.cross else there ^ 1)
@@ -122,7 +122,7 @@ class Stencil(ReadOnlyCopies):
         return (i * (ny + 1) + j) * (nz + 1) + k
 
     def heads(self, nodes: IntArray) -> IntArray:
-        """Neighbours in each direction of nodes (m,), shape (m, d); any id where there is none."""
+        """Neighbours in each direction of nodes (m,), shape (m, d); any id if there is none."""
         nx, ny, nz = self.cells
         corners = (nx + 1) * (ny + 1) * (nz + 1)
         low = nodes < corners

@@ -151,7 +151,7 @@ class TetMesh(ShortRepr):
 IRREGULAR: Mapping[str, Callable[[Workspace, Cells, int], tuple[FloatArray, IntArray]]] = (
     MappingProxyType({"delaunay": jittered_delaunay})
 )
-"""Nodes (n, 3) and tetrahedra (m, 4) in a box, of its cells and a seed, by the lattice's name."""
+"""Functions by lattice name: nodes (n, 3) and tetrahedra (m, 4) of a box, its cells and a seed."""
 
 
 def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:

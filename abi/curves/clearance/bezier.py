@@ -54,7 +54,7 @@ class Bezier(ReadOnlyCopies):
         return int(self.points.shape[1]) - 1
 
     def bezier(self) -> Bezier:
-        """The pieces themselves."""
+        """This curve itself, which is a :class:`PolynomialCurve`."""
         return self
 
     def chords(self, count: int) -> tuple[FloatArray, float]:

@@ -126,7 +126,7 @@ def certify(
 def _behind_boxes(
     curve: Bezier, obstacles: ObstacleSet, margin: float
 ) -> tuple[BoolArray, FloatArray]:
-    """Separate a curve from the boxes of meshes far from it, and so from all that is in them.
+    """Separate a curve from the boxes of distant meshes, and so from the meshes.
 
     Returns:
         Which meshes (m,) are left, and the planes for the others.
@@ -198,7 +198,7 @@ def _against_mesh(
 
 
 def _buffer(curve: Bezier) -> FloatArray:
-    """Room for the points of the curve and of its halves, see ``separate_from_primitives``."""
+    """Buffer for the points of the curve and of its halves, see ``separate_from_primitives``."""
     pieces = len(curve.points) + 2 * MOST_HALVINGS + 2
     return np.zeros(3 * pieces * (curve.degree + 1))
 

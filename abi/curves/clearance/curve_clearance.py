@@ -144,7 +144,7 @@ def proven_clearance(
 def _margins(
     measured: Clearance, obstacles: ObstacleSet, required: float, step: float
 ) -> list[float]:
-    """Distances to try to prove, descending, [unit]."""
+    """Candidate margins to prove, descending, [unit]."""
     if not obstacles:
         return [math.inf]
     lowest = required - ROUNDING
@@ -162,7 +162,7 @@ def _margins(
 
 
 def _joined(stretches: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Sort intervals that do not overlap, and join those that touch."""
+    """Sort disjoint intervals, and join those that touch."""
     joined: list[tuple[float, float]] = []
     for start, end in sorted(stretches):
         if joined and start <= joined[-1][1]:

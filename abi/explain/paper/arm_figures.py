@@ -85,6 +85,6 @@ def _facing_poses(arm: PaperArm) -> tuple[FloatArray, FloatArray]:
 
 
 def _share(values: FloatArray, expected: FloatArray) -> float:
-    """Percentage of poses in which one of the values (n,) or (k, n) is that expected (n,)."""
+    """Percentage of poses in which one of the values (n,) or (k, n) is the expected one (n,)."""
     equal = np.abs(values - expected) < 1e-6
     return 100 * float(equal.reshape(-1, len(expected)).any(axis=0).mean())

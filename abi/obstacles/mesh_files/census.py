@@ -21,7 +21,7 @@ _OBJ_TEXT = (
     rb"(?<![^\r\n])[ \t]*"
     rb"(#|(g|o|s|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)[ \t])[^\r\n]*"
 )
-"""Lines of an OBJ that are for people, or name something."""
+"""Statements of an OBJ that are comments or names."""
 _SIZES = {
     **{"char": 1, "uchar": 1, "short": 2, "ushort": 2, "int": 4, "uint": 4, "float": 4},
     **{"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "float32": 4},
@@ -32,7 +32,7 @@ _CODES |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i",
 
 
 def count(data: bytes, suffix: str) -> int:
-    """Number of triangles of a file that its reader has taken; a polygon of n corners is n − 2.
+    """Number of triangles of a valid file; a polygon with n corners counts as n − 2.
 
     Args:
         data: content.
@@ -223,7 +223,7 @@ def _dae_node(
 
 
 def _dae_geometry(geometry: ElementTree.Element) -> int:
-    """Triangles that the counts announce; only strips and fans say nothing of their length."""
+    """Triangles by the element counts; only strips and fans do not state their length."""
     total = 0
     for one in geometry.findall("{*}mesh/*"):
         kind = one.tag.rpartition("}")[2]

@@ -70,7 +70,7 @@ class _Document:
                 self._ids.setdefault(key, element)
 
     def metres(self) -> float:
-        """Length of the file's unit, [m]; a metre where it says nothing."""
+        """Length of the file's unit, [m]; one metre by default."""
         units = [one for one in self.root.iter("{*}unit") if one.getparent() is not None]
         lengths = {_metres(one) for one in units if name_of(one.getparent()) == "asset"}
         if len(lengths) > 1:
@@ -78,7 +78,7 @@ class _Document:
         return lengths.pop() if lengths else 1.0
 
     def up(self) -> str:
-        """Axis that points up in the file: y where it says nothing."""
+        """Axis that points up in the file; y by default."""
         axes = {"".join(one.itertext()).strip() for one in self.root.iter("{*}up_axis")}
         if len(axes) > 1:
             raise ValueError("a DAE of one up_axis, its parts have several")
@@ -88,7 +88,7 @@ class _Document:
         return _AXES[up]
 
     def target(self, element: etree._Element, kind: str) -> etree._Element:
-        """What the url of an instance refers to."""
+        """Element that the url of an instance refers to."""
         url = str(element.get("url", "")).strip()
         key = (kind, url.removeprefix("#"))
         if not url.startswith("#"):
@@ -115,7 +115,7 @@ class _Document:
             waiting += [(one, pose, depth + 1) for one in inner]
 
     def left_out(self) -> tuple[str, ...]:
-        """Sentences on what of the file no node places."""
+        """Sentences on what no node of the file places."""
         instances = list(self.root.iter("{*}instance_geometry", "{*}instance_controller"))
         urls = {str(one.get("url", "")).strip() for one in instances}
         geometries = [key for kind, key in self._ids if kind == "geometry"]

@@ -1,4 +1,4 @@
-"""Colours of the materials of a DAE file; what is not understood has none."""
+"""Colours of the materials of a DAE file; unsupported ones are left out."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from abi.obstacles.mesh_files.words import float_words
 from abi.obstacles.mesh_files.xml_document import name_of
 
 _WHITE = np.full((1, 3), 255, dtype=np.uint8)
-"""Of a material whose colour is a picture, which is not looked for."""
+"""Colour of a material with a texture, which is not read."""
 
 
 class Colours:
@@ -31,7 +31,7 @@ class Colours:
                 self._by_material[f"#{material.get('id')}"] = _diffuse(effect)
 
     def bound(self, instance: etree._Element) -> Mapping[str, ByteArray]:
-        """Colours by the symbols that an instance of a geometry binds."""
+        """Colours by the symbols that a geometry's instance binds."""
         return {
             str(one.get("symbol")): self._by_material[str(one.get("target"))]
             for one in instance.iter("{*}instance_material")
@@ -39,7 +39,7 @@ class Colours:
         }
 
     def painted(self, primitive: Primitive, bound: Mapping[str, ByteArray]) -> Parts:
-        """The triangles with the colour that their symbol has."""
+        """The triangles in the colour of their symbol."""
         colour = bound.get(primitive.material, NO_COLOURS)
         if not len(colour):
             return primitive.parts
@@ -47,7 +47,7 @@ class Colours:
 
 
 def _diffuse(effect: etree._Element) -> ByteArray:
-    """Colour (1, 3) of an effect's diffuse light."""
+    """Diffuse colour (1, 3) of an effect."""
     diffuse = next(effect.iter("{*}diffuse"), None)
     if diffuse is None or not len(diffuse):
         return _WHITE

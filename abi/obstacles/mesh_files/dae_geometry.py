@@ -32,7 +32,7 @@ class Primitive(NamedTuple):
 
 
 class _Input(NamedTuple):
-    """Where the corners of a primitive stand in its numbers, and the positions they count."""
+    """Offset of the corners in a primitive's indices, and the positions that they refer to."""
 
     offset: int
     stride: int
@@ -40,7 +40,7 @@ class _Input(NamedTuple):
 
 
 class GeometryReader:
-    """Reader of geometries, each of which is read once; it counts what it leaves out."""
+    """Reader of geometries that reads each once and counts what it leaves out."""
 
     def __init__(self, most_faces: int) -> None:
         self._most = most_faces
@@ -59,7 +59,7 @@ class GeometryReader:
         return self._read[name]
 
     def left_out(self) -> tuple[str, ...]:
-        """Sentences on what of the geometries is not read, or not for certain."""
+        """Sentences on what of the geometries is not read, or only by assumption."""
         notes = []
         if self._bent:
             noun = counted(self._bent, "polygon")
@@ -142,7 +142,7 @@ class GeometryReader:
 
 
 def _input(mesh: etree._Element, element: etree._Element) -> _Input:
-    """The input of a primitive that counts positions."""
+    """The input of a primitive that refers to positions."""
     inputs = children(element, "input")
     offsets = [integer(one, "offset", "0") for one in inputs]
     found = [k for k, one in enumerate(inputs) if one.get("semantic") == "VERTEX"]
@@ -157,7 +157,7 @@ def _input(mesh: etree._Element, element: etree._Element) -> _Input:
 
 
 def _local(mesh: etree._Element, element: etree._Element, kind: str) -> etree._Element:
-    """The child of a mesh that the source of an input names."""
+    """The element that an input's source refers to."""
     url = str(element.get("source", "")).strip()
     found = [one for one in children(mesh, kind) if f"#{one.get('id')}" == url]
     if len(found) != 1:
@@ -192,7 +192,7 @@ def _points(source: etree._Element) -> FloatArray:
 
 
 def _corners(element: etree._Element, corners: _Input) -> IntArray:
-    """Ids of the positions in a list of numbers, of which each corner has several."""
+    """Indices of the positions in a list of interleaved indices."""
     numbers = _whole(floats(element), element)
     if len(numbers) % corners.stride:
         raise ValueError(f"{corners.stride} numbers for each corner in {where(element)}")

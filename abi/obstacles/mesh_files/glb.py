@@ -24,12 +24,12 @@ _HARMLESS = {
     *("KHR_lights_punctual", "KHR_texture_basisu", "EXT_texture_webp", "KHR_xmp_json_ld"),
     *("KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability"),
 }
-"""Extensions that change no surface; a node that is not to be seen still is an obstacle."""
+"""Extensions that change no surface; an invisible node is still an obstacle."""
 _MULTIPLYING = {
     *("EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression", "KHR_gaussian_splatting"),
     *("EXT_meshopt_compression", "KHR_meshopt_compression"),
 }
-"""Extensions that stand for triangles which the rest of the file does not have."""
+"""Extensions for triangles that the rest of the file does not have."""
 _MOST_JSON = 8_000_000
 _NO_AREA = {0: "point", 1: "line", 2: "line", 3: "line"}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
@@ -62,7 +62,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
 
 
 def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
-    """The document and the binary part; the file's two parts must fill it to the byte."""
+    """The document and the binary chunk, which must fill the file to the byte."""
     if len(data) < 20 or data[:4] != b"glTF":
         raise ValueError("a GLB file, this does not begin like one")
     version, total, length, kind = struct.unpack_from("<III4s", data, 4)
@@ -93,7 +93,7 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
 
 
 def _weigh(weights: object) -> bool:
-    """Check whether weights of morph targets, where they are given, do not all vanish."""
+    """Check whether any of the given morph weights is not zero."""
     return any(weights) if isinstance(weights, list) else weights is not None
 
 
@@ -102,7 +102,7 @@ def _refuse(constant: str) -> None:
 
 
 def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """A mapping; of a name that is there twice readers take either."""
+    """A mapping without duplicate names, of which readers could take either."""
     mapping = dict(pairs)
     if len(mapping) < len(pairs):
         raise ValueError
@@ -131,7 +131,7 @@ class _File:
         raise ValueError(f"a whole GLB file, {kind}[{str(index)[:12]}] is missing")
 
     def triangles(self, index: object, weights: object = None) -> list[Parts]:
-        """Vertices and triangles of each primitive of a mesh, whose morphs must weigh nothing."""
+        """Vertices and triangles of each primitive of a mesh, whose morph weights must be zero."""
         mesh = self.item("meshes", index)
         primitives = mesh.get("primitives")
         if not isinstance(primitives, list):
@@ -156,7 +156,7 @@ class _File:
         return parts
 
     def left_out(self, placed_meshes: int) -> tuple[str, ...]:
-        """Sentences on what of the file is not read, after its placed meshes are.
+        """Sentences on what of the file is not read, once its placed meshes are read.
 
         Args:
             placed_meshes: number of nodes of the default scene that have a mesh.
@@ -188,7 +188,7 @@ class _File:
         return [one for one in listed if isinstance(one, dict)]
 
     def check_extensions(self, entry: dict[str, Any], name: str) -> None:
-        """Refuse extensions that multiply or pack triangles; note others that are not known."""
+        """Refuse extensions that multiply or compress triangles; note unknown ones."""
         extensions = entry.get("extensions", {})
         if not isinstance(extensions, dict):
             raise ValueError(f"a GLB file whose extensions are mappings, that of {name} is not")

@@ -17,16 +17,16 @@ from abi.obstacles.mesh_files.words import counted, shown
 
 _INDEX = re.compile(r"[+-]?[0-9]{1,9}").fullmatch
 _USUAL_FACE = re.compile("f" + 3 * r"\s+([0-9]{1,9})(?:/\S*)?" + r"\s*").fullmatch
-"""A triangle's line, in all but a few files; it takes a third of the time."""
+"""Pattern of a triangle's line, the fast path for all but a few files."""
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _UNIT = re.compile(r"# abi unit (\S{1,40})")
-"""First line of a file that this package has written, of a mesh whose own file gives a unit."""
+"""First line of a file written by this package, with the unit of the original file."""
 _LONGEST_UNIT = 1e4
-"""[m]"""
+"""Longest accepted unit, [m]."""
 _CURVED = {"surf", "bzp", "bsp", "cdp"}
-"""Statements of free-form surfaces, the last three from old versions of the format."""
+"""Statements of free-form surfaces, the last three from older versions of the format."""
 _TEXT = re.compile(r"\s*(?:#|(?:[gos]|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)\s)").match
-"""Lines of text, at whose end a backslash is that of a path."""
+"""Statements with text, in which a final backslash is part of a path."""
 _WITHOUT_SURFACE = {
     *(
         "vt",
@@ -51,12 +51,12 @@ _LINES = {"l": "line", "p": "point", "curv": "curve", "cdc": "curve"}
 
 
 def write_unit(metres: float) -> str:
-    """First line of a file whose unit is so long, [m]."""
+    """First line of a file with this unit, [m]."""
     return f"# abi unit {metres!r}"
 
 
 def read(data: bytes, most_faces: int) -> MeshFile:
-    """Vertices and faces; lines and points are left out with a note.
+    """Read vertices and faces; lines and points are left out with a note.
 
     Raises:
         ValueError: says what it ought to be.
@@ -132,7 +132,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers; one of numbers that ends with a backslash goes on in the next."""
+    """Lines with their numbers; a final backslash continues a line of numbers."""
     begun, start = "", 0
     for number, line in enumerate(_LINE_END.split(text), 1):
         start = start or number
@@ -155,7 +155,7 @@ def _unit(text: str) -> float | None:
 
 
 def _numbers(words: list[str], line: int) -> list[float]:
-    """Coordinates of a vertex, behind which may be its weight or its colour."""
+    """Coordinates of a vertex, perhaps followed by its weight or colour."""
     try:
         if 3 <= len(words) <= 7 and max(map(len, words)) <= 40:
             return [float(word) for word in words][:3]

@@ -67,7 +67,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
 
 
 def _polygon(words: list[str], vertices: int, line: int) -> list[int]:
-    """Corners of a line such as ``3 0 1 2 255 0 0``, whose end is a colour."""
+    """Corners in a line such as ``3 0 1 2 255 0 0``, which ends with a colour."""
     if not all(map(_COUNT, words[:1])) or len(words) <= int(words[0]):
         raise ValueError(f"faces that give their number of corners, line {line} does not")
     corners = words[1 : int(words[0]) + 1]

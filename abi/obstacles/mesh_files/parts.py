@@ -1,4 +1,4 @@
-"""Triangles of a mesh file: its parts, and what they are put together to."""
+"""Triangles of a mesh file: its parts, and how they are joined."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from abi.obstacles.pose import LARGEST
 
 NO_COLOURS: ByteArray = read_only(np.empty((0, 3), dtype=np.uint8))
 _GREY = 200
-"""Of a part without a colour beside others that have one."""
+"""Colour of parts without one beside coloured parts."""
 
 
 class Parts(NamedTuple):
@@ -33,7 +33,7 @@ class Parts(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MeshFile:
-    """What a mesh file holds.
+    """Contents of a mesh file.
 
     Attributes:
         parts: all its triangles, each where the file places it, in the file's unit and axes.
@@ -49,14 +49,14 @@ class MeshFile:
 
 
 def placed(parts: Parts, pose: FloatArray) -> Parts:
-    """The parts at an affine pose (4, 4); triangles of a mirrored part keep facing outward."""
+    """The parts at an affine pose (4, 4); triangles of mirrored parts keep facing outward."""
     vertices = parts.vertices @ pose[:3, :3].T + pose[:3, 3]
     mirrored = np.linalg.det(pose[:3, :3]) < 0
     return Parts(vertices, parts.faces[:, ::-1] if mirrored else parts.faces, parts.colours)
 
 
 def joined(several: Sequence[Parts]) -> Parts:
-    """Parts as one; those without a colour are grey where others have one."""
+    """Join parts; those without a colour become grey beside coloured ones."""
     if not several:
         return Parts(np.empty((0, 3)), np.empty((0, 3), dtype=np.int32))
     firsts = np.cumsum([0, *(len(one.vertices) for one in several[:-1])]).astype(np.int32)
@@ -72,7 +72,7 @@ def joined(several: Sequence[Parts]) -> Parts:
 
 
 def loose_points(parts: Parts) -> tuple[str, ...]:
-    """A sentence on the vertices of a file that no face has; nothing is blocked by a point."""
+    """Sentence on the vertices that no face uses; a point blocks nothing."""
     used = np.zeros(len(parts.vertices), dtype=np.bool_)
     used[parts.faces] = True
     loose = len(used) - int(used.sum())

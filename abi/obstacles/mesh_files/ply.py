@@ -81,7 +81,7 @@ def _polygons(
 
 
 def _rgb(table: Table) -> ByteArray:
-    """Colours (n, 3) of the rows; (0, 3) without any, or where they are not bytes."""
+    """Colours (n, 3) of the rows; (0, 3) if there are none or they are not bytes."""
     parts = [one for name in _COLOUR if isinstance(one := table.get(name), np.ndarray)]
     if len(parts) < 3 or any((part != part.astype(np.uint8)).any() for part in parts):
         return NO_COLOURS
@@ -89,7 +89,7 @@ def _rgb(table: Table) -> ByteArray:
 
 
 def _strips(table: Table, vertices: int) -> IntArray:
-    """Triangles (m, 3) of strips, between which an id is -1; every second one is turned."""
+    """Triangles (m, 3) of strips separated by index -1, with every second one reversed."""
     lists = next((table[name] for name in _CORNERS if name in table), None)
     if not isinstance(lists, PlyLists):
         return np.empty((0, 3), np.int32)

@@ -1,4 +1,4 @@
-"""Elements of a PLY file as tables: its header, and the rows behind it."""
+"""Elements of a PLY file as tables: the header, and the rows after it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class PlyElement(NamedTuple):
 
 
 class PlyLists(NamedTuple):
-    """A list in each row of an element: the lengths (n,), and all values in a row."""
+    """A list property: the lengths (n,), and all values concatenated."""
 
     counts: IntArray
     values: FloatArray
@@ -83,7 +83,7 @@ def _with(element: PlyElement, added: Property) -> PlyElement:
 
 
 def text_tables(body: bytes, elements: Sequence[PlyElement]) -> tuple[list[Table], int]:
-    """The rows of all elements, and the number of words behind them."""
+    """The rows of all elements, and the number of words after them."""
     numbers = float_words(body.split(), "a PLY text of numbers")
     tables, at = [], 0
     for element in elements:
@@ -123,7 +123,7 @@ def _text_table(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Tabl
 
 
 def _uniform_text(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Table, int] | None:
-    """The rows of an element whose lists are all as long as in its first row; else None."""
+    """The rows of an element whose lists all have the first row's lengths; otherwise None."""
     starts: dict[int, int] = {}
     counts: dict[int, int] = {}
     width = 0
@@ -147,7 +147,7 @@ def _uniform_text(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Ta
 def binary_tables(
     body: bytes, elements: Sequence[PlyElement], order: str
 ) -> tuple[list[Table], int]:
-    """The rows of all elements, and the number of bytes behind them."""
+    """The rows of all elements, and the number of bytes after them."""
     tables, at = [], 0
     for element in elements:
         table, at = _binary_table(body, at, element, order)

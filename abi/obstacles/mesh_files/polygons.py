@@ -15,13 +15,13 @@ from abi.arrays import FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import check_points
 
 MOST_CORNERS = 10_000
-"""Largest number of corners of a polygon that is not convex."""
+"""Most corners of a polygon that is not convex."""
 _ROUNDING = 1e-9
-"""Areas below this part of a polygon's size squared are none."""
+"""Relative area, over a polygon's size squared, that counts as zero."""
 _OVERLAP = 1e-7
-"""The same for what triangles may cover twice."""
+"""Relative area that triangles may cover twice."""
 _FLATNESS = 0.01
-"""Largest distance of a corner from its polygon's plane, as a part of the polygon's size."""
+"""Largest distance of a corner from its polygon's plane, over the polygon's size."""
 _CHUNK = 1_000_000
 
 
@@ -40,7 +40,7 @@ class PolygonTriangles(NamedTuple):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """A sentence on the polygons that are not flat."""
+        """Sentence on polygons that are not flat."""
         if not self.bent:
             return ()
         count = "1 polygon is" if self.bent == 1 else f"{self.bent:,} polygons are"
@@ -50,7 +50,7 @@ class PolygonTriangles(NamedTuple):
 def triangulate(
     points: FloatArray, corners: IntArray, counts: IntArray, where: Callable[[int], str]
 ) -> PolygonTriangles:
-    """Cut polygons into triangles.
+    """Triangulate polygons.
 
     Args:
         points: (p, 3).
@@ -86,7 +86,7 @@ def triangulate(
 
 
 def cut(rings: Sequence[FloatArray], name: str) -> IntArray:
-    """Triangles of one polygon, as ids into all corners of its rings.
+    """Triangulate one polygon, as indices into the corners of all its rings.
 
     Args:
         rings: corners (n, 3) of the outline, and of each hole.
@@ -143,7 +143,7 @@ def cut(rings: Sequence[FloatArray], name: str) -> IntArray:
 
 
 def _plane(normal: FloatArray) -> FloatArray:
-    """Two unit vectors (2, 3) that turn left about a unit normal."""
+    """Two orthogonal unit vectors (2, 3) of the plane with a unit normal."""
     first = np.zeros(3)
     first[np.abs(normal).argmin()] = 1.0
     first -= first @ normal * normal

@@ -39,7 +39,7 @@ _Key = tuple[str, int]
 
 
 class _Placed(NamedTuple):
-    """An object, its pose (4, 4), and how many objects it is a component of."""
+    """An object with its pose (4, 4) and its depth of nesting as a component."""
 
     key: _Key
     pose: FloatArray
@@ -76,7 +76,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
 
 
 def root_model(files: Mapping[str, bytes]) -> str:
-    """Name of the model part that an archive begins with.
+    """Name of the root model part of an archive.
 
     Raises:
         ValueError: there is none.
@@ -93,12 +93,12 @@ def root_model(files: Mapping[str, bytes]) -> str:
 
 
 def part_name(path: str) -> str:
-    """Name of a file in an archive for a path of it."""
+    """Name in the archive of a part's path."""
     return path.strip().lstrip("/").lower()
 
 
 class _Package:
-    """The model parts of an archive, parsed when they are first asked for."""
+    """The model parts of an archive, parsed at their first use."""
 
     def __init__(self, files: Mapping[str, bytes]) -> None:
         self._files = files
@@ -109,13 +109,13 @@ class _Package:
         self.metres = self._unit(self._root)
 
     def items(self) -> Iterator[_Placed]:
-        """What the build section places."""
+        """The items of the build section."""
         build = child(self._root, "build")
         for item in children(build, "item") if build is not None else ():
             yield self._reference(item, self._root_name)
 
     def object(self, key: _Key) -> etree._Element:
-        """An object, whose every part can be read."""
+        """Find an object all of whose parts can be read."""
         path, number = key
         if path not in self._objects:
             self._part(path)

@@ -1,4 +1,4 @@
-"""Words of a mesh file's text: as numbers, and as they are shown in sentences."""
+"""Words of a mesh file's text: parsed as numbers, and quoted in sentences."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _LONGEST = 40
 
 
 def float_words(words: Sequence[bytes], what: str) -> FloatArray:
-    """Words as numbers, (n,).
+    """Parse words as numbers, (n,).
 
     Raises:
         ValueError: one is none; says that ``what`` of numbers is expected.
@@ -27,12 +27,12 @@ def float_words(words: Sequence[bytes], what: str) -> FloatArray:
 
 
 def shown(text: str) -> str:
-    """A word of a file in quotes, shortened and without letters that do not print."""
+    """Quote a word of a file, shortened and without unprintable characters."""
     return repr("".join(c if c.isprintable() else "?" for c in text[:_LONGEST]))
 
 
 def counted(number: int, noun: str, several: str = "") -> str:
-    """A number and what it counts: ``1 line is``, ``2 lines are``."""
+    """A number with its noun and verb: ``1 line is``, ``2 lines are``."""
     return f"1 {noun} is" if number == 1 else f"{number:,} {several or f'{noun}s'} are"
 
 

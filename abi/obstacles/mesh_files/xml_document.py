@@ -1,4 +1,4 @@
-"""Strict parser of the XML in mesh files: no document type, no entities, nothing from outside."""
+"""Strict parser of the XML in mesh files: no document type, entities or external references."""
 
 from __future__ import annotations
 
@@ -69,17 +69,17 @@ def name_of(element: etree._Element) -> str:
 
 
 def children(element: etree._Element, *names: str) -> list[etree._Element]:
-    """Children of those names, whatever their namespace."""
+    """Children with one of the names, in any namespace."""
     return list(element.iterchildren(*(f"{{*}}{name}" for name in names)))
 
 
 def child(element: etree._Element, *names: str) -> etree._Element | None:
-    """The first child of one of those names."""
+    """The first child with one of the names."""
     return next(element.iterchildren(*(f"{{*}}{name}" for name in names)), None)
 
 
 def where(element: etree._Element) -> str:
-    """Name and line of an element, for a sentence."""
+    """Name and line of an element as a phrase."""
     return f"<{name_of(element)}> in line {element.sourceline}"
 
 
@@ -106,7 +106,7 @@ def integer(element: etree._Element, attribute: str, default: str = "") -> int:
 
 
 def affine(numbers: FloatArray, name: str) -> FloatArray:
-    """A pose (4, 4) whose entries are within 1e9.
+    """Check a pose (4, 4) whose entries must be within 1e9.
 
     Raises:
         ValueError: they are not.

@@ -1,4 +1,4 @@
-"""Zip archives from outside, measured before they are unpacked."""
+"""Untrusted zip archives, measured before they are unpacked."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MOST_ENTRIES = 1000
 
 
 def unpacked(data: bytes) -> dict[str, bytes]:
-    """Contents of an archive's files by their names in small letters, as names count there.
+    """Unpack an archive's files by lower-case names, since case does not count there.
 
     Raises:
         ValueError: it is damaged, or too large.

@@ -1,4 +1,4 @@
-"""Search for equal rows of a table, by sorting one number for each row."""
+"""Search for equal rows of a table by sorting a hash of each row."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MULTIPLIERS = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)
 
 
 def in_groups(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], BoolArray]:
-    """Order (n,) that groups equal numbers (n,) from 0 on, and flags of the first of each group.
+    """Order (n,) that groups equal numbers (n,) from 0 on, and flags of the first in each group.
 
     Equal numbers stay in their order.
     """

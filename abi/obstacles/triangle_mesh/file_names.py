@@ -1,4 +1,4 @@
-"""Names of files that differ only in how Unicode writes their letters.
+"""File names that differ only in their Unicode normalisation.
 
 ``ü`` is one character, or ``u`` with two dots to be put on it. Both look the same, and some systems
 turn one into the other as they copy or pack a file.
@@ -12,7 +12,7 @@ from pathlib import Path
 
 
 def same_name(name: str, names: Iterable[str]) -> str | None:
-    """The one of ``names`` that is ``name``, or else reads the same; None for none or several."""
+    """The entry of ``names`` equal to ``name``, or the only one that reads the same; or None."""
     found = list(names)
     if name in found:
         return name
@@ -22,7 +22,7 @@ def same_name(name: str, names: Iterable[str]) -> str | None:
 
 
 def same_path(folder: Path, name: str) -> Path:
-    """Path in a folder of the file that ``name`` with its slashes names, or reads the same as.
+    """Path in a folder of the file that ``name`` names, up to Unicode normalisation.
 
     Raises:
         OSError: a folder cannot be listed.

@@ -38,7 +38,7 @@ _OTHER_FORMATS = (
     (b"ply", "another ending, but this is a PLY file"),
 )
 _OWN = {b"PK\x03\x04": ".3mf", b"<": ".dae", b"ply": ".ply"}
-"""Endings of files that may begin so."""
+"""Endings of files that may begin with these bytes."""
 
 
 def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:

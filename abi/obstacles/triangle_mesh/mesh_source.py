@@ -30,7 +30,7 @@ class MeshSource:
 
     @classmethod
     def of(cls, origin: str | Path | Mapping[str, bytes] | MeshSource | None) -> MeshSource:
-        """A source from a scene's folder, from uploaded files by name, or from nothing."""
+        """A source for a scene's folder, for uploaded files by name, or for no files."""
         if isinstance(origin, MeshSource):
             return origin
         if not isinstance(origin, str | Path | Mapping | None):
@@ -64,7 +64,7 @@ class MeshSource:
         return content if isinstance(content, bytes) else self._content(name)
 
     def _given(self, name: str) -> bytes | Surface | None:
-        """What was given under a name, or under one that reads the same."""
+        """File given under a name, up to Unicode normalisation."""
         same = same_name(name, self.files)
         return None if same is None else self.files[same]
 

@@ -1,4 +1,4 @@
-"""Results that belong to a surface and are kept as long as it is."""
+"""Caches of results that belong to a surface and are kept as long as it is."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LATEST = 16
 
 
 class PerSurface(Generic[_R]):
-    """A function of a surface that remembers its results, of equal surfaces the same one.
+    """Function of a surface that caches its results; equal surfaces share one.
 
     They are kept as long as their surfaces are in use, however many a scene has, and the latest
     few beyond that.

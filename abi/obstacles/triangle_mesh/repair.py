@@ -28,16 +28,17 @@ from abi.obstacles.triangle_mesh.welding import (
 )
 
 _WELD = 1e-6
-"""Corners this near, as a part of the mesh's size, are joined where that closes the surface."""
+"""Relative distance, over the mesh's size, within which corners are joined if that closes the
+surface."""
 
 _CANCELLED = "has no holes, but its triangles bound no solid, as where a surface crosses itself"
 
 _MOST = 500_000
-"""Triangles of a surface that is solid in parts: no more than can be read again from a file."""
+"""Most triangles of a united surface, so that its file can be read again."""
 
 
 def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
-    """Repair triangles as far as that needs no guess, and note each repair.
+    """Repair triangles as far as that is unambiguous, and note each repair.
 
     Equal corners are welded; triangles without area and duplicates are dropped. In each shell whose
     edges all have two sides, all triangles are made to face outward. Overlapping, touching and
@@ -92,7 +93,7 @@ class _Split(NamedTuple):
 
 
 def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
-    """Split a mesh into shells; nearby corners are joined where more of it bounds solids then."""
+    """Split a mesh into shells, joining nearby corners if more of it bounds solids then."""
     split = _split_as_it_is(vertices, faces)
     if split.shells.closed.all():
         return split
@@ -103,7 +104,7 @@ def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
 
 
 def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> _Split:
-    """Split a mesh into shells.
+    """Split a mesh into shells without joining nearby corners.
 
     Solids that touch in a face have its triangles twice, once from each side, as surfaces have
     that are to be seen from both. So both sides are kept only where one does not bound a solid.

@@ -1,4 +1,4 @@
-"""Split of a triangle mesh into shells: closed ones, which bound solids, and thin sheets."""
+"""Split of a triangle mesh into shells: closed ones that bound solids, and open sheets."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import first_of_distinct_rows, in_groups, in_rows
 
 _FLAT = 1e-9
-"""A shell whose volume is below this part of its area to the power 3/2 has no inside."""
+"""Relative volume, over the area to the power 3/2, below which a shell has no inside."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shells:
-    """A mesh in shells.
+    """A mesh split into shells.
 
     Attributes:
         faces: (m, 3), those of closed shells facing outward.
@@ -39,7 +39,7 @@ class Shells:
 
 
 def shells_of(vertices: FloatArray, faces: IntArray) -> Shells:
-    """Split faces where they share no edge, and turn each closed shell outward.
+    """Split faces that share no edge, and turn each closed shell outward.
 
     Patches with a free border, such as fins at a solid, bound nothing, and are apart from it.
     """
@@ -54,7 +54,7 @@ def shells_of(vertices: FloatArray, faces: IntArray) -> Shells:
 
 
 def _have_border(faces: IntArray) -> BoolArray:
-    """Mask (m,) of the faces in patches that have a free border, or get one without such patches.
+    """Mask (m,) of the faces in patches with a free border, or whose removal leaves one.
 
     Patches meet at edges of three sides and more.
     """
@@ -185,7 +185,7 @@ class _Edges:
 
 
 def _have_both_sides(faces: IntArray) -> BoolArray:
-    """Mask (m,) of the faces whose corners another face has, too."""
+    """Mask (m,) of the faces that occur twice, once from each side."""
     corners = np.sort(faces, axis=1)
     rest = np.ones(len(faces), dtype=np.bool_)
     rest[first_of_distinct_rows(corners.astype(np.int64))] = False

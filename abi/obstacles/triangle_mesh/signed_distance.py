@@ -24,14 +24,14 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import (
 
 _NODES = 60_000
 _BORDER = 0.1
-"""Grid around the surface on each side, as a part of its longest side."""
+"""Width of the grid around the surface on each side, over the surface's longest side."""
 
 _COARSE = 1 / 16
 """Error of the grid's distances, in steps."""
 
 
 class BodyFrame:
-    """Tables of a surface, and the frame that they are in.
+    """Tables of a surface, and the frame in which they are.
 
     The frame has its origin in the middle of the surface's bounding box, where coordinates have the
     most digits, and a unit, a power of two of the file's, in which the surface is about 1 large.
@@ -70,7 +70,7 @@ def placement(frame: BodyFrame, position: Vec3, wxyz: Quaternion, factor: float)
 
 
 def _grid(tree: TriangleTree, far_field: Dipoles, closed: bool, error: float) -> DistanceGrid:
-    """Sample the distance around the surface, given a bound of its error."""
+    """Sample the distance around the surface, given a bound of the error."""
     box = tree.boxes[:6].reshape(2, 3)
     border = _BORDER * float(np.ptp(box, axis=0).max())
     size = np.ptp(box, axis=0) + 2 * border

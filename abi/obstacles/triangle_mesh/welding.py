@@ -19,7 +19,7 @@ def weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray
 
 
 def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
-    """Join vertices in the same cube, but keep corners of faces that would vanish untraceably."""
+    """Join vertices in the same cube, but not those of faces that would vanish untraceably."""
     _, ids = distinct_rows(np.round(vertices / size) + 0.0)
     corners = ids[faces].astype(np.int64)
     sides = np.sort(np.stack([corners, corners[:, [1, 2, 0]]], axis=-1), axis=-1)
@@ -36,7 +36,7 @@ def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> tuple[Flo
 
 
 def without_duplicates(faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Each triangle once, in the order of the file, and the other sides of those there twice."""
+    """Each triangle once, in the order of the file, and its reverse if that occurs too."""
     corners = np.sort(faces, axis=1)
     first = first_of_distinct_rows(corners.astype(np.int64))
     if len(first) == len(faces):
@@ -46,7 +46,7 @@ def without_duplicates(faces: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Leave out the vertices that no face uses."""
+    """Remove the vertices that no face uses."""
     is_used = np.zeros(len(vertices), dtype=np.bool_)
     is_used[faces] = True
     ids = np.cumsum(is_used, dtype=np.int32) - np.int32(1)
@@ -54,7 +54,7 @@ def compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray
 
 
 def in_order(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """The vertices as welding orders them, so that a surface read again is the same."""
+    """Sort the vertices as welding does, so that a surface read again is the same."""
     order = np.lexsort(vertices.T[::-1])
     number = np.empty(len(order), dtype=np.int32)
     number[order] = np.arange(len(order), dtype=np.int32)
@@ -62,7 +62,7 @@ def in_order(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArra
 
 
 def faces_in_order(faces: IntArray) -> IntArray:
-    """The faces by their corners, the lowest first, whatever order a union has given them."""
+    """Sort the faces by their corners, whatever order a union has given them."""
     turned = _turned(faces)
     return turned[np.lexsort(turned.T[::-1])]
 

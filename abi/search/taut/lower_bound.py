@@ -18,7 +18,7 @@ from abi.search.taut import geodesic_kernels as kernels
 
 _ROUND_DOWN = 1 - 2.0**-51  # a length rounded to nearest is no bound
 _ROUNDING = 2.0**-45
-"""Rounding of a length around a solid, as a part of the coordinates."""
+"""Rounding error of a length around a solid, over the coordinates."""
 _SAMPLES = 65  # of the straight line, for balls that bound
 
 

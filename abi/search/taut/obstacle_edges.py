@@ -75,7 +75,7 @@ _CUBE = read_only(
 )
 """Ends (12, 2, 3) of the edges of a cube of half size 1, those along z last."""
 _ACROSS = read_only(_CUBE.mean(axis=1, keepdims=True))
-"""Middles (12, 1, 3) of these edges."""
+"""Midpoints (12, 1, 3) of these edges."""
 _CUBE_NORMALS = read_only(np.eye(3)[_ACROSS.nonzero()[2].reshape(12, 2)] * _ACROSS)
 """Normals (12, 2, 3) of the two faces at each of them."""
 

@@ -26,17 +26,19 @@ from abi.search.taut.tighten_kernels import FreeSpace
 from abi.search.taut.tighten_near_meshes import tighten_near_meshes
 
 _ROUNDING = 1e-9
-"""Segments from start and goal may have less room: their own distance less this, [unit]."""
+"""Distance by which segments from start and goal may keep less, [unit]: their own distance less
+this."""
 
 _PAD = 1e-13
-"""Part of the largest coordinate that the kernels keep beyond the margin, for their rounding."""
+"""Relative distance, over the largest coordinate, that the kernels keep in addition, for their
+rounding."""
 
 _EFFORT = PathSearchEffort(
     samples=5, slack=1.015, paths=6, least_gain=5e-6, weight=1.0, sights=100_000
 )
 
 _FEW = 32
-"""Convex obstacles above which they count as a crowd: then work is bounded, not the path's excess.
+"""Number of convex obstacles above which work is bounded instead of the path's excess.
 
 In 60 crowds of 50 to 400 that fill up to half of the workspace, paths were longer by 0.1 % in the
 mean than without these bounds, and by 1.7 % in one.
@@ -47,16 +49,16 @@ _CROWD_EFFORT = PathSearchEffort(
 )
 
 _MOST_NEAR = 64
-"""Convex obstacles of a crowd by whose edges paths go: those nearest to the path so far."""
+"""Most convex obstacles of a crowd around whose edges paths may bend: those nearest to the path."""
 
 _FIRST_REACH = 1 / 64
-"""Distance from the path in which these are first looked for, as a part of its length."""
+"""Distance from the path, over its length, within which these are first looked for."""
 
 _SEARCHED_NODES = 4_000
-"""Nodes of a lattice, about, that the any-angle search takes; it passes over the others."""
+"""Approximate number of lattice nodes that the any-angle search uses."""
 
 _MOST_NODES = 30_000
-"""Nodes of another mesh above which it has no any-angle search.
+"""Number of nodes of an irregular mesh above which there is no any-angle search.
 
 None of these can be passed over, and uncompiled, in a first plan, so many take a tenth of a second.
 """
@@ -176,7 +178,7 @@ def _nearest(obstacles: ObstacleSet, path: FloatArray) -> tuple[Primitive, ...]:
 def _any_angle_path(
     graph: Graph, path: SearchResult, packed: FloatArray, margins: FloatArray
 ) -> FloatArray:
-    """Any-angle path (m, 3), [unit], world, shorter than the one given; m = 0 where there is none.
+    """Any-angle path (m, 3), [unit], world, shorter than the given one; m = 0 if there is none.
 
     None, too, where the nodes are no lattice and too many.
 

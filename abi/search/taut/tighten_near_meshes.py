@@ -36,7 +36,7 @@ def tighten_near_meshes(
 
 @lru_cache(maxsize=4)
 def _tightened(points: bytes, obstacles: ObstacleSet, limits: bytes) -> FloatArray:
-    """The new path: the arm's plan often begins with one that the tool's plan has tightened."""
+    """The tightened path, cached as the arm's plan often begins with the tool's."""
     path = tightened(flat(np.frombuffer(points)), _surroundings(obstacles, np.frombuffer(limits)))
     return read_only(path)
 

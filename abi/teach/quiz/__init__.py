@@ -1,1 +1,1 @@
-"""Questions without end: templates whose answers come from the algorithms, for any seed."""
+"""Generated questions: templates whose answers come from the algorithms, for any seed."""

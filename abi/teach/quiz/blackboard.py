@@ -15,7 +15,7 @@ from abi.teach.quiz.question import QuizQuestion, chosen, of_count
 from abi.teach.quiz.small_graph import SmallGraph, letter, small_graph
 
 _FIRST = 4
-"""Nodes of an order that is asked for."""
+"""Number of nodes of an order that is asked for."""
 
 
 def shortest_length(random: np.random.Generator) -> QuizQuestion:
@@ -122,7 +122,7 @@ def _dijkstra(graph: SmallGraph, whole: bool = False) -> SearchTrace:
 
 
 def _fewest(graph: SmallGraph) -> SearchTrace:
-    """Dijkstra's algorithm where every edge costs 1."""
+    """Dijkstra's algorithm with a cost of 1 for every edge."""
     rows = graph.arcs.rows
     arcs = replace(graph.arcs, rows=rows._replace(weights=read_only(np.ones(len(rows.weights)))))
     order = best_first_order(arcs.rows, arcs.estimates, _ends(graph), (1.0, 0.0))

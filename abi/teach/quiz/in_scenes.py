@@ -16,16 +16,16 @@ from abi.teach.numbers import point, text
 from abi.teach.quiz.question import QuizQuestion, chosen, fixed, of_number
 
 _POOLS = 4
-"""Sets of scenes that questions choose from."""
+"""Number of different sets of scenes for questions."""
 _SEARCHES = {
     "A*": (1.0, 1.0),
     "Dijkstra's algorithm": (1.0, 0.0),
     "greedy best-first search": (0.0, 1.0),
 }
 _GAP = 0.02
-"""Least difference of priorities that are asked about, [unit]: their three decimals decide."""
+"""Least difference of priorities in a question, [unit], so that three decimals decide."""
 _EDGE_GAP = 0.05
-"""Least distance of an edge from being decided the other way, [unit]."""
+"""Least distance of an edge in a question from the opposite decision, [unit]."""
 _CLEAR, _MEETS = "It keeps clear of it.", "It meets it."
 
 
@@ -201,7 +201,7 @@ def _scene(random: np.random.Generator) -> HiddenScene:
 
 
 def _stopped(random: np.random.Generator, arcs: Arcs, factors: tuple[float, float]) -> SearchState:
-    """A search after some of its steps."""
+    """A search stopped after some steps."""
     order = best_first_order(arcs.rows, arcs.estimates, (arcs.start, arcs.goal), factors)
     trace = trace_of(arcs, order, "best_first", factors)
     return replay(trace, int(random.integers(1, max(trace.steps, 2))))

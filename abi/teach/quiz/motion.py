@@ -12,7 +12,7 @@ from abi.teach.quiz.question import QuizQuestion, fixed, of_number
 from abi.teach.topics.elbow import right_angles
 
 _NEAR = 0.05
-"""Part of a limit by which a motion must miss it, or exceed it, to be asked about."""
+"""Relative distance of a motion in a question from a limit."""
 
 
 def speed_limit_hit(random: np.random.Generator) -> QuizQuestion:
@@ -138,7 +138,7 @@ def _profile(random: np.random.Generator) -> ThreePhaseProfile:
 
 
 def _top(profile: ThreePhaseProfile) -> float:
-    """The speed that it would reach without a limit."""
+    """Peak speed without a limit."""
     a, b = profile.acceleration, profile.deceleration
     return math.sqrt(2 * profile.length * a * b / (a + b))
 

@@ -1,4 +1,4 @@
-"""A question with answers to choose from, one of which is right, and why."""
+"""A question with several answers, one of which is right, and an explanation."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from abi.teach.numbers import text
 
 _CHOICES = 4
 _APART = 0.02
-"""Least difference of numbers to choose from, as a part of the larger one."""
+"""Least relative difference of numbers to choose from."""
 _OTHERS = (0.5, 2.0, 0.8, 1.25, 1.5)
-"""Factors of the right number, for answers where the usual errors give too few."""
+"""Factors of the right number for wrong answers, if the usual errors give too few."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def chosen(
     facts: Mapping[str, Any],
     scene: Scene | None = None,
 ) -> QuizQuestion:
-    """The question with its answers in an order at random; of the wrong ones no more than three."""
+    """The question with its answers shuffled, and at most three wrong ones."""
     others = [one for one in dict.fromkeys(wrong) if one != right][: _CHOICES - 1]
     assert others
     choices = [right, *others]
@@ -65,7 +65,7 @@ def fixed(
     facts: Mapping[str, Any],
     scene: Scene | None = None,
 ) -> QuizQuestion:
-    """The question with its answers in their own order, such as yes and no."""
+    """The question with its answers in a given order, such as yes and no."""
     return QuizQuestion(asked, choices, right, why, facts, scene)
 
 
@@ -79,7 +79,7 @@ def of_number(
     unit: str = "",
     scene: Scene | None = None,
 ) -> QuizQuestion:
-    """The question for a number, beside what the usual errors give; all are well apart.
+    """The question for a number, with wrong answers from the usual errors, all well apart.
 
     Args:
         random: the order.
@@ -107,7 +107,7 @@ def of_count(
     why: str,
     facts: Mapping[str, Any],
 ) -> QuizQuestion:
-    """The question for a number of things, beside other numbers near it."""
+    """The question for a count, with other counts near it."""
     near = (right + 1, right - 1, right + 2, right - 2, right + 3)
     words = [str(one) for one in (*wrong, *near) if one >= 0]
     return chosen(random, asked, str(right), words, why, facts)

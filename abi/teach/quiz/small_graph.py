@@ -1,4 +1,4 @@
-"""Small graphs with letters for nodes and whole numbers for lengths, as on a blackboard."""
+"""Small graphs with letters as nodes and integer lengths, as on a blackboard."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def letter(node: int) -> str:
 
 
 def small_graph(random: np.random.Generator) -> SmallGraph:
-    """A connected graph at random: a tree and some edges more."""
+    """A random connected graph: a tree and some more edges."""
     edges = {}
     for node in range(1, _NODES):
         edges[(int(random.integers(0, node)), node)] = int(random.integers(1, _LONGEST + 1))

@@ -1,4 +1,4 @@
-"""The templates of questions by name, and a question of one."""
+"""The templates of questions by name, and questions made from them."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def templates() -> Mapping[str, Template]:
 
 
 def question(template: str, seed: int) -> QuizQuestion:
-    """The question of a template and a seed, always the same.
+    """The question of a template and a seed; reproducible.
 
     Raises:
         ArgumentError: there is no such template, or the seed is below 0.

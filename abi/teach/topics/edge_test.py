@@ -14,10 +14,11 @@ from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import point, shown, text
 
 _NEAR = Fraction(1, 10**6)
-"""Edges that a box grown or shrunk by so much decides otherwise are not asked about, [unit]."""
+"""Amount by which a box is grown or shrunk, [unit], to leave out edges that this decides
+otherwise."""
 _EDGES = 60
 _TIE = 1e-9
-"""Difference of distances that says nothing, [unit]."""
+"""Difference of distances that counts as a tie, [unit]."""
 
 
 def _trials(seed: int) -> tuple[Trial, ...]:

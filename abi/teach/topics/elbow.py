@@ -53,7 +53,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
 
 
 def fault_of(value: Any, r: float, z: float, upper: float, fore: float) -> str:
-    """What is wrong with two angles, as the rest of a sentence; empty where nothing is."""
+    """What is wrong with two angles, as the rest of a sentence; empty for nothing."""
     if right_angles(r, z, upper, fore) is None:
         distance = math.hypot(r, z)
         far = f"the tip is {text(distance)} away, out of reach, and None would be right"
@@ -87,7 +87,7 @@ def fault_of(value: Any, r: float, z: float, upper: float, fore: float) -> str:
 def _posed(
     shoulder: float, elbow: float, upper: float, fore: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Where the elbow and the tip are, as (r, z)."""
+    """Positions of elbow and tip as (r, z)."""
     joint = upper * math.cos(shoulder), upper * math.sin(shoulder)
     angle = shoulder + elbow
     return joint, (joint[0] + fore * math.cos(angle), joint[1] + fore * math.sin(angle))

@@ -87,7 +87,7 @@ def _edge_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | No
 
 
 def _use(trial: Trial, estimates: dict[int, float]) -> ExerciseFault | None:
-    """The fault of an estimate that spares no node where any useful one does."""
+    """Fault of an estimate that saves no node although any useful one does."""
     if not trial.facts["dijkstra"]:
         return None
     graph = trial.facts["graph"]

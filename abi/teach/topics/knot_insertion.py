@@ -1,4 +1,4 @@
-"""Exercise: a knot more, and the curve as it was."""
+"""Exercise: insert a knot without changing the curve."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from abi.teach.hidden_scenes import hidden_scenes
 from abi.teach.numbers import point, text
 
 _TIE = 1e-9
-"""Priorities that differ by no more than this part count as the same."""
+"""Relative difference of priorities that counts as a tie."""
 
 
 def _trials(seed: int) -> tuple[Trial, ...]:
@@ -23,7 +23,7 @@ def _trials(seed: int) -> tuple[Trial, ...]:
 
 
 def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
-    """Follow the student's order: each node must have the least g + h of those that wait."""
+    """Follow the student's order: each node must have the least g + h of those waiting."""
     graph, order = trial.facts["graph"], values[0]
     fault = first_fault(graph, order)
     if fault is None:
@@ -39,7 +39,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
 
 
 def first_fault(graph: Graph, order: list[int]) -> tuple[int, str] | None:
-    """The first step that A* would not take, and why; None where it takes them all."""
+    """The first step that A* would not take, and why; None if there is none."""
     heuristic = straight_lines(graph)
     cost = {graph.start: 0.0}
     closed: set[int] = set()
@@ -60,7 +60,7 @@ def first_fault(graph: Graph, order: list[int]) -> tuple[int, str] | None:
 
 
 def expanded_by_a_star(graph: Graph, first: tuple[int, ...] = ()) -> tuple[int, ...]:
-    """Nodes that A* with the straight line expands, beginning with those that are given."""
+    """Nodes that A* with the straight-line distance expands, continuing the given ones."""
     heuristic = straight_lines(graph)
     cost = {graph.start: 0.0}
     closed: set[int] = set()

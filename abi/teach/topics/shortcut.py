@@ -1,4 +1,4 @@
-"""Exercise: leave out the corners of a path that nothing stands behind."""
+"""Exercise: leave out the corners of a path that are not needed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from abi.teach.numbers import are_points, point, shown, text
 
 _ROUNDING = 1e-9
 _SHORTER = 1e-6
-"""Difference of lengths that is told, [unit]."""
+"""Difference of lengths that is reported, [unit]."""
 
 
 def _trials(seed: int) -> tuple[Trial, ...]:
@@ -50,7 +50,7 @@ def _blocked(answer: list[list[float]], boxes: list[Any]) -> ExerciseFault | Non
 
 
 def _foreign(answer: list[list[float]], path: list[list[float]]) -> ExerciseFault | None:
-    """The fault of a corner that the path has not, or not there."""
+    """Fault of a corner that the path does not have, or not there."""
     place = 0
     for corner in answer:
         while place < len(path) and math.dist(path[place], corner) > _ROUNDING:

@@ -51,7 +51,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
 
 
 def fault_of(value: Any, length: float, speed: float, up: float, down: float) -> str:
-    """What is wrong with three durations, as the rest of a sentence; empty where nothing is."""
+    """What is wrong with three durations, as the rest of a sentence; empty for nothing."""
     if not are_numbers(value, 3):
         return f"it returns {shown(value)}, not three durations."
     first, cruise, last = value
