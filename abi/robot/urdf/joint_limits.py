@@ -57,6 +57,8 @@ def read_limits(joint: XmlElement, kind: str) -> UrdfLimits:
     sides = [None if limit is None else limit.bound(name, _MOST) for name in ("lower", "upper")]
     if sides == [None, None] and joint.child("mimic") is None:
         joint.tell("Stands still, as its <limit> has no lower and upper:")
+    elif sides[0] == sides[1] and None not in sides and joint.child("mimic") is None:
+        joint.tell("Stands still, as its lower limit is the upper:")
     low, high = (side or 0.0 for side in sides)
     if math.isinf(low) or math.isinf(high):
         most = TURN if kind == "revolute" else _SLIDE

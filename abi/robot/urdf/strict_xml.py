@@ -25,6 +25,7 @@ _DEFAULTED = re.compile(r"\$\(optenv\s+\w+\s+([^$()]*)\)")
 """Of xacro: a variable of the environment, and what counts where it is not set."""
 _MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
+_LEAST_QUATERNION = 1e-6
 _LENGTHS = ("xyz", "size", "radius", "length")
 _DECLARATION = re.compile(r"\A\s*<\?xml[^>]{0,200}\?>")
 
@@ -136,10 +137,21 @@ class XmlElement:
         origin = self.child("origin")
         if origin is not None:
             pose[:3, 3] = origin.vector("xyz", _ZERO)
-            # about the fixed axes x, y and z in that order
-            turn = scipy.spatial.transform.Rotation.from_euler("xyz", origin.vector("rpy", _ZERO))
-            pose[:3, :3] = turn.as_matrix()
+            pose[:3, :3] = origin._turn().as_matrix()
         return read_only(pose)
+
+    def _turn(self) -> scipy.spatial.transform.Rotation:
+        """Rotation of an origin: by its quaternion, or by angles about the fixed x, y and z."""
+        text = self._given("quat_xyzw")
+        if text is None:
+            return scipy.spatial.transform.Rotation.from_euler("xyz", self.vector("rpy", _ZERO))
+        if self._given("rpy") is not None:
+            raise self.refuse("quat_xyzw", text, "either rpy or quat_xyzw")
+        words = _COMMA.sub(" ", text).split()
+        numbers = [self._number("quat_xyzw", word, -1e3, 1e3) for word in words]
+        if len(numbers) != 4 or math.hypot(*numbers) < _LEAST_QUATERNION:
+            raise self.refuse("quat_xyzw", text, "four numbers that are not all 0")
+        return scipy.spatial.transform.Rotation.from_quat(numbers)
 
     def _given(self, attribute: str) -> str | None:
         """An attribute as the file has it, with the defaults of variables that xacro left."""

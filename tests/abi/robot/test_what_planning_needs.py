@@ -40,7 +40,7 @@ def test_a_joint_without_limits_stands_still_and_a_note_says_so() -> None:
         (note,) = robot.notes
         assert note == "Stands still, as its <limit> has no lower and upper: joint p."
     assert [one.high for one in held.joints] == [one.high for one in still.joints]
-    assert not held.notes
+    assert held.notes == ("Stands still, as its lower limit is the upper: joint p.",)
 
 
 @pytest.mark.parametrize("kind", ["fixed", "floating", "planar", "spherical"])
@@ -136,6 +136,46 @@ def test_what_is_not_used_is_named_once() -> None:
     )
     (note,) = read_of(text).notes
     assert note == "Not used: transmission, gazebo, calibration, dynamics."
+
+
+def test_attributes_that_are_not_used_are_named_too() -> None:
+    turned = read_of(arm(('rpy="0.3 0.2 0.1"', 'quat="0 0 1 0"'), ("<axis ", '<axis rpy="1 0 0" ')))
+    assert turned.notes == ("Not used: quat of <origin>, rpy of <axis>.",)
+
+
+@pytest.mark.parametrize(
+    ("element", "name"),
+    [
+        ('<gazebo><joint name="loop" type="revolute"/></gazebo>', "loop"),
+        ('<loop_joint name="loop" type="revolute"/>', "loop"),
+        ("<gazebo><plugin><joint>p</joint><mimicJoint>q</mimicJoint></plugin></gazebo>", "q"),
+        (
+            '<ros2_control><joint name="q"><param name="mimic">p</param></joint></ros2_control>',
+            "q",
+        ),
+    ],
+)
+def test_joints_that_other_programs_close_or_couple_are_named(element: str, name: str) -> None:
+    notes = read_of(arm(("</robot>", f"{element}</robot>"))).notes
+    assert notes[-1] == f"Loops and couplings are followed from <mimic> alone, not: joint {name}."
+    plain = '<transmission><joint name="p"/></transmission><gazebo reference="p"/></robot>'
+    assert read_of(arm(("</robot>", plain))).notes == ("Not used: transmission, gazebo.",)
+
+
+def test_an_origin_is_turned_by_a_quaternion_as_by_its_angles() -> None:
+    angles = np.array([0.3, 0.2, 0.1])
+    (a, b, c), (u, v, w) = np.cos(angles / 2), np.sin(angles / 2)
+    quaternion = (u * b * c - a * v * w, a * v * c + u * b * w, a * b * w - u * v * c)
+    words = " ".join(repr(float(2 * part)) for part in (*quaternion, a * b * c + u * v * w))
+    given = f'quat_xyzw="{words}"'
+    plain, turned = read_of(arm()), read_of(arm(('rpy="0.3 0.2 0.1"', given)))
+
+    states = np.random.default_rng(1).uniform(-1, 1, (9, 3))
+    poses = [Chain.of(one, "d").poses(states) for one in (plain, turned)]
+    assert np.abs(poses[0] - poses[1]).max() < 1e-15
+    for wrong in ('quat_xyzw="0 0 0 0"', 'quat_xyzw="0 0 1"', f'{given} rpy="0 0 0"'):
+        with pytest.raises(SceneError, match="joint p, quat_xyzw"):
+            read_of(arm(('rpy="0.3 0.2 0.1"', wrong)))
 
 
 @pytest.mark.parametrize(
