@@ -12,6 +12,7 @@ from app.layers.arm.joint_trees import JointTreesLayer
 from app.layers.axes import AxesLayer
 from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
+from app.layers.drop_line import DropLineLayer
 from app.layers.ghost import GhostLayer
 from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
@@ -37,6 +38,7 @@ LAYERS: tuple[type[Layer], ...] = (
     JointRatesLayer,
     WorkspaceLayer,
     AxesLayer,
+    DropLineLayer,
     MarkersLayer,
     MeshLayer,
     PathsLayer,

@@ -6,8 +6,9 @@ from app.panels.files.history import History
 from app.panels.teach.lecture import Lecture
 from app.panels.teach.sheet import Sheet
 from app.panels.teach.tour import Tour
+from app.panels.widgets import hidden_button
 from app.state.frame import Frame
-from app.ui.layout import Layout
+from app.ui.layout import LEARN, Layout
 from app.ui.overlay import button
 
 
@@ -20,6 +21,7 @@ class Toolbar:
         self._about, self._tour, self._lecture = about, tour, lecture
         self._overlay = layout.overlay
         self._history = history
+        self._learn = hidden_button(layout.client.gui, "Open the lessons", layout.open_learn)
 
     def draw(self, frame: Frame) -> None:
         """Show the buttons, those that do something now in full."""
@@ -32,5 +34,7 @@ class Toolbar:
         tour = button(self._tour.begin, "Tour", hint="Five steps through the page")
         hint = "Large letters, folded panels (L)"
         lecture = "" if self._lecture.on else button(self._lecture.toggle, "Lecture", hint=hint)
-        content = f'<div class="abi-buttons">{undo}{redo}{about}{tour}{lecture}</div>'
+        # of a phone's sheet the tab is far down
+        learn = button(self._learn, "Lessons", kind="abi-phone", hint=f"In the {LEARN} tab")
+        content = f'<div class="abi-buttons">{undo}{redo}{about}{tour}{lecture}{learn}</div>'
         self._overlay.show("tools", content)

@@ -116,4 +116,4 @@ def arm_numbers(plan: Plan) -> list[Number]:
     distance = f"{format_lower_bound(clearance.distance)} {unit}"
     shown = judged(distance, plan.is_arm_clear)
     hint = "Least distance of any link from the obstacles; proven if there is a ✓."
-    return [time, (shown, "links to an obstacle, at least", hint)]
+    return [time, (shown, "from link to obstacle, at least", hint)]

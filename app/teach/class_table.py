@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from app.teach.poll import Answer, Asked
 
-_HEAD = ("question", "text", "round", "student", "answer", "right")
+_HEAD = ("question", "asked at", "lesson", "text", "round", "student", "answer", "right")
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """First characters that make a spreadsheet take a text for a formula."""
 
@@ -37,6 +37,8 @@ def table(asked: Sequence[Asked], words: Mapping[str, str]) -> str:
                 writer.writerow(
                     (
                         one.poll.number,
+                        one.poll.asked_at,
+                        _harmless(one.poll.lesson),
                         _harmless(one.poll.text),
                         number,
                         _harmless(name),

@@ -7,6 +7,7 @@ import secrets
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from datetime import datetime
 
 from abi.obstacles.pose import Vec3
 from app.shared.shared_plans import SharedPlans
@@ -115,16 +116,23 @@ class Classroom:
             self._record.lead, self._record.draft = lead, list(draft)
             self._write()
 
-    def ask(self, text: str, choices: tuple[str, ...], right: int = -1, why: str = "") -> bool:
+    def ask(
+        self,
+        text: str,
+        choices: tuple[str, ...],
+        right: int = -1,
+        why: str = "",
+        lesson: str = "",
+    ) -> bool:
         """Ask all tabs a question; False if it has fewer than two answers."""
         poll = poll_of(self._next, text, choices, right, why)
         if poll is not None:
-            self._begin(poll)
+            self._begin(replace(poll, lesson=lesson))
         return poll is not None
 
-    def ask_place(self, text: str, places: tuple[Vec3, ...] = ()) -> None:
+    def ask_place(self, text: str, places: tuple[Vec3, ...] = (), lesson: str = "") -> None:
         """Ask all tabs for a place in the scene, of which ``places`` are right."""
-        self._begin(Poll(self._next, text, places=places))
+        self._begin(Poll(self._next, text, places=places, lesson=lesson))
 
     def reveal(self) -> None:
         """Reveal the answers to all."""
@@ -211,8 +219,9 @@ class Classroom:
         return 1 + max((one.poll.number for one in self._record.asked), default=0)
 
     def _begin(self, poll: Poll) -> None:
+        now = datetime.now().astimezone().isoformat(timespec="seconds")
         with self._lock:
-            self._record.asked.append(Asked(poll))
+            self._record.asked.append(Asked(replace(poll, asked_at=now)))
             self._record.closed = False
             self._write()
         self._wake_all()

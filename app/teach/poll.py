@@ -32,6 +32,8 @@ class Poll:
         right: number of the right choice; -1 where none is known.
         why: why it is right, as plain text.
         places: the right places, [unit], world; empty where none is known.
+        lesson: lesson and page that were open; empty for none.
+        asked_at: time at which it was asked, as ISO 8601 text; empty where none was noted.
     """
 
     number: int
@@ -40,6 +42,8 @@ class Poll:
     right: int = -1
     why: str = ""
     places: tuple[Vec3, ...] = ()
+    lesson: str = ""
+    asked_at: str = ""
 
     @property
     def asks_place(self) -> bool:

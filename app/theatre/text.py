@@ -38,7 +38,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
         (f"{_disc(style.MARK)}visited last", state.current, ""),
         (f"{_disc(style.POINT)}clicked", theatre.answer.node, ""),
     ]
-    if not theatre.asking and trace.queue != "rounds":
+    if not theatre.asking and not state.done and trace.queue != "rounds":
         queue = state.queue(len(_PLACES)).tolist()
         sides = (" ←" if node >= n else "" for node in queue)
         named += zip(_PLACES, queue, sides, strict=False)

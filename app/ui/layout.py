@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import viser
 
-from app.ui import style
+from app.ui import page, style
 from app.ui.overlay import Overlay
 
 TITLE = "ABI path planning"
@@ -64,6 +64,11 @@ class Layout:
         return cls(
             client, unit, folders, result, search, plots, scene, layers, learn, overlay, right
         )
+
+    def open_learn(self, _event: object) -> None:
+        """Open the tab with the lessons, and the panel that it is in."""
+        self.right.expand()
+        page.call(self.client, "openTab", LEARN)
 
     @property
     def panels(self) -> tuple[viser.MainPanelHandle, viser.PanelHandle]:

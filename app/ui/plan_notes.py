@@ -24,6 +24,10 @@ from app.ui.numbers import (
 )
 
 _PIECES_SHOWN = 2
+_TILT = (
+    "A measure of how gently the motion speeds up, turns and brakes: acceleration tilts the "
+    "surface of the liquid in a cup that is held upright."
+)
 _SPILLS = 60
 """Tilt of a liquid's surface at which any cup spills, [°]."""
 
@@ -79,13 +83,16 @@ def _coefficients(plan: Plan) -> str:
     for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
         if len(pieces) > 1:
             lines.append(f"t from {first:.3f} to {last:.3f}:")
-        lines += [
-            f"P{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")
-        ]
+        lines += [f"{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")]
     if len(pieces) > _PIECES_SHOWN:
         lines.append(f"… {len(pieces)} pieces in all")
     css = "margin:0 12px 3px;font:12px/1.12 ui-monospace,monospace"
-    return f'{note}<div style="{css}">{"<br>".join(lines)}</div>'
+    first, last = plan.quadratic.curve.interval
+    hint = (
+        f"Where the quadratic is [{plan.scene.unit}], for t from {first:.3g} at the start to "
+        f"{last:.3g} at the goal. It is no time: stage 5 says how fast the arm goes along."
+    )
+    return f'{note}<div title="{html.escape(hint)}" style="{css}">{"<br>".join(lines)}</div>'
 
 
 def _polynomial(*coefficients: float) -> str:
@@ -121,8 +128,9 @@ def _tilt(plan: Plan) -> str:
     if plan.liquid_tilt is None:
         return ""
     tilt = math.degrees(plan.liquid_tilt)
-    told = f" Liquid in a cup would tilt by up to {tilt:.{0 if tilt >= 10 else 1}f}°"
-    return f"{told}: it would be spilt." if tilt > _SPILLS else f"{told}."
+    told = f"A cup carried along: its liquid tilts by up to {tilt:.{0 if tilt >= 10 else 1}f}°"
+    told += ": it would be spilt." if tilt > _SPILLS else "."
+    return f' <span title="{_TILT}">{told}</span>'
 
 
 def _of_joints(search: JointSearch, time: float) -> str:

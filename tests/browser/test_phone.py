@@ -152,6 +152,9 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, serve
         title.click()
         page.until(lambda: title.bounding_box()["y"] > 780, "the sheet to fold")  # type: ignore[index]
         page.until(lambda: page.tab.evaluate(_SHARES)[1] > 0.9 * 844, "the scene to have it all")
+        page.click("Lessons")
+        page.reads("1. ")
+        page.until(lambda: _in_sight(page), "the lessons")
         assert not page.errors
     finally:
         page.close()

@@ -26,6 +26,9 @@ _LEGEND = style.paragraph(
     "scene. ▸ the arm follows it."
 )
 _NOTHING = ("–",) * 5
+_UNTIMED = (
+    '<span title="Told from the next plan on: this one was made while code was loaded.">–</span>'
+)
 _NO_STAGE = ("–",) * 3
 _OLD = '<span style="opacity:.55">{}</span>'
 """Of the last full plan, while the next has not got so far."""
@@ -98,7 +101,7 @@ def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
 
 def _time(ms: float) -> str:
     if ms == 0:  # it is not known
-        return "–"
+        return _UNTIMED
     return format_time(ms)
 
 

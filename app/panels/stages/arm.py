@@ -111,7 +111,8 @@ class ArmPanel:
             "radii of gyration [{unit}]",
             arm.radii,
             step=0.1,
-            hint="Of wrist, slide and gripper. All above 0.",
+            hint="Of wrist, slide and gripper: a part turns as if its mass m were all at the "
+            "radius k from its axis, with the inertia I = m·k². All above 0.",
         )
 
     def read(self) -> dict[str, Any]:

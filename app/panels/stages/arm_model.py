@@ -30,7 +30,6 @@ from app.panels.widgets import Wake
 from app.reading.reader import READER, SeveralRobotsError
 from app.reading.stored_upload import ROOM, StoredUpload
 from app.ui import notices
-from app.ui.arm_size import size_note
 
 _PAPER = "the paper's arm"
 _SHIPPED = {"ur5e": "UR5e", "panda": "Franka Panda", "xarm7": "xArm7"}
@@ -101,8 +100,7 @@ class ArmModelPanel:
         self._unnamed_tip: tuple[str, str] | None = None
         self._unnamed_base: str | None = None
         self._bases_of: tuple[str, str] | None = None
-        self._workspace, self._unit = 1.0, "m"
-        self._size_notice: viser.NotificationHandle | None = None
+        self._unit = "m"
         self._of_urdf = self.tip, self.base_link, self.mount
         for handle in (self.model, *self._of_urdf):
             handle.on_update(wake)
@@ -130,12 +128,10 @@ class ArmModelPanel:
         self._model_shown = self.model.value
         name = self._name()
         if name is None:
-            self._take_size_back()
             self._show(False)
             return {"model": "abi", "base_wxyz": UNTURNED, "axis": None, **_OF_ONE_ARM}
         if name != self._tips_of:
             self._list_tips(name, None)
-            self._compare_size(name)
         if (name, self.tip.value) != self._bases_of:
             self._list_bases(name, None)
         self._show(True)
@@ -164,10 +160,7 @@ class ArmModelPanel:
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        size = max(scene.workspace.size), scene.unit
-        if size != (self._workspace, self._unit):
-            self._take_size_back()
-        self._workspace, self._unit = size
+        self._unit = scene.unit
         arm = scene.arm
         is_urdf = arm.model == "urdf"
         self._show(is_urdf)
@@ -217,7 +210,6 @@ class ArmModelPanel:
         self._list_tips(name, None)
         planned = planned_sentence(robot, self.tip.value, NOT_HELD)
         self._tell(name, (planned, *robot.notes))
-        self._compare_size(name)
 
     def _tell(self, name: str, notes: Sequence[str]) -> None:
         """Notify the user of what of an arm is planned, and what was left out."""
@@ -259,20 +251,6 @@ class ArmModelPanel:
         robot = part_from(load_robot(name, MeshSource(self.files)), base)
         self.gripper.write(robot, tip, held, self._unit)
         self._kept_of = name, tip, base
-
-    def _compare_size(self, name: str) -> None:
-        """Notify of an arm whose size is not that of the workspace."""
-        self._take_size_back()
-        robot = load_robot(name, MeshSource(self.files))
-        note = size_note(robot, str(self.tip.value), self._workspace, self._unit)
-        if note is not None:
-            self._size_notice = self._client.add_notification(*note, auto_close_seconds=15)
-
-    def _take_size_back(self) -> None:
-        """Take back what was told of the size of another arm, or in another workspace."""
-        if self._size_notice is not None:
-            self._size_notice.remove()
-            self._size_notice = None
 
 
 def _zip_of(file: str) -> str:

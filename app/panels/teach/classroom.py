@@ -223,28 +223,28 @@ class ClassroomPanel:
 
     def _ask(self) -> None:
         """Ask what the teacher asks."""
-        text, frame = self.question.value, self._frame
+        text, frame, lesson = self.question.value, self._frame, self._lessons.place
         right_one = _RIGHT.index(self.right.value) - 1
         if pressed(self.ask) and not self._classroom.ask(
-            text, tuple(box.value for box in self.choices), right_one
+            text, tuple(box.value for box in self.choices), right_one, lesson=lesson
         ):
             self._refuse("A question needs a text and two answers or more.")
         if pressed(self.ask_place):
             if text.strip():
-                self._classroom.ask_place(text)
+                self._classroom.ask_place(text, lesson=lesson)
             else:
                 self._refuse("Write the question first, such as: where will the path pass?")
         if pressed(self.ask_next) and frame is not None and frame.theatre is not None:
             state = frame.theatre.state
             n = len(state.trace.arcs.points)
             right = state.trace.arcs.points[state.candidates() % n]
-            self._classroom.ask_place(_NEXT, tuple(map(_place, right)))
+            self._classroom.ask_place(_NEXT, tuple(map(_place, right)), lesson)
         asked = self._lessons.question
         if pressed(self.ask_lesson) and asked is not None and frame is not None:
             texts = [filled(choice.text, frame) for choice in asked.choices]
             right_one = next(k for k, choice in enumerate(asked.choices) if choice.right)
             why = filled(asked.choices[right_one].why, frame)
-            self._classroom.ask(filled(asked.text, frame), tuple(texts), right_one, why)
+            self._classroom.ask(filled(asked.text, frame), tuple(texts), right_one, why, lesson)
 
     def _refuse(self, reason: str) -> None:
         notices.notify_refusal(self._client, "Not asked", reason)

@@ -6,7 +6,6 @@ import html
 
 from app.panels.teach.lessons import LessonPanel
 from app.panels.widgets import hidden_button
-from app.ui import page
 from app.ui.layout import LEARN, Layout
 from app.ui.overlay import button
 
@@ -15,8 +14,8 @@ class LessonMark:
     """Lesson, page, and the buttons that lead to it and out of it."""
 
     def __init__(self, layout: Layout, lessons: LessonPanel) -> None:
-        self._layout, self._lessons = layout, lessons
-        self._open = hidden_button(layout.client.gui, "Open the lesson", self._show)
+        self._lessons = lessons
+        self._open = hidden_button(layout.client.gui, "Open the lesson", layout.open_learn)
 
     @property
     def html(self) -> str:
@@ -24,14 +23,10 @@ class LessonMark:
         place = self._lessons.place
         if not place:
             return ""
-        opens = button(self._open, "Open lesson", hint=f"In the {LEARN} tab.")
+        opens = button(self._open, "Open lesson", hint=f"Shows its text, in the {LEARN} tab.")
         # as in that tab
         ends = button(self._lessons.leave, "End lesson", hint="Brings your own scene back.")
         return (
             '<div class="abi-card abi-buttons" style="align-items:center">'
             f"<b>{html.escape(place)}</b>{opens}{ends}</div>"
         )
-
-    def _show(self, event: object) -> None:
-        self._layout.right.expand()
-        page.call(self._layout.client, "openTab", LEARN)

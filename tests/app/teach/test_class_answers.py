@@ -24,7 +24,15 @@ from app.teach.poll import Asked, Poll
 from tests.app.fake_tab import FakeTab, until
 from tests.app.teach.test_classroom import open_tab, over_scene, panel
 
-_POLL = Poll(1, "Why?", ("one", "two"), right=1, why="Because.")
+_POLL = Poll(
+    1,
+    "Why?",
+    ("one", "two"),
+    right=1,
+    why="Because.",
+    lesson="Lesson 1",
+    asked_at="2026-11-27T12:00:00+00:00",
+)
 
 
 def rows(text: str) -> list[dict[str, str]]:
@@ -103,7 +111,11 @@ def test_the_gain_is_the_part_of_what_was_missing(first: list[int], second: list
         assert gain is not None
         reached = first.count(1) / len(first) + gain * missing
         assert math.isclose(reached, second.count(1) / len(second), abs_tol=1e-12)
-    assert len(rows(table([asked], {}))) == len(first) + len(second)
+    written = rows(table([asked], {}))
+    assert len(written) == len(first) + len(second)
+    assert all(
+        (row["lesson"], row["asked at"]) == (_POLL.lesson, _POLL.asked_at) for row in written
+    )
 
 
 def test_nothing_is_told_before_it_is_revealed() -> None:
