@@ -9,6 +9,7 @@ arm with redundant joints has further ones.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from abi.planner.plan import Plan
 from abi.planner.planning_task import PlanningTask
 from abi.planner.stage_results import ShortestPath
 from abi.planner.whole_arm_branch import WholeArmBranch
+from abi.robot.urdf_arm import UrdfArm
 
 _NO_PATH = ("start", "goal", "path")
 """Faults that there are before a path is found."""
@@ -45,18 +47,28 @@ class _Candidate(NamedTuple):
 
 
 class ArmAware:
-    """Planner for the whole arm, which remembers what the arm excludes from the mesh."""
+    """Planner for the whole arm, which remembers what the arm excludes from the mesh.
+
+    Attributes:
+        kept: name of a URDF arm's branch that led to the last plan, the only one that is tried in
+            haste; empty for none.
+    """
 
     def __init__(self) -> None:
         self._exclude: dict[str, ArmExclusionCache] = {}
+        self.kept = ""
 
-    def __call__(self, task: PlanningTask, collision_world: CollisionWorld, tool: Plan) -> Plan:
+    def __call__(
+        self, task: PlanningTask, collision_world: CollisionWorld, tool: Plan, hasty: bool = False
+    ) -> Plan:
         """The plan on a branch on which the whole arm is proven clear.
 
         Args:
             task: what to plan.
             collision_world: everything around the arm.
             tool: the plan for the tool alone, up to the curves.
+            hasty: whether the branch of the last plan will do as long as it leads to a motion,
+                which may be a little longer than need be.
 
         Raises:
             ArmNotClear: no branch has a motion; tells why.
@@ -66,7 +78,15 @@ class ArmAware:
         asked = BranchTask(task.scene, task.obstacles, collision_world, tool.free.mesh, slack)
         arm_branches = task.model.branches(asked)
         on = partial(self._branch, task, collision_world, tool)
+        if hasty:
+            kept = [on(one, one.name) for one in arm_branches if one.name == self.kept]
+            in_haste = [replace(one, hasty=True) for one in kept]
+            if (found := _shortest_motion(in_haste, tool)[0]) is not None:
+                return found.run.plan
         found, faults = _shortest_motion([on(one, one.name) for one in arm_branches], tool)
+        self.kept = ""
+        if found is not None and isinstance(task.model.arm, UrdfArm):
+            self.kept = arm_branches[found.number].name
         if found is None and all(fault.where in _NO_PATH for fault in faults.values()):
             # near the base axis, and along an obstacle, a proof may take more
             shut = [one for one in arm_branches if faults[one.name].where == "path"]
@@ -74,7 +94,7 @@ class ArmAware:
             found, again = _shortest_motion(patient, tool)
             faults |= again
         if found is not None:
-            return found
+            return found.run.plan
         others = task.model.other_branches(asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others.branches))
         return _first_motion(branches, tool, [*faults.values()], others.note)
@@ -95,14 +115,14 @@ class ArmAware:
 
 def _shortest_motion(
     branches: Sequence[WholeArmBranch], tool: Plan
-) -> tuple[Plan | None, dict[str, ArmNotClear]]:
-    """The plan on the branch with the shortest path that leads to a motion; None without any.
+) -> tuple[_Candidate | None, dict[str, ArmNotClear]]:
+    """The branch with the shortest path that leads to a motion, and its plan; None without any.
 
     Whether a path's edges are clear takes longest, so it is asked only of a branch whose path may
     be the shortest, by the search on all its edges.
 
     Returns:
-        The plan, and why branches by their names lead to none: those without a path first.
+        It, and why branches by their names lead to none: those without a path first.
     """
     shut: dict[int, ArmNotClear] = {}
     failed: dict[str, ArmNotClear] = {}
@@ -126,7 +146,7 @@ def _shortest_motion(
                 waiting.append(best._replace(cost=path.path.cost, path=path))
             else:
                 best.run.move_arm(best.run.fit_curves(best.path))
-                found = best.run.plan
+                found = best
         except ArmNotClear as fault:
             if best.path is None:
                 shut[best.number] = fault

@@ -17,7 +17,7 @@ class LivePlanner:
     Attributes:
         budget: number of nodes that fit a frame.
         coarse: whether the last plan has a coarser mesh than its scene.
-        partial: whether it has a coarser mesh or only one search.
+        partial: whether it has a coarser mesh, only one search or only one branch of a URDF arm.
     """
 
     def __init__(self) -> None:
@@ -33,12 +33,13 @@ class LivePlanner:
             return self.finish(scene)
         coarser = self.budget.coarser(scene)
         self.coarse = coarser is not None
-        self.partial = not self.budget.fits_all_searches(scene)
+        planner = self._planner if coarser is None else self._coarse_planner
+        self.partial = (
+            self.coarse or planner.keeps_branch or not self.budget.fits_all_searches(scene)
+        )
         if coarser is None:
             self._last_settings = () if self.partial else settings
-            plan = self._planner(scene, chosen_only=self.partial)
-        else:
-            plan = self._coarse_planner(coarser, chosen_only=True)
+        plan = planner(coarser or scene, chosen_only=self.partial, hasty=True)
         if plan.mesh is not None and plan.path is not None:
             # the arm's time is an earlier plan's where this one ended before it
             arm = plan.ms["arm"] if plan.motion is not None else 0.0

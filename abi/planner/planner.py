@@ -82,13 +82,21 @@ class Planner:
         """Take the first plan, which does not wait for kernels to be loaded, for made elsewhere."""
         self._planned = True
 
-    def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
+    @property
+    def keeps_branch(self) -> bool:
+        """Whether a hasty plan would try the last branch of a URDF arm alone."""
+        return bool(self._arm_aware.kept)
+
+    def __call__(self, scene: Scene, chosen_only: bool = False, hasty: bool = False) -> Plan:
         """Plan a scene.
 
         Args:
             scene: the scene.
             chosen_only: whether to run only the search that ``scene.search.algorithm`` names, which
                 is faster.
+            hasty: whether somebody waits for one of many plans: a URDF arm is then tried from the
+                start pose of the last plan alone, as long as there is a motion from that one, and
+                its path may be a little longer than need be.
 
         Returns:
             The plan. If the scene has none, its ``error`` says why, and nothing is raised.
@@ -98,9 +106,9 @@ class Planner:
         """
         require_scene(scene)
         with self._turn:
-            return self._plan(scene, chosen_only)
+            return self._plan(scene, chosen_only, hasty)
 
-    def _plan(self, scene: Scene, chosen_only: bool) -> Plan:
+    def _plan(self, scene: Scene, chosen_only: bool, hasty: bool) -> Plan:
         """Plan a scene, as the only call that runs."""
         if self._compile and is_slow_without_compiler(scene):
             compiling.begin()
@@ -114,7 +122,7 @@ class Planner:
         tool = ToolBranch.of(scene, searches, self._stages)
         run, fault = BranchRun(tool, Plan(scene, arm=tool.task.model.arm)), None
         try:
-            run.plan = self._run(tool, run)
+            run.plan = self._run(tool, run, hasty)
             refuse_slow(run.plan)
         except StageError as error:
             # a copy: the stage remembers its error for scenes in another unit
@@ -131,12 +139,13 @@ class Planner:
             total_ms=total,
         )
 
-    def _run(self, tool: ToolBranch, run: BranchRun) -> Plan:
+    def _run(self, tool: ToolBranch, run: BranchRun, hasty: bool) -> Plan:
         """Plan for the tool alone and, if the arm is not clear along that, for the whole arm.
 
         Args:
             tool: the branch of the tool alone.
             run: runs its stages, and has its plan as far as it comes.
+            hasty: whether the last branch will do.
 
         Returns:
             The plan of the branch that counts.
@@ -158,7 +167,7 @@ class Planner:
         if not refuted and run.move_arm(curve).is_clear:
             return run.plan
         try:
-            return self._avoid(tool, run.plan)
+            return self._avoid(tool, run.plan, hasty)
         except ArmNotClear as fault:
             moved = run.move_arm(curve)
             on_mesh = moved.motion.error or _with_contact(fault, moved, scene)
@@ -202,7 +211,7 @@ class Planner:
             joint_search=search,
         )
 
-    def _avoid(self, tool: ToolBranch, plan: Plan) -> Plan:
+    def _avoid(self, tool: ToolBranch, plan: Plan, hasty: bool) -> Plan:
         """The plan on the branch of the arm whose motion is clear and shortest.
 
         Raises:
@@ -211,7 +220,7 @@ class Planner:
         progress.tell("avoiding with the whole arm")
         begin, before = time.perf_counter(), interpreted_calls()
         try:
-            return self._arm_aware(tool.task, tool.collision_world, plan)
+            return self._arm_aware(tool.task, tool.collision_world, plan, hasty)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before

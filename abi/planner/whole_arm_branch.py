@@ -13,6 +13,7 @@ from abi.arm_planning.arm_model import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.arm_path import fit_clear, pull_clear, search_clear
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
+from abi.arm_planning.exclusion.arm_path_kernels import ROUNDS
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import CollisionWorld
@@ -38,6 +39,8 @@ from abi.tet_mesh.exclusion import FreeMesh
 
 _SLACKS = (1.0, 4.0, 16.0)
 """Multiples of the slack with which a path is pulled taut, until there is a curve near it."""
+_HASTY_ROUNDS = 1
+"""Rounds in which it is, at most, in haste."""
 
 
 _profile = lru_cache(maxsize=4)(motion_law)
@@ -55,6 +58,7 @@ class WholeArmBranch:
         taut_of_tool: the path of the tool alone pulled taut; None if the scene does not ask for it.
         arm_branch: what the arm allows on this branch.
         exclude: memory of what the arm excludes from the mesh.
+        hasty: whether somebody waits for one of many plans: a path may be less taut than it might.
     """
 
     task: PlanningTask
@@ -63,6 +67,7 @@ class WholeArmBranch:
     taut_of_tool: TautPath | None
     arm_branch: ArmBranch
     exclude: ArmExclusionCache
+    hasty: bool = False
 
     def free_mesh(self) -> FreeMesh:
         """Stage 1: the tool's mesh without the nodes at which the arm is not clear.
@@ -131,7 +136,8 @@ class WholeArmBranch:
             if self.taut_of_tool is not None:
                 looser = self.arm_branch.scaled(slack=times)
                 taut = pull_clear(
-                    self.taut_of_tool, obstacles, self.task.margin, shortest.path, looser
+                    *(self.taut_of_tool, obstacles, self.task.margin, shortest.path, looser),
+                    rounds=_HASTY_ROUNDS if self.hasty else ROUNDS,
                 )
                 points, away = taut.points, taut.clearance
             fit = fit_clear(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from abi.arm_planning.arm_model import ArmBranch
-from abi.arm_planning.exclusion.arm_path_kernels import pull, pulled
+from abi.arm_planning.exclusion.arm_path_kernels import ROUNDS, pull, pulled
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.control_points import place_control_points
@@ -68,7 +68,12 @@ class _Segments:
 
 
 def pull_clear(
-    of_tool: TautPath, obstacles: ObstacleSet, margin: float, path: SearchResult, branch: ArmBranch
+    of_tool: TautPath,
+    obstacles: ObstacleSet,
+    margin: float,
+    path: SearchResult,
+    branch: ArmBranch,
+    rounds: int = ROUNDS,
 ) -> TautPath:
     """Pull a path taut as far as tool and arm stay clear.
 
@@ -82,6 +87,7 @@ def pull_clear(
         margin: distance that the tool keeps from them, [unit].
         path: clear for the arm.
         branch: the arm.
+        rounds: in which an arm that the kernels do not know does so, at most.
     """
     if branch.clear_segments(of_tool.points).all():
         return of_tool
@@ -89,7 +95,8 @@ def pull_clear(
     margin = min(margin, float(ends) - _ROUNDING)
     if branch.segments is None:
         vertices = [(x, y, z) for x, y, z in path.points.tolist()]
-        points = np.array(pull(vertices, _Segments(obstacles, margin, branch), _Segments.clear))
+        around = _Segments(obstacles, margin, branch)
+        points = np.array(pull(vertices, around, _Segments.clear, rounds))
     else:
         points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), branch.segments))
         points = points.reshape(-1, 3)

@@ -229,7 +229,8 @@ def clear_segments(points: FloatArray, segments: ArmSegments, clear: BoolArray) 
 _Segments = TypeVar("_Segments")
 Clear = Callable[[_Segments, tuple[Vec3, ...]], bool]
 
-_ROUNDS = 3
+ROUNDS = 3
+"""Rounds, at most, in which a path is pulled tight."""
 _STEPS = (0.8, 0.3, 0.08)
 _SETTLED = 1e-3
 _CUT = (0.45, 0.2)
@@ -329,19 +330,20 @@ def _cut_corners(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -
 
 
 @jitable
-def pull(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
+def pull(path: list[Vec3], around: _Segments, clear: Clear[_Segments], rounds: int) -> list[Vec3]:
     """Drop the vertices that a path can do without, move others, and cut corners.
 
     Args:
         path: the path, all of it clear.
         around: passed to ``clear``.
         clear: whether the segments between points are.
+        rounds: in which vertices are moved and corners cut, at most.
 
     Returns:
         The path, never longer.
     """
     path = _shortcuts(path, around, clear)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         before = length_of(path)
         path = _cut_corners(_moved(path, around, clear), around, clear)
         if length_of(path) > (1 - _SETTLED) * before:
@@ -363,7 +365,7 @@ def pulled(points: FloatArray, surroundings: PathObstacles, segments: ArmSegment
     """
     own = _Around(surroundings, new_room(), segments, new_touched())
     both = borrowed(own)
-    path = pull([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both, _clear)
+    path = pull([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both, _clear, ROUNDS)
     taut = np.empty(3 * len(path))
     for k in range(len(path)):
         taut[3 * k], taut[3 * k + 1], taut[3 * k + 2] = path[k]

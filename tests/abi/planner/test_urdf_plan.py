@@ -25,6 +25,7 @@ from abi.arrays import FloatArray
 from abi.errors import ExportError, SceneError
 from abi.export.formats import FORMATS
 from abi.planner.arm_words import arm_result
+from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.kinematics.chain_kernels import chain_poses
@@ -199,6 +200,25 @@ def test_links_that_would_touch_are_led_around(
     assert nearest >= whole.arm_clearance.distance
     verdicts = {one.curve: one for one in verify(json.loads(json.dumps(whole.to_dict())))}
     assert verdicts["arm"].proven, verdicts["arm"].reason
+
+
+def test_a_drag_keeps_to_its_start_pose_and_rests_on_what_a_fresh_plan_has(kitchen: Plan) -> None:
+    live = LivePlanner()
+    aside = KITCHEN.to_dict()["obstacles"]
+    aside[0]["position"][2] += 0.01
+    begun = live(KITCHEN.replace(obstacles=aside))
+    assert not live.partial
+    dragged = live(KITCHEN)
+    assert live.partial
+    assert dragged.arm_clearance is not None
+    assert dragged.arm_clearance.certified
+    poses = []
+    for plan in (begun, dragged, live.finish(KITCHEN), kitchen):
+        assert plan.motion is not None
+        poses.append(plan.motion.positions)
+    assert np.array_equal(poses[0][0], poses[1][0])
+    assert not live.partial
+    assert np.array_equal(poses[2], poses[3])
 
 
 def test_what_no_first_pose_can_pass_is_said_with_a_link() -> None:
