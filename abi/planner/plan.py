@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates, joint_rates, passed_limits
-from abi.arm_planning.joint_search.held_part import HeldPart, HeldSpan
+from abi.arm_planning.joint_search.held_part import HeldPart, HeldSpan, exact_span
 from abi.arm_planning.motion.liquid import largest_tilt
 from abi.arm_planning.motion.trajectory import Violation
 from abi.arrays import ReadOnlyCopies
@@ -96,11 +96,14 @@ class Plan(StageResults, ReadOnlyCopies):
                 spans += [span.later(begin) for span in leg.held_spans]
                 begin += 0.0 if leg.motion is None else float(leg.motion.time[-1])
             return tuple(spans)
-        held, arm, motion = self.scene.arm.held_axis, self.arm, self.motion
-        if held is None or motion is None or self.joint_search is None:
+        settings, arm, motion = self.scene.arm, self.arm, self.motion
+        if not isinstance(arm, UrdfArm) or motion is None or not motion.reachable:
             return ()
-        assert isinstance(arm, UrdfArm)
-        return (HeldPart.of(arm, held).span(motion),)
+        if settings.exact_axis is not None:
+            return (exact_span(arm, settings.exact_axis, motion),)
+        if settings.held_axis is None or self.joint_search is None:
+            return ()
+        return (HeldPart.of(arm, settings.held_axis).span(motion),)
 
     def for_arm(self) -> Plan:
         """The plan to begin with on an arm's branch, of that of the tool alone."""

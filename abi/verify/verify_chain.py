@@ -21,6 +21,7 @@ import numpy as np
 
 from abi.obstacles.pose import METRES, Quaternion, rotation
 from abi.scene.arm_end import ENDS
+from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene
 from abi.verify.allowed_contacts import Other, allowed_contacts
 from abi.verify.certificate import (
@@ -51,6 +52,8 @@ _ROUNDED = Fraction(1, 1 << 46)
 _ASKED = 1e-5
 """Error of a joint, or of the tool's direction, that is let pass at start and goal."""
 _ORIGIN = Fraction(0), Fraction(0), Fraction(0)
+_LEAST_ANGLE = 0.01
+"""Least angle to a direction held at samples that is checked, [rad]: less would take too long."""
 _PAST = Fraction(1, 10**9)
 """Distance that a joint may be past its limit, [rad] or [unit]."""
 
@@ -174,7 +177,7 @@ def check_chain(
         apart = partial(_apart, motion, capsules[i], capsules[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles, allowed)
-    held = scene.arm.held_axis
+    held = scene.arm.held_axis or _claimed_axis(scene, section)
     kept = "" if held is None else check_held(held, chain, motion.rows, section)
     count = sum(map(len, planes.values()))
     words = words_of(margin, scene.unit)
@@ -184,6 +187,19 @@ def check_chain(
     return (
         f"{words}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
         f"directions{kept}{left_out}"
+    )
+
+
+def _claimed_axis(scene: Scene, section: dict[str, Any]) -> HeldAxis | None:
+    """What a plan claims of a direction that is held exactly at samples; None for nothing."""
+    if scene.arm.exact_axis is None or section.get("axis") is None:
+        return None
+    claimed = mapping("arm.axis", section["axis"])
+    tolerance = finite("arm.axis.tolerance", claimed.get("tolerance"))
+    if not _LEAST_ANGLE <= tolerance <= math.pi / 2:
+        raise Fault(f"that the tool is within {tolerance:g} rad of its direction is not checked")
+    return HeldAxis.model_construct(
+        direction=scene.arm.exact_axis, tolerance=tolerance, begin=0.0, end=1.0
     )
 
 

@@ -147,12 +147,17 @@ def _of_joints(search: JointSearch, time: float) -> str:
     )
 
 
+_NOTHING = 1e-3
+"""Angle below which a direction is exact, [°]."""
+
+
 def _of_direction(span: HeldSpan) -> str:
     """Sentence on how well the tool keeps its direction."""
     measured, bound, allowed = map(math.degrees, (span.angle, span.bound, span.tolerance))
+    off = f"at most {measured:.2g}° off" if measured > _NOTHING else "not off"
     return (
         f"From {span.first:.2f} s to {span.last:.2f} s, where the time bar has a line, the gripper "
-        f"keeps its direction: it is at most {measured:.2g}° off at samples, and proven to be at "
+        f"keeps its direction: it is {off} at samples, and proven to be at "
         f"most {bound:.2g}° off between them, of {allowed:.2g}° allowed."
     )
 

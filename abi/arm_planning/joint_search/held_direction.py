@@ -29,7 +29,7 @@ _PIECES = 16
 """Pieces of a way, each of which is bounded by itself."""
 _ROOM = 0.02
 """Part of the tolerance by which a way may leave it more than at its ends."""
-_AT_RISK = 0.98
+AT_RISK = 0.98
 """Part of the tolerance that a motion keeps: an exact check that bounds it otherwise succeeds."""
 
 
@@ -71,7 +71,7 @@ class HeldDirection(ShortRepr):
         steady = (angles[1:] + angles[:-1] + turned) / 2
         return np.asarray(np.minimum(np.arccos(np.maximum(cosines, -1.0)), steady))
 
-    def excess(self, positions: FloatArray, part: float = _AT_RISK) -> BoolArray:
+    def excess(self, positions: FloatArray, part: float = AT_RISK) -> BoolArray:
         """Which straight ways (k - 1,) between positions (k, n) are not proven to hold it.
 
         Args:
@@ -84,7 +84,7 @@ class HeldDirection(ShortRepr):
         """Check whether a short straight way of the joints, (n,) to (n,), holds it with room."""
         between = np.linspace(start, end, _PIECES + 1)
         ends = float(self.angles(between[[0, -1]]).max()) / self.tolerance
-        return not self.excess(between, min(max(_WITHIN, ends + _ROOM), _AT_RISK)).any()
+        return not self.excess(between, min(max(_WITHIN, ends + _ROOM), AT_RISK)).any()
 
     def brought_near(self, joints: FloatArray) -> FloatArray | None:
         """Joint positions near given ones (n,) that hold it with room; None if none were found."""

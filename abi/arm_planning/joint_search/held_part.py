@@ -9,11 +9,16 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.joint_search.held_direction import HeldDirection
+from abi.arm_planning.joint_search.held_direction import AT_RISK, HeldDirection
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, ShortRepr
+from abi.obstacles.pose import Vec3
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.held_axis import HeldAxis
+
+EXACTLY = 0.01
+"""Angle within which a direction that is held exactly at samples is proven to be between them, too,
+if the joints turn little enough from one to the next, [rad]."""
 
 
 class HeldSpan(NamedTuple):
@@ -24,7 +29,7 @@ class HeldSpan(NamedTuple):
         last: when it ends, [s].
         angle: largest angle that is measured at samples, [rad].
         bound: largest that is possible between them, too, [rad].
-        tolerance: largest that is asked for, [rad].
+        tolerance: largest that is asked for, or is claimed where it is held exactly, [rad].
     """
 
     first: float
@@ -36,6 +41,19 @@ class HeldSpan(NamedTuple):
     def later(self, by: float) -> HeldSpan:
         """The span in a motion that begins so much later, [s]."""
         return self._replace(first=self.first + by, last=self.last + by)
+
+
+def exact_span(arm: UrdfArm, direction: Vec3, motion: ArmMotion) -> HeldSpan:
+    """How well a direction is kept that is held exactly at the samples of a motion.
+
+    Args:
+        arm: the arm.
+        direction: of the tip's z axis, not zero, world.
+        motion: the motion.
+    """
+    hold = HeldDirection(arm, np.array(direction), EXACTLY)
+    span = HeldPart(hold, 0.0, 1.0).span(motion)
+    return span._replace(tolerance=max(EXACTLY, span.bound / AT_RISK))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -221,6 +221,24 @@ def test_a_drag_keeps_to_its_start_pose_and_rests_on_what_a_fresh_plan_has(kitch
     assert np.array_equal(poses[2], poses[3])
 
 
+def test_a_direction_held_at_samples_is_bounded_between_them(kitchen: Plan) -> None:
+    (span,), motion, one = kitchen.held_spans, kitchen.motion, kitchen.arm
+    assert motion is not None
+    assert isinstance(one, UrdfArm)
+    times = np.linspace(0, motion.time[-1], 4001)
+    positions = np.stack([np.interp(times, motion.time, q) for q in motion.positions.T], axis=1)
+    down = -one.chain.poses(positions / one.scales)[:, -1, 2, 2]
+    off = np.arccos(np.minimum(down, 1.0)).max()
+    assert span.angle < 1e-7
+    assert off <= span.bound < span.tolerance == 0.01
+    data = json.loads(json.dumps(kitchen.to_dict()))
+    assert data["arm"]["axis"]["bound"] == span.bound
+    (reason,) = [one.reason for one in verify(data) if one.curve == "arm"]
+    assert "within 0.01 rad of its direction from 0 to 1 of the time" in reason
+    data["arm"]["axis"]["tolerance"] = 1e-6  # less is not checked, and so not confirmed
+    assert not next(one.proven for one in verify(data) if one.curve == "arm")
+
+
 def test_what_no_first_pose_can_pass_is_said_with_a_link() -> None:
     lid = boxes((0.2, 0.2, 0.02, 0.42, 0.45, 0.28))
     made = Planner()(KITCHEN.replace(obstacles=lid))
