@@ -9,39 +9,12 @@ from playwright.sync_api import Locator
 from app.server.server import Server
 from app.tab.session import Session
 from tests.browser import drawn
+from tests.browser.charts import ends, is_whole
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page
 
-_ENDS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => chart)
-  .filter(chart => chart.over.clientWidth)
-  .map(({scales, data}) => [scales.x.min, scales.x.max, data[0][0], data[0].at(-1)])"""
 
-# Of each plot over time that is seen: how many numbers stand beside it.
-_NUMBERS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => chart)
-  .filter(chart => chart.over.clientWidth && chart.series[0].label === "t")
-  .map(({axes}) => (axes[1]._values ?? []).filter(text => text !== null && text !== "").length)"""
-
-
-def _ends(page: Page) -> tuple[float, float, float, float]:
-    """Range of the first plot, and of its data: from, to, from, to, [s]."""
-    page.until(lambda: bool(page.tab.evaluate(_ENDS)), "a plot")
-    low, high, first, last = page.tab.evaluate(_ENDS)[0]
-    return (low, high, first, last)
-
-
-def _is_whole(page: Page, duration: float) -> bool:
-    low, high, first, last = _ends(page)
-    return low == first == 0 and high == last == pytest.approx(duration)
-
-
-def test_the_time_axis_follows_the_motion(page: Page, session: Session) -> None:
-    for name in ("arm-in-the-way", "kitchen-ur5e", "paper"):
-        page.click("Scene")
-        page.choose("scene", name)
-        page.until(lambda: session.resting and session.panels.files.name == name, name)  # noqa: B023
-        page.click("Result")
-        page.until(lambda: _is_whole(page, session.frame.duration), "the whole motion")
-
+def test_a_part_of_the_time_is_drawn_out_by_hand(page: Page, session: Session) -> None:
     box = page.tab.locator(".u-over").first.bounding_box()
     assert box is not None
     y = box["y"] + box["height"] / 2
@@ -50,24 +23,12 @@ def test_the_time_axis_follows_the_motion(page: Page, session: Session) -> None:
     page.tab.mouse.move(box["x"] + 0.8 * box["width"], y, steps=4)
     page.tab.mouse.up()
     duration = session.frame.duration
-    page.until(lambda: 0.4 * duration < _ends(page)[0] < 0.6 * duration, "the part drawn out")
+    page.until(lambda: 0.4 * duration < ends(page)[0] < 0.6 * duration, "the part drawn out")
     page.tab.wait_for_timeout(1000)
-    assert 0.7 * duration < _ends(page)[1] < 0.9 * duration, "it stays"
+    assert 0.7 * duration < ends(page)[1] < 0.9 * duration, "it stays"
     page.tab.mouse.dblclick(box["x"] + 0.5 * box["width"], y)
-    page.until(lambda: _is_whole(page, duration), "the whole motion again")
+    page.until(lambda: is_whole(page, duration), "the whole motion again")
     assert not page.errors
-
-
-def test_what_a_line_is_worth_can_be_read_beside_every_plot(page: Page, session: Session) -> None:
-    for name in ("arm-in-the-way", "sculpture", "kitchen-ur5e", "paper"):
-        page.click("Scene")
-        page.choose("scene", name)
-        page.until(lambda: session.resting and session.panels.files.name == name, name)  # noqa: B023
-        for tab in ("Plots", "Result"):
-            page.click(tab)
-            page.settle()
-            page.until(lambda: bool(page.tab.evaluate(_NUMBERS)), "plots")
-            assert min(page.tab.evaluate(_NUMBERS)) >= 2, (name, tab)
 
 
 def _read(page: Page, over: Locator) -> list[str]:
@@ -117,10 +78,10 @@ def test_plots_behind_their_tab_come_when_it_is_opened_and_follow_a_drag(
     page.click("Plots")
     page.until(lambda: page.tab.evaluate(_ALL) > 6, "the plots")
     before = session.frame.duration
-    page.until(lambda: _is_whole(page, before), "the whole motion")
+    page.until(lambda: is_whole(page, before), "the whole motion")
     page.drag_arrow(drawn.obstacles(page)[0], 2, -1.0)
     page.until(lambda: session.frame.duration != before, "another motion")
-    page.until(lambda: _is_whole(page, session.frame.duration), "the whole of it")
+    page.until(lambda: is_whole(page, session.frame.duration), "the whole of it")
 
 
 # Where the playback's speed is, and how high what scrolls with it is, [px].

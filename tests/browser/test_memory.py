@@ -50,8 +50,11 @@ def _is_back(page: Page, session: Session, scene: abi.Scene, camera: drawn.Point
     page.until(lambda: np.allclose(session.client.camera.position, camera, rtol=1e-4), "its camera")
 
 
-def test_what_is_too_long_to_be_remembered_is_told(tabs: Tabs, server: Server) -> None:
-    page = tabs()
+def test_what_cannot_be_brought_back_is_told(tabs: Tabs, server: Server) -> None:
+    page = tabs("?state=nonsense")
+    page.reads("The link cannot be opened")
+    assert server.sessions[page.client].plan.scene == abi.load_scene("paper")  # type: ignore[union-attr]
+
     page.tab.evaluate("sessionStorage.setItem('abi-tab', 'x'.repeat(abi.LONGEST + 1))")
     student = page.tab.evaluate("localStorage.getItem('abi-student')")
     assert len(student) >= 16
@@ -119,9 +122,3 @@ def test_an_uploaded_mesh_comes_back(tabs: Tabs, server: Server) -> None:
     session = server.sessions[page.client]
     page.until(lambda: session.plan.scene == scene, "the scene with its mesh")  # type: ignore[union-attr]
     page.until(lambda: len(drawn.obstacles(page)) == 2, "both obstacles")
-
-
-def test_a_damaged_link_is_told_of_and_opens_the_usual_scene(tabs: Tabs, server: Server) -> None:
-    page = tabs("?state=nonsense")
-    page.reads("The link cannot be opened")
-    assert server.sessions[page.client].plan.scene == abi.load_scene("paper")  # type: ignore[union-attr]

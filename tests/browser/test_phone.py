@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 from playwright.sync_api import Browser
 
@@ -78,83 +80,61 @@ _HINT = """() => {
 }"""
 
 
-def test_no_hint_lies_over_the_sheet(chromium: Browser, server: Server) -> None:
+@pytest.fixture(scope="module")
+def phone(chromium: Browser, server: Server) -> Iterator[Page]:
+    """A tab on a phone, its sheet folded."""
     page = Page(chromium, server.url, 390, 844)
-    hint = page.tab.locator(".mantine-Tooltip-tooltip")
-    try:
-        page.settle()
-        page.tab.get_by_text(TITLE, exact=True).click()
-        page.tab.get_by_text("Result · Search ·").click()
-        page.click("Scene")
-        page.until(lambda: _in_sight(page), "the tab")
-        # hints rarely open without a mouse, so one is put there
-        page.tab.evaluate(_HINT)
-        assert hint.count() == 1
-        page.frames(3)
-        assert not hint.is_visible()
-    finally:
-        page.close()
+    yield page
+    page.close()
+
+
+def _fold(page: Page) -> None:
+    title = page.tab.get_by_text(TITLE, exact=True)
+    title.click()
+    page.until(lambda: title.bounding_box()["y"] > 780, "the sheet to fold")  # type: ignore[index]
+    page.until(lambda: page.tab.evaluate(_SHARES)[1] > 0.9 * 844, "the scene to have it all")
 
 
 @pytest.mark.slow
-def test_everything_is_large_enough_for_a_finger(chromium: Browser, server: Server) -> None:
-    page = Page(chromium, server.url, 390, 844)
-    try:
-        page.settle()
-        assert page.tab.evaluate(_SMALL) == []
-        page.tab.get_by_text(TITLE, exact=True).click()
-        page.until(lambda: _are_both_seen(page), "the sheet")
-        page.until(lambda: page.tab.evaluate(_HEADING, 14), "a finger's width of the heading")
-        page.tab.get_by_text("Result · Search ·").click()
-        page.until(lambda: _in_sight(page), "the tabs")
-        for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
-            page.click(name)
-            page.until(lambda: _in_sight(page), f"the tab {name}")
-            page.settle()
-            assert page.tab.evaluate(_SMALL) == [], name
-    finally:
-        page.close()
+def test_a_sheet_shows_what_is_chosen_and_can_be_folded(phone: Page) -> None:
+    title = phone.tab.get_by_text(TITLE, exact=True)
+    phone.settle()
+    assert phone.tab.evaluate(_SMALL) == []
+    title.click()
+    phone.until(lambda: _are_both_seen(phone), "the scene above the sheet")
+    phone.until(lambda: phone.tab.evaluate(_HEADING, 14), "a finger's width of the heading")
+    phone.settle()
+    for corner in ([0.0, 0.0, 0.0], [6.0, 6.0, 6.0], [6.0, 0.0, 6.0], [0.0, 6.0, 0.0]):
+        # the camera follows what the server hears of the sheet
+        phone.until(lambda: phone.is_free(phone.pixel("/workspace", corner)), f"{corner}")  # noqa: B023
+    phone.tab.get_by_text("Result · Search ·").click()
+    phone.until(lambda: _in_sight(phone), "the tabs")
+    for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
+        phone.click(name)
+        phone.until(lambda: _in_sight(phone), f"the tab {name}")
+        phone.settle()
+        assert phone.tab.evaluate(_WIDTHS) == [390, 390]
+        assert _are_both_seen(phone)
+        assert phone.tab.evaluate(_SMALL) == [], name
+    # hints rarely open without a mouse, so one is put there
+    phone.tab.evaluate(_HINT)
+    hint = phone.tab.locator(".mantine-Tooltip-tooltip")
+    assert hint.count() == 1
+    phone.frames(3)
+    assert not hint.is_visible(), "a hint over the sheet"
+    _fold(phone)
+    phone.click("Lessons")
+    phone.reads("1. ")
+    phone.until(lambda: _in_sight(phone), "the lessons")
+    _fold(phone)
+    assert not phone.errors
 
 
 @pytest.mark.slow
-def test_a_lecture_shows_every_headline_whole(chromium: Browser, server: Server) -> None:
-    page = Page(chromium, server.url, 390, 844)
-    try:
-        page.settle()
-        page.tab.keyboard.press("l")
-        for height in (844, 790):
-            page.tab.set_viewport_size({"width": 390, "height": height})
-            page.until(lambda: bool(page.tab.evaluate(_WHOLE_HEADLINES)), f"them at {height}")
-    finally:
-        page.close()
-
-
-@pytest.mark.slow
-def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, server: Server) -> None:
-    page = Page(chromium, server.url, 390, 844)
-    try:
-        title = page.tab.get_by_text(TITLE, exact=True)
-        page.settle()
-        title.click()
-        page.until(lambda: _are_both_seen(page), "the scene above the sheet")
-        page.settle()
-        for corner in ([0.0, 0.0, 0.0], [6.0, 6.0, 6.0], [6.0, 0.0, 6.0], [0.0, 6.0, 0.0]):
-            # the camera follows what the server hears of the sheet
-            page.until(lambda: page.is_free(page.pixel("/workspace", corner)), f"{corner}")  # noqa: B023
-        page.tab.get_by_text("Result · Search ·").click()
-        page.until(lambda: _in_sight(page), "the tabs")
-        for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
-            page.click(name)
-            page.until(lambda: _in_sight(page), f"the tab {name}")
-            page.settle()
-            assert page.tab.evaluate(_WIDTHS) == [390, 390]
-            assert _are_both_seen(page)
-        title.click()
-        page.until(lambda: title.bounding_box()["y"] > 780, "the sheet to fold")  # type: ignore[index]
-        page.until(lambda: page.tab.evaluate(_SHARES)[1] > 0.9 * 844, "the scene to have it all")
-        page.click("Lessons")
-        page.reads("1. ")
-        page.until(lambda: _in_sight(page), "the lessons")
-        assert not page.errors
-    finally:
-        page.close()
+def test_a_lecture_shows_every_headline_whole(phone: Page) -> None:
+    phone.settle()
+    phone.tab.keyboard.press("l")
+    for height in (844, 790):
+        phone.tab.set_viewport_size({"width": 390, "height": height})
+        phone.until(lambda: bool(phone.tab.evaluate(_WHOLE_HEADLINES)), f"them at {height}")
+    assert not phone.errors
