@@ -119,3 +119,6 @@ READERS: Mapping[str, Callable[[bytes], PosesAt]] = {
     "its numbers": by_numbers,
 }
 """Readers by their names, from the content of a URDF."""
+
+MOST_STATES: Mapping[str, int] = {"yourdfpy": 50}
+"""States at which a reader is asked at most, where it takes long for each."""

@@ -7,6 +7,7 @@ are left out with a note.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -17,6 +18,7 @@ from abi.obstacles.mesh_files.dae_colours import Colours
 from abi.obstacles.mesh_files.dae_geometry import GeometryReader
 from abi.obstacles.mesh_files.dae_pose import node_pose
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
+from abi.obstacles.mesh_files.units import length_of
 from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.xml_document import child, children, name_of, parse, where
 
@@ -71,8 +73,7 @@ class _Document:
 
     def metres(self) -> float:
         """Length of the file's unit, [m]; one metre by default."""
-        units = [one for one in self.root.iter("{*}unit") if one.getparent() is not None]
-        lengths = {_metres(one) for one in units if name_of(one.getparent()) == "asset"}
+        lengths = {_metres(one) for one in self._units()}
         if len(lengths) > 1:
             raise ValueError("a DAE of one unit, its parts have several")
         return lengths.pop() if lengths else 1.0
@@ -119,7 +120,7 @@ class _Document:
         instances = list(self.root.iter("{*}instance_geometry", "{*}instance_controller"))
         urls = {str(one.get("url", "")).strip() for one in instances}
         geometries = [key for kind, key in self._ids if kind == "geometry"]
-        notes = []
+        notes = [*self._misnamed()]
         if unused := sum(f"#{key}" not in urls for key in geometries):
             noun = counted(unused, "geometry", "geometries")
             notes.append(f"{noun} left out: no node places it.")
@@ -133,6 +134,16 @@ class _Document:
         if next(self.root.iter("{*}animation"), None) is not None:
             notes.append("Its animations are left out.")
         return tuple(notes)
+
+    def _misnamed(self) -> Iterator[str]:
+        """A sentence on each unit that is not as long as its name says."""
+        for name, metres in {(str(k.get("name", "")), _metres(k)) for k in self._units()}:
+            if not math.isclose(metres, length_of(name) or metres, rel_tol=1e-3):
+                yield f"Its unit is named {shown(name)}, but is {metres:g} m long, which counts."
+
+    def _units(self) -> list[etree._Element]:
+        units = [one for one in self.root.iter("{*}unit") if one.getparent() is not None]
+        return [one for one in units if name_of(one.getparent()) == "asset"]
 
     def _scene(self) -> etree._Element:
         scene = child(self.root, "scene")

@@ -21,6 +21,7 @@ from abi.obstacles.mesh_files.xml_document import (
 )
 
 _LINES = ("lines", "linestrips")
+_NO_SURFACE = ("source", "vertices", "extra")
 _POLYGONS = ("triangles", "trifans", "tristrips", "polylist", "polygons")
 
 
@@ -46,6 +47,7 @@ class GeometryReader:
         self._most = most_faces
         self._read: dict[str, tuple[Primitive, ...]] = {}
         self._lines, self._bent = 0, 0
+        self._unknown: dict[str, None] = {}
 
     def read(self, geometry: etree._Element) -> tuple[Primitive, ...]:
         """Triangles of a geometry.
@@ -60,7 +62,7 @@ class GeometryReader:
 
     def left_out(self) -> tuple[str, ...]:
         """Sentences on what of the geometries is not read, or only by assumption."""
-        notes = []
+        notes = [f"What its <{name[:40]}> says is left out." for name in self._unknown]
         if self._bent:
             noun = counted(self._bent, "polygon")
             notes.append(f"{noun} not flat: the triangles are one of several ways to fill them.")
@@ -70,6 +72,8 @@ class GeometryReader:
 
     def _primitives(self, geometry: etree._Element) -> tuple[Primitive, ...]:
         mesh = child(geometry, "mesh")
+        if len(children(geometry, "mesh")) > 1:
+            raise ValueError(f"a DAE with one mesh in {where(geometry)}")
         if mesh is None:
             if child(geometry, "spline") is not None:
                 self._lines += 1
@@ -82,11 +86,14 @@ class GeometryReader:
                 self._lines += integer(element, "count")
             elif kind in _POLYGONS and child(element, "p", "ph") is not None:
                 found.append(self._primitive(mesh, element, kind))
+            elif kind not in (*_POLYGONS, *_NO_SURFACE):
+                self._unknown[kind] = None
         check_count(sum(len(one.parts.faces) for one in found) or 1, self._most)
         return tuple(found)
 
     def _primitive(self, mesh: etree._Element, element: etree._Element, kind: str) -> Primitive:
         corners = _input(mesh, element)
+        _check_rows(element, kind)
         rows = [_corners(p, corners) for p in children(element, "p")]
         if kind in ("triangles", "polylist"):
             ids = np.concatenate(rows) if rows else np.empty(0, dtype=np.int32)
@@ -139,6 +146,14 @@ class GeometryReader:
             triangles = cut([corners.points[ring] for ring in rings], where(holed))
             faces.append(np.concatenate(rings)[triangles])
         return np.concatenate(faces)
+
+
+def _check_rows(element: etree._Element, kind: str) -> None:
+    """Refuse polygons, strips or fans of which some are not there."""
+    if kind in ("polygons", "trifans", "tristrips"):
+        announced, there = integer(element, "count", "0"), len(children(element, "p", "ph"))
+        if there < announced:
+            raise ValueError(f"{announced:,} lists in {where(element)}, it has {there:,}")
 
 
 def _input(mesh: etree._Element, element: etree._Element) -> _Input:

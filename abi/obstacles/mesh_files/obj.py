@@ -13,11 +13,13 @@ import numpy as np
 
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.polygons import triangulate
+from abi.obstacles.mesh_files.units import commented
 from abi.obstacles.mesh_files.words import counted, shown
 
 _INDEX = re.compile(r"[+-]?[0-9]{1,9}").fullmatch
 _USUAL_FACE = re.compile("f" + 3 * r"\s+([0-9]{1,9})(?:/\S*)?" + r"\s*").fullmatch
 """Pattern of a triangle's line, the fast path for all but a few files."""
+_COMMENT = re.compile(r"^[ \t]*#.*$", re.MULTILINE)
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _UNIT = re.compile(r"# abi unit (\S{1,40})")
 """First line of a file written by this package, with the unit of the original file."""
@@ -128,7 +130,9 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         first = ", ".join(f"{kind} in line {number:,}" for kind, number in [*unknown.items()][:3])
         notes.append(f"What is no statement of OBJ is left out: {first}.")
     parts = Parts(points, cut.faces)
-    return MeshFile(parts, _unit(text), (*cut.notes, *notes, *loose_points(parts)))
+    said = commented("\n".join(_COMMENT.findall(text)))
+    notes += loose_points(parts)
+    return MeshFile(parts, _unit(text), (*cut.notes, *notes), commented=said)
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:

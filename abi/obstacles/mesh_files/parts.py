@@ -40,12 +40,14 @@ class MeshFile:
         metres: length of its unit, [m]; None if the format or the file does not say.
         notes: sentences on what of the file is left out.
         up: axis that points up in the file; z where it does not say. Nothing is turned.
+        commented: length of the unit that a comment names, where the format itself has none, [m].
     """
 
     parts: Parts
     metres: float | None = None
     notes: tuple[str, ...] = ()
     up: str = "z"
+    commented: float | None = None
 
 
 def placed(parts: Parts, pose: FloatArray) -> Parts:

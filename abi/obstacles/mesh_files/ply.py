@@ -10,11 +10,13 @@ from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.ply_tables import PlyLists, Table, binary_tables, header, text_tables
 from abi.obstacles.mesh_files.polygons import triangulate
+from abi.obstacles.mesh_files.units import commented
 from abi.obstacles.mesh_files.words import counted, shown
 
 _END = re.compile(rb"^end_header[ \t]*(?:\r\n|\n|\r)", re.MULTILINE)
 _MOST_HEADER = 100_000
 _CORNERS = ("vertex_indices", "vertex_index")
+_COMMENTS = (["comment"], ["obj_info"])
 _COLOUR = ("red", "green", "blue")
 
 
@@ -27,7 +29,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     end = _END.search(data, 0, _MOST_HEADER)
     if not data.startswith(b"ply") or end is None:
         raise ValueError("a PLY file, whose header ends with a line end_header")
-    order, elements = header(data[: end.start()].decode("utf-8", "replace").splitlines())
+    lines = data[: end.start()].decode("utf-8", "replace").splitlines()
+    order, elements = header(lines)
     body = data[end.end() :]
     if order is None:
         tables, left = text_tables(body, elements)
@@ -47,7 +50,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     left_out = [e for e in elements if e.name not in ("vertex", "face", "tristrips") and e.rows]
     notes += [f"Its {e.rows:,} rows of {shown(e.name)} are left out." for e in left_out]
     parts = Parts(vertices, faces, colours)
-    return MeshFile(parts, notes=(*notes, *loose_points(parts)))
+    said = commented("\n".join(line for line in lines if line.split()[:1] in _COMMENTS))
+    return MeshFile(parts, notes=(*notes, *loose_points(parts)), commented=said)
 
 
 def _vertices(table: Table) -> FloatArray:

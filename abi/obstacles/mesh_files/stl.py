@@ -8,6 +8,7 @@ import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count
+from abi.obstacles.mesh_files.units import commented
 
 _HEADER = b"abi".ljust(80)
 _COLOURED = 1 << 15
@@ -57,7 +58,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         )
     vertices = corners.reshape(-1, 3).astype(np.float64)
     faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
-    return MeshFile(Parts(vertices, faces, colours))
+    title = data[:80].decode("latin-1").splitlines()[0]  # of text its first line, with its name
+    return MeshFile(Parts(vertices, faces, colours), commented=commented(title))
 
 
 def _colours(data: bytes) -> ByteArray:

@@ -15,14 +15,19 @@ from lxml import etree
 
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
+from abi.obstacles.mesh_files.units import METRES
 from abi.obstacles.mesh_files.words import counted, float_words, shown
-from abi.obstacles.mesh_files.xml_document import affine, child, children, integer, parse, where
+from abi.obstacles.mesh_files.xml_document import (
+    affine,
+    child,
+    children,
+    integer,
+    name_of,
+    parse,
+    where,
+)
 from abi.obstacles.mesh_files.zip_archive import unpacked
 
-METRES: Mapping[str, float] = {
-    **{"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "meter": 1.0},
-    **{"inch": 0.0254, "foot": 0.3048},
-}
 _MOST_PLACED, _DEEPEST = 10_000, 32
 _PLAIN = {
     "http://schemas.microsoft.com/3dmanufacturing/core/2015/02",
@@ -33,6 +38,7 @@ _PLAIN = {
 """Extensions that add no surfaces of their own, or that are read here."""
 _PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
 _ROOT = "3d/3dmodel.model"
+_PARTS = ("metadata", "resources", "build")
 
 _Key = tuple[str, int]
 """Path of a model part, and id of an object in it."""
@@ -104,6 +110,7 @@ class _Package:
         self._files = files
         self._objects: dict[str, dict[int, etree._Element]] = {}
         self._used: set[_Key] = set()
+        self._unknown: dict[str, None] = {}
         self._root_name = root_model(files)
         self._root = self._part(self._root_name)
         self.metres = self._unit(self._root)
@@ -111,7 +118,7 @@ class _Package:
     def items(self) -> Iterator[_Placed]:
         """The items of the build section."""
         build = child(self._root, "build")
-        for item in children(build, "item") if build is not None else ():
+        for item in self._known(build, "item") if build is not None else ():
             yield self._reference(item, self._root_name)
 
     def object(self, key: _Key) -> etree._Element:
@@ -134,11 +141,18 @@ class _Package:
         group = child(self._objects[key[0]][key[1]], "components")
         if group is None:
             return []
-        return [self._reference(one, key[0]) for one in children(group, "component")]
+        return [self._reference(one, key[0]) for one in self._known(group, "component")]
+
+    def _known(self, group: etree._Element, name: str) -> list[etree._Element]:
+        """Children of that name; the names of others are kept for a note."""
+        self._unknown |= dict.fromkeys(
+            {name_of(one): None for one in group if name_of(one) != name}
+        )
+        return children(group, name)
 
     def left_out(self) -> tuple[str, ...]:
         """Sentences on the objects that the build section does not place."""
-        notes = []
+        notes = [f"What its <{name[:40]}> says is left out." for name in self._unknown]
         if unplaced := sum(map(len, self._objects.values())) - len(self._used):
             notes.append(f"{counted(unplaced, 'object')} left out: not in the build.")
         models = [name for name in self._files if name.endswith(".model")]
@@ -150,6 +164,8 @@ class _Package:
         if name not in self._files:
             raise ValueError(f"a whole 3MF file, {shown(name)} is missing")
         root = parse(self._files[name], "model")
+        parts = (name_of(one) for one in root)
+        self._unknown |= {one: None for one in parts if one not in _PARTS}
         for prefix in str(root.get("requiredextensions", "")).split():
             space = root.nsmap.get(prefix, prefix)
             if space not in _PLAIN:
@@ -189,6 +205,9 @@ def _mesh(mesh: etree._Element) -> Parts:
     vertices, triangles = child(mesh, "vertices"), child(mesh, "triangles")
     if vertices is None or triangles is None:
         raise ValueError(f"3MF meshes with vertices and triangles, {where(mesh)} has not both")
+    for group, name in ((vertices, "vertex"), (triangles, "triangle")):
+        for one in group:
+            _refuse_unknown(one, (name,))
     points = _attributes(vertices, "vertex", ("x", "y", "z"))
     ids = _attributes(triangles, "triangle", ("v1", "v2", "v3"))
     if len(ids) and not (ids.min() >= 0 and ids.max() < len(points) and (ids % 1 == 0).all()):

@@ -56,7 +56,7 @@ def read_surface(data: bytes, name: str) -> Surface:
     file = read_file(data, name)
     axis = () if file.up == "z" else (f"Its {file.up} axis points up, and it is not turned.",)
     surface = clean(file.parts.vertices, file.parts.faces, name)
-    return surface.of_file(file.metres, (*axis, *file.notes))
+    return surface.of_file(file.metres or file.commented, (*axis, *file.notes))
 
 
 def read_file(data: bytes, name: str) -> MeshFile:

@@ -97,6 +97,11 @@ class MeshLookup:
         except SceneError as error:
             raise SceneError("arm.urdf mesh", error.value, error.expected) from None
         self._left_out |= {f"{name}: {note}": None for note in file.notes[:_MOST_NOTES]}
+        if file.metres is None and file.commented not in (None, 1.0):
+            note = (
+                f"Its comment names a unit of {file.commented:g} m; of an arm it counts in metres."
+            )
+            self._left_out[f"{name}: {note}"] = None
         return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))
 
     def _most_alike(self, name: str) -> str:

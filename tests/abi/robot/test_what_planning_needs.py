@@ -162,6 +162,15 @@ def test_joints_that_other_programs_close_or_couple_are_named(element: str, name
     assert read_of(arm(("</robot>", plain))).notes == ("Not used: transmission, gazebo.",)
 
 
+def test_a_unit_that_a_comment_names_is_told_of_and_does_not_count_in_an_arm() -> None:
+    triangle = "# File units = inches\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    text = arm(('<box size="0.1 0.1 0.3"/>', '<mesh filename="a.obj"/>'))
+    robot = load_robot("r.urdf", MeshSource({"r.urdf": text.encode(), "a.obj": triangle.encode()}))
+    assert robot.links["a"].shapes[0].vertices.max() == 1
+    (note,) = robot.notes
+    assert note == "a.obj: Its comment names a unit of 0.0254 m; of an arm it counts in metres."
+
+
 def test_an_origin_is_turned_by_a_quaternion_as_by_its_angles() -> None:
     angles = np.array([0.3, 0.2, 0.1])
     (a, b, c), (u, v, w) = np.cos(angles / 2), np.sin(angles / 2)

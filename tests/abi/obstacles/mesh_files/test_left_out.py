@@ -48,6 +48,14 @@ def dae(change: str, to: str) -> bytes:
     return DAE.replace(change, to, 1).encode()
 
 
+def polygons(count: int) -> bytes:
+    """The doorway's wall with its first polygon alone, and the number of polygons announced."""
+    start, end = DAE.index("<polylist"), DAE.index("</polylist>")
+    own = DAE[DAE.index("<input", start) : DAE.index("<vcount")]
+    text = f'<polygons count="{count}">{own}<p>0 1 2 3</p></polygons>'
+    return (DAE[:start] + text + DAE[end + len("</polylist>") :]).encode()
+
+
 def controller(kind: str) -> bytes:
     text = DAE.replace("instance_geometry", "instance_controller").replace('url="#g"', 'url="#c"')
     library = f'<library_controllers><controller id="c"><{kind} source="#g"/></controller>'
@@ -69,6 +77,8 @@ def controller(kind: str) -> bytes:
         ("a.dae", dae("<vcount>8", "<vcount>7"), "as vcount says"),
         ("a.dae", dae('<polylist count="1"', '<polylist count="2"'), "can be counted"),
         ("a.dae", dae("<p>0 1", "<p>0 11"), "<p> in line"),
+        ("a.dae", polygons(2), "2 lists in <polygons> in line 9, it has 1"),
+        ("a.dae", dae("</geometry>", "<mesh/></geometry>"), "one mesh in <geometry>"),
         ("a.dae", dae("<asset/>", '<asset><unit meter="-1"/></asset>'), "unit is a length"),
         ("a.dae", dae("<asset/>", "<asset><up_axis>UP</up_axis></asset>"), "'UP'"),
         ("a.dae", dae("<node>", "<node><matrix>1 2 3</matrix>"), "16 numbers in <matrix>"),
@@ -80,6 +90,7 @@ def controller(kind: str) -> bytes:
         ("a.3mf", model('<item objectid="2"/>'), "object 2 is not in"),
         ("a.3mf", model(ITEM, 'unit="cubit"'), "'cubit'"),
         ("a.3mf", model(ITEM, mesh='<b:beamlattice xmlns:b="u"/>'), "<beamlattice> in line 1"),
+        ("a.3mf", model(ITEM).replace(b"triangle v1", b"quadrang v1"), "whole 3MF file"),
         ("a.3mf", model(ITEM, 'requiredextensions="b" xmlns:b="urn:b"'), "'urn:b'"),
         ("a.glb", glb(skin=0), "skeleton, nodes[0]"),
         ("a.glb", glb(extensions={"EXT_mesh_gpu_instancing": {}}), "EXT_mesh_gpu_instancing"),
@@ -93,6 +104,7 @@ def controller(kind: str) -> bytes:
             "one up_axis",
         ),
         ("a.obj", OBJ + b"v 0 0 0 f 1 2 3\n", "three numbers, line 123 has '0 0 0 f"),
+        ("a.obj", b"# unit: mm\n# unit = cm\n" + OBJ, "comments name several"),
         ("a.obj", OBJ + b"surf 0 1 0 1 1 2 3 4\n", "curved surface (surf)"),
         ("a.off", b"OFF BINARY\n", "as text, or as PLY"),
         ("a.ply", b"ply\nformat ascii 2.0 x\nend_header\n", "line 2"),
@@ -116,6 +128,12 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
     ("name", "data", "note"),
     [
         ("a.dae", dae("</polylist>", f"</polylist>{LINES}"), "2 lines are left out"),
+        ("a.dae", dae("</polylist>", "</polylist><patch/>"), "What its <patch> says is left out"),
+        (
+            "a.dae",
+            dae("<asset/>", '<asset><unit name="inch"/></asset>'),
+            "named 'inch', but is 1 m",
+        ),
         ("a.dae", dae("</visual_scene>", OTHER), "1 scene is left out"),
         ("a.dae", dae("<scene>", "<scene><instance_physics_scene/>"), "<instance_physics_scene>"),
         ("a.dae", dae("</geometry>", '</geometry><geometry id="h"><mesh/></geometry>'), "geometry"),
@@ -124,6 +142,8 @@ OTHER = f'</visual_scene><visual_scene id="m">{NODE}</visual_scene>'
             dae("<library_v", f"<library_nodes>{NODE}</library_nodes><library_v"),
             "instance",
         ),
+        ("a.3mf", model(f"{ITEM}<x><item objectid='1'/></x>"), "What its <x> says is left out"),
+        ("a.3mf", model(f"{ITEM}</build><x/><build>"), "What its <x> says is left out"),
         ("a.3mf", model(ITEM, objects='<object id="2"><mesh/></object>'), "1 object is left out"),
         ("a.glb", glb(SCENES), "1 node is left out"),
         ("a.glb", glb(SCENES), "1 scene is left out"),
@@ -199,6 +219,19 @@ def shape(name: str, data: bytes, unit: str | None, scene_unit: str = "mm") -> M
     return found
 
 
+TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+PLY = b"""ply
+format ascii 1.0
+comment unit: meter
+element vertex 3
+property float x
+property float y
+property float z
+element face 1
+property list uchar int vertex_indices
+end_header
+0 0 0 1 0 0 0 1 0 3 0 1 2
+"""
 INCH = model(ITEM, 'unit="inch"')
 CM = dae("<asset/>", '<asset><unit name="u" meter="0.01"/></asset>')
 
@@ -217,6 +250,11 @@ CM = dae("<asset/>", '<asset><unit name="u" meter="0.01"/></asset>')
         ("a.glb", glb(), "cm", 10, "The file counts in metres; the scene says cm"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", None, 1, ""),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "cm", 10, ""),
+        ("a.obj", b"# File units = inches\n" + TRIANGLE, None, 25.4, "count in inches"),
+        ("a.obj", b"# File units = inches\n" + TRIANGLE, "cm", 10, "counts in inches; the scene"),
+        ("a.obj", b"# units of inches\n# Unit: furlong\n" + TRIANGLE, None, 1, ""),
+        ("a.stl", STL.replace(b"solid a", b"solid a units=cm", 1), None, 10, "in centimetres"),
+        ("a.ply", PLY, None, 1000, "count in metres"),
     ],
 )
 def test_numbers_count_in_the_unit_of_the_scene_or_of_the_file(
