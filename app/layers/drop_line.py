@@ -16,33 +16,31 @@ _MARK = 0.06
 
 
 class DropLineLayer(Layer):
-    """The line and a cross at its foot, while one obstacle or end moves."""
+    """The line and a cross at its foot, from when one obstacle or end is moved until another is."""
 
     def __init__(self, layout: Layout) -> None:
         self._line = add_line(layout.client.scene, "/drop_line", style.POINT, 2.5)
         self._line.visible = False
-        self._before: Scene | None = None
+        self._places: tuple[Vec3, ...] = ()
 
     def draw(self, frame: Frame) -> None:
-        """Draw the line below what has moved since the input rested."""
+        """Draw the line below what a hand moves; whatever else moves takes it away."""
         scene = frame.plan.scene
-        if not frame.interactive or self._before is None:
-            self._before = scene
-        place = moved_place(self._before, scene)
+        places = (scene.start, scene.goal, *(one.position for one in scene.obstacles))
+        if places == self._places:
+            return
+        place = moved_place(self._places, places) if frame.interactive else None
+        self._places = places
         self._line.visible = place is not None
         if place is not None:
             self._line.points = _to_floor(place, scene)
 
 
-def moved_place(before: Scene, now: Scene) -> Vec3 | None:
-    """Place of the one obstacle or end that has moved, [unit], world; None unless it is one."""
-    if len(before.obstacles) != len(now.obstacles) or before.unit != now.unit:
+def moved_place(before: tuple[Vec3, ...], now: tuple[Vec3, ...]) -> Vec3 | None:
+    """The one place that is another than before; None unless it is one, of as many."""
+    if len(before) != len(now):
         return None
-    old, new = (
-        (scene.start, scene.goal, *(one.position for one in scene.obstacles))
-        for scene in (before, now)
-    )
-    moved = [place for earlier, place in zip(old, new, strict=True) if earlier != place]
+    moved = [place for old, place in zip(before, now, strict=True) if old != place]
     return moved[0] if len(moved) == 1 else None
 
 
