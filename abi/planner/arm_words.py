@@ -12,10 +12,10 @@ from abi.robot.bodies.allowed_contacts import Reason
 _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}
 
 _REASONS: dict[Reason, str] = {
-    "adjacent": "At most one joint moves one beside the other",
-    "always": "Their bodies overlap in every random pose",
+    "adjacent": "Neighbouring links, with at most one joint between them",
+    "always": "They overlap in whatever pose the arm is",
     "srdf": "The SRDF lets them touch",
-    "mount": "It stands on that",
+    "mount": "What the arm stands on",
     "asked": "The scene lets them touch",
     "grasp": "One holds the other, or is fixed to what does",
 }

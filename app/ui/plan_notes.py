@@ -189,6 +189,8 @@ def _arm(plan: Plan) -> str:
     if past := limits_warning(plan):
         lines.append(f"✗ {past}")
     allowed = "<br>".join(html.escape(sentence) for sentence in allowed_sentences(plan))
-    folded = f"<details><summary>What may touch</summary>{allowed}</details>" if allowed else ""
+    hint = "These contacts are no collisions: each with its reason. All others count."
+    summary = f'<summary title="{hint}">What may touch</summary>'
+    folded = f"<details>{summary}{allowed}</details>" if allowed else ""
     text = "<br>".join(lines) + folded
     return style.paragraph(text) if text else ""
