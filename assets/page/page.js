@@ -323,15 +323,23 @@ window.abi = {
     // viser listens for what could begin to drag a tab
     const press = tab => ["pointerdown", "pointerup", "click"].forEach(name => tab?.dispatchEvent(
       new PointerEvent(name, {bubbles: true, pointerId: 1, isPrimary: true, buttons: 1})));
-    const steps = [() => press([...document.querySelectorAll("[role=tab]")].find(tab => tab.textContent === label))];
+    const tab = () => [...document.querySelectorAll("[role=tab]")].find(tab => tab.textContent === label);
+    const steps = [[tab, () => press(tab())]];
     if (sheet) {
-      steps.unshift(() => click(leaf(text => text.startsWith("Result · "))));
+      const tabs = () => leaf(text => text.startsWith("Result · "));
+      steps.unshift([() => tabs() || tab(), () => click(tabs())]);
       this.folded = true;  // it is the hand's from now on
       if (!(sheet.querySelector(".mantine-ScrollArea-viewport")?.clientHeight > 60)) {
-        steps.unshift(() => click(leaf(text => text === this.watched?.label)));
+        steps.unshift([() => true, () => click(leaf(text => text === this.watched?.label))]);
       }
     }
-    steps.forEach((step, number) => setTimeout(step, 400 * number));
+    // each once what it clicks is there, which on a slow machine takes a while
+    let tries = 50;
+    const go = () => {
+      if (steps[0][0]()) steps.shift()[1]();
+      if (steps.length && tries--) setTimeout(go, 400);
+    };
+    go();
   },
 
   // A tab of the panels is chosen once all have heard of the click.
@@ -346,7 +354,7 @@ window.abi = {
     const chosen = target.closest?.("[role=tab]") || target.textContent?.startsWith("Result · ");
     if (innerWidth > this.PHONE || !chosen) return;
     const show = () => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"});
-    for (const delay of [300, 600, 1000]) setTimeout(show, delay);
+    for (const delay of [300, 600, 1000, 2000]) setTimeout(show, delay);
   },
   PHONE: 600,  // [px]: the greatest width of one
 
