@@ -94,8 +94,10 @@ def clearance_sentence(plan: Plan) -> str:
     if clearance.is_too_near:
         return f"Links too near: {distance} of the {wanted} wanted; {nearest}."
     if clearance.certified:
-        grasps = any(one.scene.arm.grasping for one in plan.legs or (plan,))
-        apart = ", gripper and object apart from them where they meet" if grasps else ""
+        grasping = [one.scene.arm for one in plan.legs or (plan,) if one.scene.arm.grasping]
+        apart = ", gripper and object apart from them where they meet" if grasping else ""
+        if any(arm.attached is not None for arm in grasping):
+            apart += ", the object then 1 mm smaller on each side"
         return f"Proven: every link stays {distance} from the obstacles{apart}; {nearest}."
     if clearance.certificate is not None:
         return f"Only {distance} of the {wanted} wanted are proven; {nearest}."

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import trimesh
 from mcap.reader import make_reader
+from scipy.spatial.transform import Rotation
 
 from abi.arm_planning.arm_errors import NoJointMotion
 from abi.arrays import FloatArray
@@ -25,6 +26,7 @@ from abi.export.carried_objects import carried_objects
 from abi.export.formats import export
 from abi.export.html_page import page_data
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.primitives import Box, Sphere
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.planner import plan
 from abi.planner.task_plan import TaskPlan, plan_tasks
@@ -147,6 +149,8 @@ def test_what_is_taken_or_left_is_apart_and_all_else_keeps_the_clearance() -> No
         assert leg.arm_clearance is not None
         assert leg.arm_clearance.distance >= CLEARANCE
         assert ("gripper and object apart" in clearance_sentence(leg)) == leg.scene.arm.grasping
+        smaller = leg.scene.arm.grasping and leg.scene.arm.attached is not None
+        assert ("1 mm smaller" in clearance_sentence(leg)) == smaller
     # the same legs with the clearance kept by all links are not to be had
     for number in (0, 1, 3):
         failed = plan(legs[number].scene.replace(arm={"grasping": False})).error
@@ -177,6 +181,45 @@ def test_a_certified_motion_has_what_is_held_as_a_body() -> None:
 
     assert "held_object" in {one["link"] for one in verdict["certificate"]["bodies"]}
     assert verify(verdict, leg.scene.meshes)[0].proven
+
+
+@cache
+def centres_of_what_is_held() -> FloatArray:
+    """Centres of the ball at the samples of the leg that takes it away, (n, 3)."""
+    leg = planned().legs[1]
+    ball = leg.scene.arm.attached
+    assert isinstance(ball, Sphere)
+    assert leg.motion is not None
+    robot = Scene.from_dict(data(), FILES).arm.robot
+    states = [dict(zip("pqs", joints, strict=True)) for joints in leg.motion.positions.tolist()]
+    poses = np.stack([tip_pose(robot, "d", state) for state in states])
+    return np.asarray((poses @ [*ball.position, 1.0])[:, :3] + BASE)
+
+
+@pytest.mark.parametrize("at", [0.0, 0.43, 1.0])
+def test_what_is_held_is_proven_against_a_thin_plate_from_the_first_to_the_last_moment(
+    at: float,
+) -> None:
+    leg = planned().legs[1]
+    ball, motion, centres = leg.scene.arm.attached, leg.motion, centres_of_what_is_held()
+    assert isinstance(ball, Sphere)
+    assert motion is not None
+    before = min(int(at * len(centres)), len(centres) - 2)
+    # at the ends in a sample, on the way between two
+    middle = centres[before] if at == 0 else centres[before + 1] if at == 1 else None
+    middle = centres[before : before + 2].mean(axis=0) if middle is None else middle
+    along = centres[before + 1] - centres[before]
+    beside = np.cross(along, [0, 0, 1])
+    for normal, away in ((along, 0.0), (beside, 0.03), (beside, 0.048), (beside, 0.053)):
+        turn = Rotation.align_vectors([normal], [[1, 0, 0]])[0]
+        x, y, z, w = turn.as_quat()
+        place = middle + away * normal / np.linalg.norm(normal)
+        plate = Box(size=(1e-4, 0.02, 0.02), position=tuple(place), wxyz=(w, x, y, z))
+        scene = leg.scene.model_copy(update={"obstacles": (*leg.scene.obstacles, plate)})
+        gaps = ObstacleSet((plate,)).signed_distance(centres) - ball.radius
+
+        verdict = certify(None, motion.joints, motion.time, motion.positions, scene)
+        assert verdict.state == ("touches" if gaps.min() < -STANDING else "clear")
 
 
 def jump(plan: dict[str, Any]) -> None:
