@@ -19,23 +19,29 @@ _KEPT = "() => localStorage.getItem('abi-lessons')"
 
 
 @pytest.fixture(scope="module")
-def student(chromium: Browser, server: Server) -> Iterator[tuple[Page, Session]]:
-    """A tab of its own for these lessons, one after the other, as in a class."""
+def desk(chromium: Browser, server: Server) -> Iterator[Tabs]:
+    """Where one student sits."""
     tabs = Tabs(chromium, server)
-    page = tabs()
-    page.click("Pause")
-    page.click("Learn")
-    yield page, server.sessions[page.client]
+    yield tabs
     tabs.close()
+
+
+@pytest.fixture(scope="module")
+def student(desk: Tabs) -> Page:
+    """A tab of its own for these lessons, one after the other, as in a class."""
+    page = desk()
+    page.click("Pause")
+    return page
 
 
 # those between are gone through without a browser, in tests/app/teach
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(LESSONS)[::4])
-def test_a_student_walks_through(name: str, student: tuple[Page, Session]) -> None:
-    page, session = student
+def test_a_student_walks_through(name: str, student: Page, server: Server) -> None:
+    page, session = student, server.sessions[student.client]
     lesson = LESSONS[name][0]
     panel = session.panels.lessons
+    page.click("Learn")
     page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
     title = panel.titles[list(LESSONS).index(name)]
     page.click(title)
@@ -63,18 +69,16 @@ def _do(step: Step, page: Page, session: Session) -> None:
     page.until(lambda: session.resting, "rest")
 
 
-def test_a_lesson_is_found_again_after_a_reload(tabs: Tabs, server: Server) -> None:
-    page = tabs()
-    page.click("Pause")
+def test_a_lesson_is_found_again_after_a_reload(student: Page, desk: Tabs, server: Server) -> None:
+    page, session = student, server.sessions[student.client]
+    panel = session.panels.lessons
     page.click("Learn")
-    panel = server.sessions[page.client].panels.lessons
-    page.until(lambda: len(panel.choice.options) > 1, "the list of lessons")
+    page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
     page.click(panel.titles[1])
     page.reads("Lesson 2 of ")
-    state = server.sessions[page.client]
-    page.until(lambda: state.resting, "rest")
+    page.until(lambda: session.resting, "rest")
     page.until(lambda: '"lesson"' in str(page.tab.evaluate(_KEPT)), "the lesson to be kept")
-    tabs.reload(page)
+    desk.reload(page)
     page.reads("Lesson 2 of ")
     assert page.is_open("Result")
     page.click("Open lesson")
