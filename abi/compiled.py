@@ -75,6 +75,7 @@ class Kernel(Generic[_P, _R]):
         py_func: the function as written.
         example: arguments of the types that it is compiled for, and of no others.
         elsewhere: while another process is to compile it: set once that is done, or has failed.
+        foreseen: rank among those that the plan under way will run for long; 0: it is not foreseen.
     """
 
     def __init__(
@@ -88,6 +89,7 @@ class Kernel(Generic[_P, _R]):
         self.py_func = function
         self.example = example
         self.elsewhere: threading.Event | None = None
+        self.foreseen = 0
         self.__doc__ = function.__doc__
         self._interpreted, self._begun = 0.0, math.inf
         self._options = options

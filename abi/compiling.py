@@ -20,7 +20,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -246,7 +246,7 @@ class _Compilation:
             # neighbours share helpers, which each process compiles: they begin at both ends
             is_second = child in self._children[1::2]
             waiting = self._waiting[::-1] if is_second else self._waiting
-            # the one that has run longest as Python for its size
+            # the one that is waited for, is foreseen, or has run longest as Python for its size
             kernel = max(waiting, key=_urgency)
             self._waiting.remove(kernel)
             try:
@@ -263,9 +263,9 @@ def _let_be(kernel: Kernel[..., Any]) -> None:
     kernel.elsewhere.set()
 
 
-def _urgency(kernel: Kernel[..., Any]) -> float:
-    """Time that a kernel has run as Python, beside that which its compilation takes."""
-    return kernel.need / kernel.size
+def _urgency(kernel: Kernel[..., Any]) -> tuple[bool, int, float]:
+    """Whether a call waits for a kernel; its rank; and its time as Python, beside its size."""
+    return kernel.need == math.inf, kernel.foreseen, kernel.need / kernel.size
 
 
 def _start_child(gives_way: bool) -> subprocess.Popen[str] | None:
@@ -325,6 +325,14 @@ def begin(spare: int | None = None) -> None:
     if spare is not None:
         _compilation.awaited.set()
         _compilation.wanted.set()
+
+
+def foresee(kernels: Sequence[Kernel[..., Any]]) -> None:
+    """Start compiling in the background, at once, with what a plan will run for long, in order."""
+    for rank, kernel in enumerate(reversed(kernels), start=1):
+        kernel.foreseen = rank
+    begin()
+    _compilation.wanted.set()
 
 
 def wait(timeout: float) -> bool:
@@ -387,13 +395,18 @@ def compile_named(gives_way: bool) -> None:
     """
     if gives_way:
         _give_way()
-    all_kernels()
-    for kernel in compile_each(KERNELS[line.strip()] for line in sys.stdin):
+    for kernel in compile_each(_named(line.strip()) for line in sys.stdin):
         try:
             print(kernel.name, flush=True)
         except OSError:  # nobody waits for it any more
             sys.stdout = open(os.devnull, "w")  # noqa: SIM115
             _give_way()
+
+
+def _named(name: str) -> Kernel[..., Any]:
+    """The kernel of a name, of whose package no more is imported than it needs."""
+    importlib.import_module(name.rpartition(".")[0])
+    return KERNELS[name]
 
 
 def _give_way() -> None:

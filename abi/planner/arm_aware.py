@@ -83,7 +83,8 @@ class ArmAware:
             in_haste = [replace(one, hasty=True) for one in kept]
             if (found := _shortest_motion(in_haste, tool)[0]) is not None:
                 return found.run.plan
-        found, faults = _shortest_motion([on(one, one.name) for one in arm_branches], tool)
+        every = [on(one, one.name) for one in arm_branches]
+        found, faults = _shortest_motion(every, tool)
         self.kept = ""
         if found is not None and isinstance(task.model.arm, UrdfArm):
             self.kept = arm_branches[found.number].name
@@ -97,7 +98,9 @@ class ArmAware:
             return found.run.plan
         others = task.model.other_branches(asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others.branches))
-        return _first_motion(branches, tool, [*faults.values()], others.note)
+        of_name = {one.arm_branch.name: one for one in every}
+        why = [of_name[name].explained(fault) for name, fault in faults.items()]
+        return _first_motion(branches, tool, why, others.note)
 
     def _branch(
         self,
@@ -179,7 +182,7 @@ def _first_motion(
         try:
             run.move_arm(run.fit_curves(run.find_path()))
         except ArmNotClear as fault:
-            found.append(fault)
+            found.append(branch.explained(fault))
         else:
             return run.plan
     raise ArmNotClear.of_all(faults, found, note)

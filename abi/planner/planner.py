@@ -18,10 +18,10 @@ from abi.arm_planning.arm_errors import ArmNotClear, NoJointMotion
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort
 from abi.compiled import interpreted_calls
 from abi.errors import StageError
-from abi.obstacles.mesh_shape import MeshShape
 from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
 from abi.planner.branch import BranchRun
+from abi.planner.foreseen_kernels import kernels_foreseen
 from abi.planner.joint_space_motion import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
@@ -110,8 +110,8 @@ class Planner:
 
     def _plan(self, scene: Scene, chosen_only: bool, hasty: bool) -> Plan:
         """Plan a scene, as the only call that runs."""
-        if self._compile and is_slow_without_compiler(scene):
-            compiling.begin()
+        if self._compile and (foreseen := kernels_foreseen(scene)):
+            compiling.foresee(foreseen)
         # a tab's first plan does not wait: until it is drawn the page is empty
         if self._planned or self._compile:
             compiling.wait_for_loading()
@@ -236,15 +236,6 @@ class Planner:
         parts = self._stages.parts.items()
         names = {name for name, stages in parts if any(stage.interpreted for stage in stages)}
         return frozenset(names | {"arm_aware"} if self._arm_aware_interpreted else names)
-
-
-def is_slow_without_compiler(scene: Scene) -> bool:
-    """Check whether a scene's first plan waits for kernels, or takes long while they run as Python.
-
-    Loading takes a second, and compiling is faster in the background, where two processes do it.
-    """
-    meshes = any(isinstance(shape, MeshShape) for shape in scene.obstacles)
-    return meshes or scene.arm.model == "urdf"
 
 
 def _wait_for_compiler(scene: Scene) -> None:

@@ -31,6 +31,7 @@ from abi.planner.stage_results import (
     TimedMotion,
 )
 from abi.robot.any_arm import AnyArm
+from abi.scene.arm_end import ENDS
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.search.search import SearchResult, search
@@ -200,6 +201,19 @@ class WholeArmBranch:
         chosen = self.task.scene.search
         return lru_cache(maxsize=1)(partial(search, chosen.algorithm, weight=chosen.weight))
 
+    def explained(self, fault: ArmNotClear) -> ArmNotClear:
+        """An error of this branch with what the link itself does at start or goal.
+
+        That takes a while, and nobody asks as long as another branch has a motion.
+        """
+        if fault.where not in ENDS or fault.obstacle is None:
+            return fault
+        scene, where = self.task.scene, fault.where
+        point = np.array(scene.start if where == "start" else scene.goal)
+        pair = fault.link, fault.obstacle
+        contact = self.arm_branch.link_contact(point, pair, self.task.obstacles)
+        return ArmNotClear(fault.branch, where, *pair, has_elbow=fault.has_elbow, contact=contact)
+
     def _not_clear_at(self, end: str, point: FloatArray, fault: ArmRefutation) -> ArmNotClear:
         """Error for a fault at start or goal, a point (3,)."""
         arm, branch = self.task.model.arm, self.arm_branch.name
@@ -208,9 +222,7 @@ class WholeArmBranch:
             unreached = self.arm_branch.unreached(point)
             why = "" if unreached is None else unreached.words
             return ArmNotClear(branch, end, has_elbow=arm.has_elbow, why=why)
-        contact = self.arm_branch.link_contact(point, (link, obstacle), self.task.obstacles)
-        names = branch, end, link, obstacle
-        return ArmNotClear(*names, has_elbow=arm.has_elbow, contact=contact)
+        return ArmNotClear(branch, end, link, obstacle, has_elbow=arm.has_elbow)
 
     def _not_clear(self, where: str) -> ArmNotClear:
         return ArmNotClear(self.arm_branch.name, where, has_elbow=self.task.model.arm.has_elbow)

@@ -86,12 +86,12 @@ class WarmUp:
     def _plan_opening(self) -> None:
         """Plan the opening scene, unless a tab has done so."""
         from abi.planner.live_planner import LivePlanner
-        from abi.planner.planner import is_slow_without_compiler
+        from abi.planner.foreseen_kernels import kernels_foreseen
 
         with self._opening.claim(self._scene) as mine:
             if not mine or self._opening.find(self._scene) is not None:
                 return
-            if is_slow_without_compiler(self._scene):
+            if kernels_foreseen(self._scene):
                 compiling.begin()
             planner = LivePlanner()
             plan = planner(self._scene)

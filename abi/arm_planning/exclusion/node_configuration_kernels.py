@@ -68,7 +68,7 @@ class SpreadLimits(NamedTuple):
 _NODES, _LIMITS = Nodes(FLOATS, IDS, IDS), SpreadLimits(0.0, 1.0)
 
 
-@compiled(example=(TABLE, _NODES, 0, NO_DRIFT, _LIMITS, NEW_FLOATS, NEW_FLAGS))
+@compiled(example=(TABLE, _NODES, 0, NO_DRIFT, _LIMITS, NEW_FLOATS, NEW_FLAGS), fallback=False)
 def spread(
     chain: ChainTable,
     nodes: Nodes,
