@@ -211,10 +211,10 @@ def keeps() -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """The value with arrays as lists, in tuples too."""
+    """The value with arrays as lists, in tuples too; not those that others than Python read."""
     if isinstance(value, np.ndarray):
         return value.tolist()
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) and not hasattr(value, "stays_arrays"):
         inner = map(_plain, value)
         return type(value)(*inner) if hasattr(value, "_fields") else tuple(inner)
     return value

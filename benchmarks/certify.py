@@ -80,8 +80,8 @@ def main() -> None:
 def compile_kernels() -> None:
     """Wait for the kernels of a verdict."""
     for kernel in (
-        *(separate_motion, nearest_obstacle, surface_kernels.blocked_segments),
-        *(surface_kernels.signed_distances, obstacle_set_kernels.blocked_segments),
+        *(separate_motion, nearest_obstacle, surface_kernels.measure),
+        obstacle_set_kernels.blocked_segments,
         *(obstacle_set_kernels.nearest, obstacle_set_kernels.near_boxes, chain_poses),
     ):
         kernel.compile()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from inspect import unwrap
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -20,7 +21,7 @@ def compiled_with(function: Callable[..., Any]) -> Iterator[FunctionType]:
         yield current
         for code in codes(current.__code__):
             used = (current.__globals__.get(name) for name in code.co_names)
-            pending += (value for value in used if isinstance(value, FunctionType))
+            pending += (unwrap(value) for value in used if isinstance(value, FunctionType))
 
 
 def code_size(function: Callable[..., Any]) -> int:

@@ -12,6 +12,7 @@ that the tests have seen. With another one helpers are compiled as numba does by
 from __future__ import annotations
 
 from collections.abc import Callable
+from inspect import unwrap
 from typing import Any, cast
 
 import numba
@@ -44,7 +45,7 @@ def declare(function: Callable[..., Any], options: dict[str, Any]) -> None:
     """
     if is_known() and "inline" not in options:  # that is done before anything is compiled
         jit = numba.njit(**(PIPELINE | _OPTIONS | options))
-        _JITTED[function] = jit(function)
+        _JITTED[function] = jit(unwrap(function))
         template = type(function.__name__, (_Calls,), {"key": function, "known": {}})
         infer_global(function, types.Function(template))  # type: ignore[no-untyped-call]
     else:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Any, TypeVar, overload
+from functools import partial, update_wrapper
+from typing import Any, TypeVar, cast, overload
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 
@@ -40,6 +41,14 @@ def jitable(function: _F | None = None, **options: Any) -> _F | Callable[[_F], _
         return function
 
     return note if function is None else note(function)
+
+
+def called_as(form: _F) -> Callable[[_F], _F]:
+    """Have Python call another form of a function than the one that kernels are compiled with.
+
+    For what takes long as Python: the other form asks a kernel that does the same.
+    """
+    return cast(Callable[[_F], _F], partial(update_wrapper, form))
 
 
 def options_of(function: Callable[..., Any]) -> dict[str, Any]:

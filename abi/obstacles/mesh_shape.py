@@ -23,7 +23,11 @@ from abi.obstacles.triangle_mesh import surface_kernels as kernels
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.signed_distance import body_frame, placement
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, SurfaceTables
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    Placement,
+    SurfaceTables,
+    new_room,
+)
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500
@@ -149,7 +153,7 @@ class MeshShape(Posed):
         """
         points = arguments.points("points", points)
         distances = np.empty(len(points))
-        kernels.signed_distances(*self.placed, flat(points), distances)
+        self._measure(kernels.DISTANCES, points, points, distances)
         return distances
 
     def signed_distance_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -161,7 +165,7 @@ class MeshShape(Posed):
         """
         points = arguments.points("points", points)
         distances, gradients = np.empty(len(points)), np.empty(3 * len(points))
-        kernels.signed_distance_gradients(*self.placed, flat(points), distances, gradients)
+        self._measure(kernels.GRADIENTS, points, points, distances, gradients)
         return distances, gradients.reshape(-1, 3)
 
     def segment_distance(
@@ -178,7 +182,7 @@ class MeshShape(Posed):
         p = arguments.points("p", p)
         q = arguments.numbers("q", q, p.shape)
         distances = arguments.one_or_each("most", most, len(p), infinite=True).copy()
-        kernels.least_distances(*self.placed, flat(p), flat(q), distances)
+        self._measure(kernels.LEAST, p, q, distances)
         return distances
 
     def distance_bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -188,7 +192,7 @@ class MeshShape(Posed):
         """
         points = arguments.points("points", points)
         lower, upper = np.empty(len(points)), np.empty(len(points))
-        kernels.bounds_of_distances(*self.placed, flat(points), lower, upper)
+        self._measure(kernels.BOUNDS, points, points, lower, upper)
         return lower, upper
 
     def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
@@ -199,9 +203,23 @@ class MeshShape(Posed):
         p = arguments.points("p", p)
         q = arguments.numbers("q", q, p.shape)
         margins = arguments.numbers("margins", margins, p.shape[:1])
-        blocked = np.empty(len(p), dtype=np.bool_)
-        kernels.blocked_segments(*self.placed, flat(p), flat(q), flat(margins), blocked)
-        return blocked
+        blocked = margins.copy()
+        self._measure(kernels.BLOCKED, p, q, blocked)
+        return np.asarray(blocked == 1.0)
+
+    def _measure(
+        self,
+        question: int,
+        starts: FloatArray,
+        ends: FloatArray,
+        found: FloatArray,
+        more: FloatArray | None = None,
+    ) -> None:
+        """Ask the kernel about segments, from ``starts`` (n, 3) to ``ends`` (n, 3)."""
+        segments, room = (flat(starts), flat(ends)), new_room()
+        kernels.measure(
+            *(*self.placed, question, segments, found, found if more is None else more, room)
+        )
 
     @property
     def placed(self) -> tuple[SurfaceTables, Placement]:

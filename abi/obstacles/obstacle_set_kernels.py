@@ -311,7 +311,7 @@ def polyline_distances(
         least = min(least, best)
 
 
-@compiled(example=(FLOATS, 2, FLOATS, NO_SURFACES, 1.0, NEW_FLOATS), fallback=False)
+@compiled(example=(FLOATS, 2, FLOATS, NO_SURFACES, 1.0, NEW_FLOATS))
 def polyline_distances_near_meshes(
     points: FloatArray,
     size: int,

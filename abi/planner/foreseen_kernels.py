@@ -1,7 +1,7 @@
-"""Kernels that a scene's first plan waits for, or runs for long, in the order in which it calls them.
+"""Kernels that a scene's first plan waits for, or runs for long, in the order of their calls.
 
-What a plan has not come to yet does not tell how urgent it is. So where much is to be compiled, this
-says it beforehand, and the compiler is done with each about when the plan comes to it.
+What a plan has not come to yet does not tell how urgent it is. So where much is to be compiled,
+this says it beforehand, and the compiler is done with each about when the plan comes to it.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
 )
 from abi.compiled import Kernel
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.triangle_mesh.surface_kernels import blocked_segments
+from abi.obstacles.triangle_mesh.surface_kernels import measure
 from abi.obstacles.triangle_mesh.surface_tables_kernels import grid_values
 from abi.scene.scene import Scene
 
-_NEAR_MESHES: tuple[Kernel[..., Any], ...] = (grid_values, blocked_segments)
+_NEAR_MESHES: tuple[Kernel[..., Any], ...] = (measure, grid_values)
 _OF_URDF_ARMS: tuple[Kernel[..., Any], ...] = (
     spread,
     touching_configurations,

@@ -85,14 +85,14 @@ class WarmUp:
 
     def _plan_opening(self) -> None:
         """Plan the opening scene, unless a tab has done so."""
-        from abi.planner.live_planner import LivePlanner
         from abi.planner.foreseen_kernels import kernels_foreseen
+        from abi.planner.live_planner import LivePlanner
 
         with self._opening.claim(self._scene) as mine:
             if not mine or self._opening.find(self._scene) is not None:
                 return
-            if kernels_foreseen(self._scene):
-                compiling.begin()
+            if foreseen := kernels_foreseen(self._scene):
+                compiling.foresee(foreseen)
             planner = LivePlanner()
             plan = planner(self._scene)
             # as of a tab: of code that is not compiled the times say nothing

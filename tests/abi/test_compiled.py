@@ -399,6 +399,21 @@ def test_the_kernel_that_has_run_longest_for_its_size_is_compiled_next(
     assert told(child) == [one.name for one in (kernel, *others)]
 
 
+def test_what_is_waited_for_and_what_is_foreseen_is_compiled_first(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waited, first, second = (compiled(example=(FLOATS, NEW_FLOATS))(doubled) for _ in range(3))
+    compilation, child = compiling._Compilation(), a_child()
+    compilation._waiting = [second, first, kernel, waited]
+    compilation._ending = True  # starts no thread
+    monkeypatch.setattr(compiling, "_compilation", compilation)
+    compiling.foresee((first, second))
+    assert compilation.wanted.is_set()
+    compilation._ending = False
+    kernel._interpreted, waited._interpreted = 1.0, math.inf
+    assert [compilation._tell_next(child) for _ in range(4)] == [waited, first, second, kernel]
+
+
 def a_child() -> Any:
     """A process that hears what it is told, and does nothing."""
     return SimpleNamespace(stdin=StringIO())

@@ -222,7 +222,7 @@ _ROUNDING = 1e-12
 _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
-@compiled(example=(FLOATS, FLOATS, FLOATS, _AXES, (0.0, 0.0, 0.0), 1.0, NEW_FLOATS), fallback=False)
+@compiled(example=(FLOATS, FLOATS, FLOATS, _AXES, (0.0, 0.0, 0.0), 1.0, NEW_FLOATS))
 def box_rows(
     middles: FloatArray,
     halves: FloatArray,

@@ -196,13 +196,7 @@ def _open(tree: TriangleTree, node: int, work: list[int]) -> None:
         work.append(nodes + i)
 
 
-@compiled(
-    example=(
-        *(NEW_FLOATS, NEW_FLOATS, 1, NO_TREE),
-        *(1.0, 0.0, 9),
-    ),
-    fallback=False,
-)
+@compiled(example=(NEW_FLOATS, NEW_FLOATS, 1, NO_TREE, 1.0, 0.0, 9))
 def separate_from_mesh(
     points: FloatArray,
     breaks: FloatArray,

@@ -98,7 +98,7 @@ def curve_clearance(
         measured = measure_curve(*curve_of_pieces, demand)
     distance, at, nearest, row, stretches = measured
     obstacle = int(obstacles.rows[row])
-    return Clearance(distance, at, nearest, obstacle, _joined(stretches[1:]))
+    return Clearance(float(distance), at, float(nearest), obstacle, _joined(stretches[1:]))
 
 
 def proven_clearance(

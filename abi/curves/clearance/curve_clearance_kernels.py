@@ -241,7 +241,7 @@ def measure_curve(
     return min(bottom, nearest.distance), nearest.at, nearest.distance, nearest.obstacle, stretches
 
 
-@compiled(example=(FLOATS, FLOATS, 1, FLOATS, NO_SURFACES, (1.0, 0.1, 0.1)), fallback=False)
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, NO_SURFACES, (1.0, 0.1, 0.1)))
 def measure_curve_near_meshes(
     control: FloatArray,
     breaks: FloatArray,

@@ -19,6 +19,9 @@ from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
 _LEAF = 4  # triangles that a leaf has, at least, in the mean: fewer cost memory, more cost tests
 
+_MANY = 2_000
+"""Triangles with which Python would take longer than the compiler."""
+
 
 class TriangleTree(NamedTuple):
     """A complete binary tree of boxes: node k has the children 2 k + 1 and 2 k + 2.
@@ -81,6 +84,9 @@ def build_tree(triangles: FloatArray) -> TriangleTree:
     count = len(triangles)
     if not count:
         raise ArgumentError("triangles", [], "one triangle or more")
+    if count > _MANY:
+        order_of_leaves.compile()
+        slabs_of_nodes.compile()
     depth = max(0, int(np.log2(max(count / _LEAF, 1))))
     order, leaves = np.empty(count, dtype=np.int32), np.empty(2**depth + 1, dtype=np.int32)
     own = np.concatenate([triangles.min(axis=1), triangles.max(axis=1)], axis=1)

@@ -182,7 +182,7 @@ def _halve(
     return middle
 
 
-@compiled(example=(FLOATS, NEW_FLOATS, NEW_IDS, NEW_IDS), fallback=False)
+@compiled(example=(FLOATS, NEW_FLOATS, NEW_IDS, NEW_IDS))
 def order_of_leaves(boxes: FloatArray, keys: FloatArray, order: IntArray, leaves: IntArray) -> None:
     """Order boxes so that those of each node of a complete tree follow one another.
 
@@ -237,7 +237,7 @@ def _normal_of(corners: FloatArray, first: int, last: int) -> Vec3:
     return (total[0] / size, total[1] / size, total[2] / size)
 
 
-@compiled(example=(IDS, FLOATS, NEW_FLOATS), fallback=False)
+@compiled(example=(IDS, FLOATS, NEW_FLOATS))
 def slabs_of_nodes(leaves: IntArray, corners: FloatArray, slabs: FloatArray) -> None:
     """Slabs of all nodes of a tree, see ``TriangleTree``.
 

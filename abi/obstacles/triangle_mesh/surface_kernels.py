@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.compilation.borrowed import borrowed, held
-from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.compilation.jitable import called_as, jitable
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import in_world
 from abi.obstacles.primitive_tree_kernels import next_near, next_near_segment
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
@@ -97,93 +98,122 @@ def is_blocked(
     return not outside and is_inside_near(tables, p, room)
 
 
-@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS), fallback=False)
-def signed_distances(
-    tables: SurfaceTables, placement: Placement, points: FloatArray, distances: FloatArray
-) -> None:
-    """Signed distances (n,) of points (3 n,), [unit], world; written."""
-    own = new_room()
-    room = borrowed(own)
-    for i in range(len(points) // 3):
-        x = to_surface(placement, vec3_at(points, 3 * i))
-        away, _ = signed_distance_at(tables, x, room)
-        distances[i] = away * placement.factor
-    held(own)
+DISTANCES, GRADIENTS, LEAST, BLOCKED, BOUNDS = range(5)
+"""What may be asked of a surface, see :func:`measure`."""
 
 
-@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS, NEW_FLOATS), fallback=False)
-def signed_distance_gradients(
+@compiled(
+    example=(NO_TABLES, NO_PLACEMENT, 0, (FLOATS, FLOATS), NEW_FLOATS, NEW_FLOATS, new_room()),
+    fallback=False,
+)
+def measure(
     tables: SurfaceTables,
     placement: Placement,
-    points: FloatArray,
-    distances: FloatArray,
-    gradients: FloatArray,
+    question: int,
+    segments: tuple[FloatArray, FloatArray],
+    found: FloatArray,
+    more: FloatArray,
+    room: DescentWorkspace,
 ) -> None:
-    """Signed distances (n,) of points (3 n,), [unit], world, and gradients (3 n,); written."""
-    own = new_room()
-    room = borrowed(own)
-    for i in range(len(points) // 3):
-        x = to_surface(placement, vec3_at(points, 3 * i))
-        away, number = signed_distance_at(tables, x, room)
-        distances[i] = away * placement.factor
-        gradient = in_world(placement.axes, gradient_of(tables, x, away, number))
-        gradients[3 * i], gradients[3 * i + 1], gradients[3 * i + 2] = gradient
-    held(own)
+    """Answer a question about points, or about segments, near a surface.
 
+    One kernel answers all of them: they share most of what is compiled.
 
-@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, NEW_FLOATS), fallback=False)
-def least_distances(
-    tables: SurfaceTables,
-    placement: Placement,
-    starts: FloatArray,
-    ends: FloatArray,
-    distances: FloatArray,
-) -> None:
-    """Least signed distances (n,) along segments (3 n,), [unit], world, where less; written."""
-    own = new_room()
-    room = borrowed(own)
+    Args:
+        tables: the surface.
+        placement: where it is.
+        question: ``DISTANCES`` for signed distances; ``GRADIENTS`` for their gradients, too;
+            ``LEAST`` for the least signed distances along segments; ``BLOCKED`` for whether
+            segments come nearer than margins; ``BOUNDS`` for bounds of signed distances.
+        segments: both ends, flat (3 n,) each, [unit], world; of points the first.
+        found: (n,), [unit]; written. Lower bounds for ``BOUNDS``; for ``LEAST`` written where less;
+            for ``BLOCKED`` the margins at first, then 1 or 0.
+        more: written. Gradients (3 n,), world, for ``GRADIENTS``; upper bounds (n,) for ``BOUNDS``.
+        room: for descents.
+    """
+    starts, ends = segments
     factor = placement.factor
-    for i in range(len(distances)):
+    for i in range(len(found)):
         p = to_surface(placement, vec3_at(starts, 3 * i))
-        q = to_surface(placement, vec3_at(ends, 3 * i))
-        most = distances[i] / factor
-        away = least_distance(tables, p, q, most, room)
-        if away < most:
-            distances[i] = away * factor
-    held(own)
+        if question == BOUNDS:
+            least, most = distance_bounds(tables.grid, p)
+            found[i], more[i] = least * factor, most * factor
+        elif question == LEAST:
+            limit = found[i] / factor
+            away = least_distance(
+                tables, p, to_surface(placement, vec3_at(ends, 3 * i)), limit, room
+            )
+            if away < limit:
+                found[i] = away * factor
+        elif question == BLOCKED:
+            q = to_surface(placement, vec3_at(ends, 3 * i))
+            found[i] = 1.0 if is_blocked(tables, p, q, found[i] / factor, room) else 0.0
+        else:
+            away, number = signed_distance_at(tables, p, room)
+            found[i] = away * factor
+            if question == GRADIENTS:
+                gradient = in_world(placement.axes, gradient_of(tables, p, away, number))
+                more[3 * i], more[3 * i + 1], more[3 * i + 2] = gradient
 
 
-@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, FLOATS, NEW_FLAGS), fallback=False)
-def blocked_segments(
-    tables: SurfaceTables,
-    placement: Placement,
-    starts: FloatArray,
-    ends: FloatArray,
-    margins: FloatArray,
-    blocked: BoolArray,
-) -> None:
-    """Flags (n,) of the segments (3 n,) nearer than margins (n,), [unit], world; written."""
-    own = new_room()
-    room = borrowed(own)
-    for i in range(len(starts) // 3):
-        p = to_surface(placement, vec3_at(starts, 3 * i))
-        q = to_surface(placement, vec3_at(ends, 3 * i))
-        blocked[i] = is_blocked(tables, p, q, margins[i] / placement.factor, room)
-    held(own)
+def _ask(
+    tables: SurfaceTables, question: int, p: Vec3, q: Vec3, limit: float, room: DescentWorkspace
+) -> float:
+    """Answer of the kernel, for a segment of the body frame."""
+    found = np.array([limit])
+    segment = read_only(np.array(p)), read_only(np.array(q))
+    measure(tables, NO_PLACEMENT, question, segment, found, found, room)
+    return float(found[0])
 
 
-@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS, NEW_FLOATS), fallback=False)
-def bounds_of_distances(
-    tables: SurfaceTables,
-    placement: Placement,
-    points: FloatArray,
-    lower: FloatArray,
-    upper: FloatArray,
-) -> None:
-    """Bounds (n,) of the signed distances of points (3 n,), [unit], world; written."""
-    for i in range(len(points) // 3):
-        least, most = distance_bounds(tables.grid, to_surface(placement, vec3_at(points, 3 * i)))
-        lower[i], upper[i] = least * placement.factor, most * placement.factor
+def _nearest_by_kernel(tables: SurfaceTables, x: Vec3, room: DescentWorkspace) -> tuple[float, int]:
+    measure.compile()
+    if not measure.compiled:
+        return signed_distance_at(tables, x, room)
+    return _ask(tables, DISTANCES, x, x, 0.0, room), int(room.nearest[0])
+
+
+def _least_by_kernel(
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
+) -> float:
+    measure.compile()
+    if not measure.compiled:
+        return least_distance(tables, p, q, most, room)
+    return _ask(tables, LEAST, p, q, most, room)
+
+
+def _blocked_by_kernel(
+    tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: DescentWorkspace
+) -> bool:
+    measure.compile()
+    if not measure.compiled:
+        return is_blocked(tables, p, q, margin, room)
+    return _ask(tables, BLOCKED, p, q, margin, room) == 1.0
+
+
+@jitable
+@called_as(_nearest_by_kernel)
+def nearest_place(tables: SurfaceTables, x: Vec3, room: DescentWorkspace) -> tuple[float, int]:
+    """Signed distance of a point in the body frame, and the place of the nearest triangle."""
+    return signed_distance_at(tables, x, room)
+
+
+@jitable
+@called_as(_least_by_kernel)
+def least_along(
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
+) -> float:
+    """Least signed distance along a segment of the body frame; ``most`` where that is less."""
+    return least_distance(tables, p, q, most, room)
+
+
+@jitable
+@called_as(_blocked_by_kernel)
+def comes_nearer(
+    tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: DescentWorkspace
+) -> bool:
+    """Check if a segment of the body frame comes nearer to a surface than a margin, or touches."""
+    return is_blocked(tables, p, q, margin, room)
 
 
 WIDER = 1e-9
@@ -224,6 +254,11 @@ class SurfaceSet(NamedTuple):
     poses: FloatArray
     bounds: FloatArray
 
+    @property
+    def stays_arrays(self) -> bool:
+        """True: kernels that run as Python pass the arrays on to others, which are compiled."""
+        return True
+
 
 NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
 """The empty set: for scenes without meshes, and as an example to compile with."""
@@ -244,7 +279,7 @@ def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placemen
         numbers[n],
     )
     far_field = Dipoles(centres[3 * a : 3 * e], radii[a:e], normals[3 * a : 3 * e], areas[a:e])
-    counts = (begins[k + 4] + 0, begins[k + 5] + 0, begins[k + 6] + 0)
+    counts = (int(begins[k + 4]), int(begins[k + 5]), int(begins[k + 6]))
     box = (vec3_at(numbers, n + 5), vec3_at(numbers, n + 8))
     grid = DistanceGrid(
         values[d:h], counts, vec3_at(numbers, n + 1), numbers[n + 4], box, numbers[n + 11]
@@ -284,7 +319,7 @@ def nearest_mesh(
         p = to_surface(placement, x)
         lower = distance_bounds(tables.grid, p)[0] * placement.factor
         if lower < min(enough, least):
-            away, number = signed_distance_at(tables, p, room)
+            away, number = nearest_place(tables, p, room)
             lower = away * placement.factor
             if lower < best:
                 best, whose, triangle = lower, s, number
@@ -332,7 +367,7 @@ def nearest_mesh_to_segment(
         if lower * placement.factor - half < wide:
             # in the surface's lengths: back in the world's, rounding would make it nearer
             limit = best / placement.factor
-            away = least_distance(tables, p, q, limit, room)
+            away = least_along(tables, p, q, limit, room)
             if away < limit:
                 best, whose = away * placement.factor, s
                 wide = widened(max(best, 0.0))
@@ -354,7 +389,7 @@ def meshes_met(
     while s >= 0 and met < most:
         tables, placement = surface_at(surfaces, s)
         p, q = to_surface(placement, a), to_surface(placement, b)
-        if is_blocked(tables, p, q, margin / placement.factor, room):
+        if comes_nearer(tables, p, q, margin / placement.factor, room):
             met, whose = met + 1, s
         s = next_near_segment(bounds, s, wide, a, b)
     return met, whose

@@ -25,8 +25,7 @@ _KERNELS = (
     obstacle_set_kernels.near_boxes,
     obstacle_set_kernels.blocked_segments,
     obstacle_set_kernels.nearest,
-    surface_kernels.blocked_segments,
-    surface_kernels.signed_distances,
+    surface_kernels.measure,
 )
 
 

@@ -191,7 +191,7 @@ def _cut_corners(
     return cut
 
 
-@compiled(example=(FLOATS, NO_SURROUNDINGS), fallback=False)
+@compiled(example=(FLOATS, NO_SURROUNDINGS))
 def tightened(points: FloatArray, surroundings: PathObstacles) -> FloatArray:
     """Pull a path (3 k,) taut, see :func:`abi.search.taut.tighten_near_meshes.tighten_near_meshes`.
 
