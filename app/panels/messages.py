@@ -132,7 +132,7 @@ class Messages:
     def _remark(self, frame: Frame) -> str:
         """What is planned for the tool alone: said of the first such scene, until it changes."""
         scene = frame.plan.scene
-        if scene.arm.avoid or frame.lesson or frame.theatre is not None:
+        if scene.arm.avoid or frame.lesson or frame.theatre is not None or is_puzzle(scene):
             return ""
         self._tool_alone = self._tool_alone or scene
         return _TOOL_ALONE if scene is self._tool_alone else ""
