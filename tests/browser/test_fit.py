@@ -231,7 +231,6 @@ def test_everything_can_be_read(page: Page, size: tuple[int, int]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(900)  # all of them, one after the other
 def test_every_shipped_scene_can_be_read(page: Page, session: Session) -> None:
     moved = 0
     try:

@@ -60,7 +60,6 @@ def _answer(port: int, path: str, token: str = SECRET) -> tuple[int, str] | None
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(400)  # three servers and a browser start, one after the other
 def test_jupyter_has_a_tile_and_shows_the_page(chromium: Browser, jupyter: int) -> None:
     answer = _answer(jupyter, "/server-proxy/servers-info")
     assert answer is not None

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -9,6 +12,8 @@ from scipy.spatial import cKDTree
 import abi
 from abi.obstacles.mesh_shape import MeshShape
 from app.drawing.mesh_picture import MOST_DRAWN
+from app.reading.reading import Job, ReadingResult
+from app.reading.running_reader import RunningReader
 from app.tab.session import Session
 from app.ui.numbers import format_lower_bound
 from tests.abi import meshes
@@ -135,30 +140,44 @@ def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
     assert page.complaints() == []
 
 
+_READ = RunningReader.read
+
+
+def _read_in_a_process_that_stands_still(reader: RunningReader, job: Job) -> ReadingResult | None:
+    os.kill(reader._process.pid, signal.SIGSTOP)
+    return _READ(reader, job)
+
+
 @pytest.mark.slow
 def test_a_large_mesh_can_be_stopped_and_is_drawn_with_fewer_triangles(
     page: Page, session: Session
 ) -> None:
+    page.click("Scene")
+    page.tab.evaluate(HALF, [ADD, list(meshes.stl(meshes.bumpy(2)))])
+    page.reads("half.stl: on its way")
+    page.tab.evaluate("window.ABI_REST()")
+    page.until(lambda: len(session.plan.scene.obstacles) == 2, "the small mesh")  # type: ignore[union-attr]
+
     mesh = meshes.bumpy(7)
     content = meshes.stl(mesh)
-    page.click("Scene")
-    page.upload(ADD, "first.stl", content)
-    page.reads("first.stl: on its way")
-    page.reads("first.stl: reading and repairing")
-    page.click("Stop reading")
-    stop = page.tab.get_by_text("Stop reading")
-    page.until(lambda: not any(one.is_visible() for one in stop.all()), "the button to go")
-    page.until(lambda: session.panels.editor.uploads._pending == 0, "the file to be let be")
+    with pytest.MonkeyPatch.context() as reading:
+        reading.setattr(RunningReader, "read", _read_in_a_process_that_stands_still)
+        page.upload(ADD, "first.stl", content)
+        page.reads("reading and repairing")
+        page.click("Stop reading")
+        stop = page.tab.get_by_text("Stop reading")
+        page.until(lambda: not any(one.is_visible() for one in stop.all()), "the button to go")
+        page.until(lambda: session.panels.editor.uploads._pending == 0, "the file to be let be")
     page.until(lambda: session.resting, "the tab to rest")
     assert session.plan is not None
-    assert len(session.plan.scene.obstacles) == 1
-    assert len(drawn.obstacles(page)) == 1
+    assert len(session.plan.scene.obstacles) == 2
+    assert len(drawn.obstacles(page)) == 2
 
     page.upload(ADD, "second.stl", content)
-    page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
+    page.until(lambda: len(session.plan.scene.obstacles) == 3, "the mesh")  # type: ignore[union-attr]
     page.reads("327,680 triangles")
     page.reads("Planning uses all of them; the picture shows fewer.")
-    page.until(lambda: len(drawn.obstacles(page)) == 2, "its gizmo")
+    page.until(lambda: len(drawn.obstacles(page)) == 3, "its gizmo")
     gizmo = drawn.obstacles(page)[-1]
     page.node(f"{gizmo}/body")
     assert 10_000 < page.triangles(f"{gizmo}/body") <= MOST_DRAWN
