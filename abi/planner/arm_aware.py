@@ -9,7 +9,6 @@ arm with redundant joints has further ones.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -58,17 +57,13 @@ class ArmAware:
         self._exclude: dict[str, ArmExclusionCache] = {}
         self.kept = ""
 
-    def __call__(
-        self, task: PlanningTask, collision_world: CollisionWorld, tool: Plan, hasty: bool = False
-    ) -> Plan:
+    def __call__(self, task: PlanningTask, collision_world: CollisionWorld, tool: Plan) -> Plan:
         """The plan on a branch on which the whole arm is proven clear.
 
         Args:
-            task: what to plan.
+            task: what to plan; in haste the branch of the last plan will do if it has a motion.
             collision_world: everything around the arm.
             tool: the plan for the tool alone, up to the curves.
-            hasty: whether the branch of the last plan will do as long as it leads to a motion,
-                which may be a little longer than need be.
 
         Raises:
             ArmNotClear: no branch has a motion; tells why.
@@ -78,10 +73,9 @@ class ArmAware:
         asked = BranchTask(task.scene, task.obstacles, collision_world, tool.free.mesh, slack)
         arm_branches = task.model.branches(asked)
         on = partial(self._branch, task, collision_world, tool)
-        if hasty:
+        if task.hasty:
             kept = [on(one, one.name) for one in arm_branches if one.name == self.kept]
-            in_haste = [replace(one, hasty=True) for one in kept]
-            if (found := _shortest_motion(in_haste, tool)[0]) is not None:
+            if (found := _shortest_motion(kept, tool)[0]) is not None:
                 return found.run.plan
         every = [on(one, one.name) for one in arm_branches]
         found, faults = _shortest_motion(every, tool)

@@ -17,7 +17,8 @@ class LivePlanner:
     Attributes:
         budget: number of nodes that fit a frame.
         coarse: whether the last plan has a coarser mesh than its scene.
-        partial: whether it has a coarser mesh, only one search or only one branch of a URDF arm.
+        partial: whether it was made in haste: with a coarser mesh, one search, or one branch of a
+            URDF arm.
     """
 
     def __init__(self) -> None:
@@ -39,7 +40,7 @@ class LivePlanner:
         )
         if coarser is None:
             self._last_settings = () if self.partial else settings
-        plan = planner(coarser or scene, chosen_only=self.partial, hasty=True)
+        plan = planner(coarser or scene, chosen_only=self.partial, hasty=self.partial)
         if plan.mesh is not None and plan.path is not None:
             # the arm's time is an earlier plan's where this one ended before it
             arm = plan.ms["arm"] if plan.motion is not None else 0.0

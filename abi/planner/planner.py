@@ -95,8 +95,9 @@ class Planner:
             chosen_only: whether to run only the search that ``scene.search.algorithm`` names, which
                 is faster.
             hasty: whether somebody waits for one of many plans: a URDF arm is then tried from the
-                start pose of the last plan alone, as long as there is a motion from that one, and
-                its path may be a little longer than need be.
+                start pose of the last plan alone, as long as there is a motion from that one; its
+                path may be a little longer than need be, and a quadratic that it does not follow is
+                that of least squares.
 
         Returns:
             The plan. If the scene has none, its ``error`` says why, and nothing is raised.
@@ -119,10 +120,10 @@ class Planner:
         begin = time.perf_counter()
         self._arm_aware_ms, self._arm_aware_interpreted = 0.0, False
         searches = (scene.search.algorithm,) if chosen_only else tuple(SEARCHES)
-        tool = ToolBranch.of(scene, searches, self._stages)
+        tool = ToolBranch.of(scene, searches, self._stages, hasty)
         run, fault = BranchRun(tool, Plan(scene, arm=tool.task.model.arm)), None
         try:
-            run.plan = self._run(tool, run, hasty)
+            run.plan = self._run(tool, run)
             refuse_slow(run.plan)
         except StageError as error:
             # a copy: the stage remembers its error for scenes in another unit
@@ -139,13 +140,12 @@ class Planner:
             total_ms=total,
         )
 
-    def _run(self, tool: ToolBranch, run: BranchRun, hasty: bool) -> Plan:
+    def _run(self, tool: ToolBranch, run: BranchRun) -> Plan:
         """Plan for the tool alone and, if the arm is not clear along that, for the whole arm.
 
         Args:
             tool: the branch of the tool alone.
             run: runs its stages, and has its plan as far as it comes.
-            hasty: whether the last branch will do.
 
         Returns:
             The plan of the branch that counts.
@@ -167,7 +167,7 @@ class Planner:
         if not refuted and run.move_arm(curve).is_clear:
             return run.plan
         try:
-            return self._avoid(tool, run.plan, hasty)
+            return self._avoid(tool, run.plan)
         except ArmNotClear as fault:
             moved = run.move_arm(curve)
             on_mesh = moved.motion.error or _with_contact(fault, moved, scene)
@@ -211,7 +211,7 @@ class Planner:
             joint_search=search,
         )
 
-    def _avoid(self, tool: ToolBranch, plan: Plan, hasty: bool) -> Plan:
+    def _avoid(self, tool: ToolBranch, plan: Plan) -> Plan:
         """The plan on the branch of the arm whose motion is clear and shortest.
 
         Raises:
@@ -220,7 +220,7 @@ class Planner:
         progress.tell("avoiding with the whole arm")
         begin, before = time.perf_counter(), interpreted_calls()
         try:
-            return self._arm_aware(tool.task, tool.collision_world, plan, hasty)
+            return self._arm_aware(tool.task, tool.collision_world, plan)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from abi.arm_planning.arm_model import ArmModel
 from abi.curves.cubic_profile import PathProfile
+from abi.curves.fit_quadratic import Mode
 from abi.errors import TooManySamples
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
@@ -24,12 +25,20 @@ class PlanningTask:
         obstacles: its obstacles.
         model: its arm.
         searches: names of the searches to run, the scene's own among them.
+        hasty: whether somebody waits for one of many plans.
     """
 
     scene: Scene
     obstacles: ObstacleSet
     model: ArmModel
     searches: tuple[str, ...]
+    hasty: bool = False
+
+    @property
+    def quadratic_mode(self) -> Mode:
+        """How the quadratic is fitted: a clear one that the arm does not follow is not awaited."""
+        waits = not self.hasty or self.scene.motion.curve != "bspline"
+        return self.scene.quadratic.mode if waits else "least_squares"
 
     @property
     def margin(self) -> float:

@@ -111,11 +111,13 @@ class ToolBranch:
     stages: ToolStages
 
     @classmethod
-    def of(cls, scene: Scene, searches: tuple[str, ...], stages: ToolStages) -> ToolBranch:
-        """The tool alone in a scene, and the names of the searches to run."""
+    def of(
+        cls, scene: Scene, searches: tuple[str, ...], stages: ToolStages, hasty: bool
+    ) -> ToolBranch:
+        """The tool alone in a scene, the names of the searches to run, and whether it is hasty."""
         progress.tell("reading obstacles and arm")
         obstacles, model = stages.obstacles(scene.obstacles), stages.model(scene.arm, scene.unit)
-        return cls(PlanningTask(scene, obstacles, model, searches), stages)
+        return cls(PlanningTask(scene, obstacles, model, searches, hasty), stages)
 
     def free_mesh(self) -> FreeMesh:
         """Stage 1: the mesh without the nodes and edges that the obstacles exclude."""
@@ -184,7 +186,7 @@ class ToolBranch:
         """Stage 5: the quadratic nearest to the B-spline."""
         scene, obstacles = self.task.scene, self.task.obstacles
         fit = self.stages.quadratic(
-            bspline.fit, bspline.arc, obstacles, scene.spline.clearance, scene.quadratic.mode
+            bspline.fit, bspline.arc, obstacles, scene.spline.clearance, self.task.quadratic_mode
         )
         return QuadraticOnSpline(fit, self.stages.quadratic_arc(fit.curve))
 

@@ -59,7 +59,6 @@ class WholeArmBranch:
         taut_of_tool: the path of the tool alone pulled taut; None if the scene does not ask for it.
         arm_branch: what the arm allows on this branch.
         exclude: memory of what the arm excludes from the mesh.
-        hasty: whether somebody waits for one of many plans: a path may be less taut than it might.
     """
 
     task: PlanningTask
@@ -68,7 +67,6 @@ class WholeArmBranch:
     taut_of_tool: TautPath | None
     arm_branch: ArmBranch
     exclude: ArmExclusionCache
-    hasty: bool = False
 
     def free_mesh(self) -> FreeMesh:
         """Stage 1: the tool's mesh without the nodes at which the arm is not clear.
@@ -138,7 +136,7 @@ class WholeArmBranch:
                 looser = self.arm_branch.scaled(slack=times)
                 taut = pull_clear(
                     *(self.taut_of_tool, obstacles, self.task.margin, shortest.path, looser),
-                    rounds=_HASTY_ROUNDS if self.hasty else ROUNDS,
+                    rounds=_HASTY_ROUNDS if self.task.hasty else ROUNDS,
                 )
                 points, away = taut.points, taut.clearance
             fit = fit_clear(
@@ -152,7 +150,13 @@ class WholeArmBranch:
         """Stage 5: the quadratic nearest to the B-spline, if possible one that is clear."""
         scene, obstacles = self.task.scene, self.task.obstacles
         fit = fit_quadratic.fit(
-            *(bspline.fit, bspline.arc, obstacles, scene.spline.clearance, scene.quadratic.mode),
+            *(
+                bspline.fit,
+                bspline.arc,
+                obstacles,
+                scene.spline.clearance,
+                self.task.quadratic_mode,
+            ),
             self._is_clear_along,
         )
         fault = self._refutation(fit.curve) if fit.holds else None

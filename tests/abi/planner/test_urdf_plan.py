@@ -212,13 +212,17 @@ def test_a_drag_keeps_to_its_start_pose_and_rests_on_what_a_fresh_plan_has(kitch
     assert live.partial
     assert dragged.arm_clearance is not None
     assert dragged.arm_clearance.certified
-    poses = []
+    poses, quadratics = [], []
     for plan in (begun, dragged, live.finish(KITCHEN), kitchen):
         assert plan.motion is not None
+        assert plan.quadratic is not None
         poses.append(plan.motion.positions)
+        quadratics.append(plan.quadratic)
     assert np.array_equal(poses[0][0], poses[1][0])
     assert not live.partial
     assert np.array_equal(poses[2], poses[3])
+    # one that the arm does not follow is not sought in haste
+    assert [one.holds for one in quadratics] == [True, False, True, True]
 
 
 def test_a_direction_held_at_samples_is_bounded_between_them(kitchen: Plan) -> None:
