@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import ArmNotClear
+from abi.arm_planning.arm_errors import ArmNotClear, DirectionNotHeld
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import (
     ClearanceNotHeld,
@@ -21,6 +21,7 @@ from abi.errors import (
     in_unit,
 )
 from abi.explain.arm_diagnosis import arm_reason
+from abi.explain.held_direction_diagnosis import held_direction_reason
 from abi.explain.nearest_free_point import nearest_free_point, rounded
 from abi.explain.reason import Reason
 from abi.explain.what_if import WhatIf, components, rounded_down
@@ -46,7 +47,8 @@ def explain(
     - no path: a finer pitch that works, else the largest clearance that does, else both; else the
       obstacles that wall in start or goal;
     - clearance not held: the largest clearance that can be held;
-    - arm not clear: another elbow, base or pitch, or one obstacle less.
+    - arm not clear: another elbow, base or pitch, or one obstacle less;
+    - direction not held: a shorter part of the motion that keeps it, or a larger tolerance.
 
     It takes about as long as ten plans, with meshes of up to 60,000 nodes if finer pitches are
     tried. Nothing is raised.
@@ -79,6 +81,8 @@ def _reason(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason | None:
         return _not_held(scene, plan, plan.error, what_if)
     if isinstance(plan.error, ArmNotClear):
         return arm_reason(scene, plan, plan.error, what_if)
+    if isinstance(plan.error, DirectionNotHeld) and scene.arm.held_axis is not None:
+        return held_direction_reason(scene.arm.held_axis, plan.error, what_if)
     return None
 
 

@@ -6,6 +6,7 @@ It lies over the scene, so that no control moves under the user's hand when it c
 from __future__ import annotations
 
 import html
+import math
 from typing import Any
 
 from abi.errors import AbiError, NoPath, StageError
@@ -240,11 +241,19 @@ def _change_label(reason: Reason) -> str:
         elif isinstance(value, dict):
             for name, number in value.items():
                 label = LABELS.get(f"{section}.{name}", name)
-                parts.append(f"set {label} to {_setting(number)}")
+                kept = isinstance(number, dict)
+                parts.append(_kept(number) if kept else f"set {label} to {_setting(number)}")
         else:
             parts.append(f"change {section}")
     text = " and ".join(parts)
     return text[:1].upper() + text[1:]
+
+
+def _kept(axis: dict[str, Any]) -> str:
+    """How to keep a direction of the tool for a part of the motion."""
+    begin, end = 100 * axis["from"], 100 * axis["to"]
+    within = math.degrees(axis["tolerance"])
+    return f"keep the direction within {within:.3g}° from {begin:.3g} to {end:.3g} % of the time"
 
 
 def _setting(value: object) -> str:

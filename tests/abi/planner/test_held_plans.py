@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from abi.arrays import FloatArray
+from abi.explain.diagnosis import explain
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.planner.task_plan import plan_tasks
@@ -103,6 +104,11 @@ def test_what_is_planned_in_part_is_not_planned_as_a_whole() -> None:
     off = math.degrees(angle_off(planned(0.0, 0.5), np.array(TURNED)))
     assert f"At the goal the tool is {off:.3g}° off" in whole.error.message
     assert whole.motion is None
+    reason = explain(whole.scene, whole)
+    assert reason is not None
+    assert reason.change is not None
+    assert "of the time works (tested)" in reason.hint
+    assert plan(whole.scene.replace(**reason.change)).error is None
 
 
 @pytest.mark.slow
