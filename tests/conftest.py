@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 import abi
 from app.process.scratch import ScratchFolder, remove_abandoned
+
+_EXAMPLES = Path(__file__).parent / "examples"
 
 # How long an example takes says more of the machine than of the code. What stays on is the check
 # that most examples are not filtered out: a property that assumes what it is about must meet it.
@@ -24,6 +27,11 @@ def pytest_make_parametrize_id(val: object) -> str | None:
     if isinstance(val, str) and len(val) > 60:
         return f"{val[:40]} and more"
     return None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """First those of examples, which take longest one by one: nobody is to wait for the last."""
+    items.sort(key=lambda item: item.path.parent != _EXAMPLES)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -10,11 +10,10 @@ from playwright.sync_api import Browser
 from app.server.server import Server
 from app.tab.session import Session
 from app.teach.lesson import Step
-from app.teach.lesson_file import load_lessons
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page
+from tests.shipped_lessons import LESSONS
 
-LESSONS = load_lessons()
 _KEPT = "() => localStorage.getItem('abi-lessons')"
 
 

@@ -24,11 +24,10 @@ from abi.search.search import SEARCHES
 from abi.tet_mesh.lattice import REGULAR
 from app.state.frame import Frame
 from app.teach.lesson import Step, scene_of
-from app.teach.lesson_file import load_lessons
 from app.teach.measures import MEASURES
 from app.theatre.searches import TheatreSearches
+from tests.shipped_lessons import LESSONS
 
-LESSONS = load_lessons()
 _QUOTED = re.compile(r"\{\{.*?\}\}|\$\$.*?\$\$|\$[^$\n]+\$", re.S)
 _NAMES = re.compile(r"stage \**\d|lesson \d|Theorem 1|Table I", re.I)
 """Numbers that only name something."""

@@ -28,8 +28,8 @@ from app.teach.lesson_file import LessonError, library, load_lessons, unknown_la
 from app.teach.measures import MEASURES, filled, text
 from app.ui.formulas import with_formulas
 from tests.app.fake_tab import FakeTab, layer, until
+from tests.shipped_lessons import LESSONS
 
-LESSONS = load_lessons()
 FOLDER = assets.path("lessons")
 NAMES = {switch.name for switch in SWITCHES}
 
