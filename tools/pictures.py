@@ -138,7 +138,7 @@ def _page(browser: Browser, scene: str, tab: str | None) -> Image.Image:
         if plan is not None and plan.error is None:
             visited.time(UNDERWAY)
         else:
-            visited.page.until(lambda: bool(visited.page.complaints()), "the reason")
+            visited.page.until(lambda: visited.session.frame.reason is not None, "the reason")
             visited.rest()
         if tab is not None:
             visited.page.click(tab)
