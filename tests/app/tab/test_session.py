@@ -319,7 +319,7 @@ def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
     assert session.plan is not None
     assert session.plan.error is not None
     shown = session.panels.layout.overlay.shown
-    assert "✗" in shown["message"]
+    assert "No path" in shown["message"]
     assert session.panels.stages.mesh.pitch.value == load_scene("no-way").mesh.pitch
 
     fake.set(session.panels.files.choice, "paper")
