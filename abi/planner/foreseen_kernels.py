@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     bound_configurations,
     configurations_touching,
@@ -18,14 +19,17 @@ from abi.compiled import Kernel
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.surface_kernels import measure
 from abi.obstacles.triangle_mesh.surface_tables_kernels import grid_values
+from abi.robot.kinematics.follow_path_kernels import follow_path
 from abi.scene.scene import Scene
 
 _NEAR_MESHES: tuple[Kernel[..., Any], ...] = (measure, grid_values)
 _OF_URDF_ARMS: tuple[Kernel[..., Any], ...] = (
     spread,
-    touching_configurations,
     configurations_touching,
+    follow_path,
     bound_configurations,
+    touching_configurations,
+    separate_chain,
 )
 
 
