@@ -256,7 +256,8 @@ def test_every_shipped_scene_can_be_read(page: Page, session: Session) -> None:
                 page.click(tab)
                 page.settle()
                 _check(page)
-                assert min(counts(page), default=2) >= 2, (name, tab)
+                if session.frame.plan.motion is not None and tab in ("Result", "Plots"):
+                    page.until(lambda: min(counts(page), default=0) >= 2, f"numbers in {name}")
             page.tab.evaluate(_SET_FONT, "")
         assert moved > 0, "labels that would have lain over each other"
     finally:
