@@ -179,7 +179,10 @@ class Walker:
         panels = self.session.panels
         model, woken = panels.stages.arm.model, self.session.plans
         if kind == "play":
-            self._send(self.session.playback.button, True)
+            playback, plays = self.session.playback, self.session.playback.playing
+            self._send(playback.button, True)
+            # a step after it that changes nothing would find the arm standing still
+            self.page.until(lambda: playback.playing != plays, "the press to be heard")
             return
         if kind == "scene" and panels.files.choice.value != value:
             self._send(panels.files.choice, value)
