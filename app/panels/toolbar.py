@@ -34,7 +34,6 @@ class Toolbar:
         tour = button(self._tour.begin, "Tour", hint="Five steps through the page")
         hint = "Large letters, folded panels (L)"
         lecture = "" if self._lecture.on else button(self._lecture.toggle, "Lecture", hint=hint)
-        # of a phone's sheet the tab is far down
-        learn = button(self._learn, "Lessons", kind="abi-phone", hint=f"In the {LEARN} tab")
-        content = f'<div class="abi-buttons">{undo}{redo}{about}{tour}{lecture}{learn}</div>'
+        learn = button(self._learn, "Lessons", hint=f"In the {LEARN} tab")
+        content = f'<div class="abi-buttons">{undo}{redo}{about}{learn}{tour}{lecture}</div>'
         self._overlay.show("tools", content)

@@ -52,7 +52,8 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     text = style.paragraph(text)
     if rows:
         cost = _unit(scene)
-        last = "no. in line" if trace.queue == "first_in" else f"f [{cost}]"
+        name = "f = g" if formula(state) == "g" else "f"
+        last = "no. in line" if trace.queue == "first_in" else f"{name} [{cost}]"
         text += table(
             (f"node at [{scene.unit}]", f"g so far [{cost}]", f"h to go [{cost}]", last), rows
         )

@@ -90,7 +90,10 @@ def judge(state: SearchState, node: int) -> tuple[bool, str]:
     if state.may_follow(node):
         if queue == "first_in":
             return True, f"no. {order_label(state, node)} has waited longest: first in, first out."
-        same = "" if node == state.following else " Several are as good, and any of them is right."
+        same = ""
+        if node != state.following:
+            taken = where(state, state.following)
+            same = f" Several are as good; the search goes on with the one at {taken}."
         return True, f"{_sum(state, node)} is the least of all that wait.{same}"
     if not np.isfinite(state.cost[node]):
         return False, "it has not been reached: no edge leads there from a visited node."

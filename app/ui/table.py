@@ -25,7 +25,8 @@ _STYLE = (
 HINTS = {
     "path nodes": "Nodes on the path, start and goal among them.",
     "length": "How long the path or the curve is.",
-    "nodes visited": "Nodes from which the search went on to their neighbours.",
+    "nodes visited": "Nodes from which the search went on to their neighbours. Bellman-Ford may "
+    "visit one again, and counts it again.",
     "edges tried": "How often the search looked along an edge.",
     "longer than best": "By how much it is longer than the shortest clear path there is.",
     "longer by at most": "How much longer it may be than the shortest clear path there is: "
@@ -35,6 +36,11 @@ HINTS = {
     "from the mesh.",
     "gap": "By how much the path costs more than the cheapest in the mesh.",
     "visited": "Nodes from which the search went on to their neighbours.",
+    "g so far": "Cost of the best path to the node that was found so far.",
+    "h to go": "Cost of the shortest path from the node to the goal in the mesh without any "
+    "obstacle: an estimate of what is left, and never too large.",
+    "f": "What orders those that wait: the node with the least is visited next.",
+    "f = g": "What orders those that wait: Dijkstra's algorithm makes no use of h.",
     "tried": "How often the search looked along an edge.",
     "time": "Processor time of the search. Where few nodes are saved, A* can take longer than "
     "others, as it computes h for each.",

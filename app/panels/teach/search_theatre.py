@@ -327,8 +327,9 @@ class TheatrePanel:
     ) -> Theatre:
         step, last = self._written, self._last
         asking = (bool(self.ask.value) or self.voted) and not racing
-        if self._answer.node >= trace.sides * len(trace.arcs.points):
-            self._answer = JudgedGuess()  # of a search from both ends, which has more
+        other = last is not None and last.name != name
+        if other or self._answer.node >= trace.sides * len(trace.arcs.points):
+            self._answer = JudgedGuess()  # of another search; one from both ends has more nodes
         if (
             last is not None
             and last.state.trace is trace
