@@ -1,4 +1,4 @@
-"""Files of a zip archive by the names that are meant, however a file manager wrote them."""
+"""Files of a zip archive by their intended names, whichever file manager wrote them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def members_of(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
 
 
 def without_folder(name: str, folder: PurePosixPath) -> str | None:
-    """Name of a file inside a folder; None for one that is elsewhere."""
+    """Name of a file relative to a folder; None if it is elsewhere."""
     path = PurePosixPath(name)
     return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else None
 

@@ -20,7 +20,7 @@ from abi.errors import ArgumentError
 _LETTERS = "nmk"
 _FLOAT64 = np.dtype(np.float64)
 _ONE_THREAD = 8192
-"""Number of numbers whose squares the algebra library sums in the calling thread for certain."""
+"""Most numbers whose squares the linear algebra library sums in the calling thread."""
 _EYE = np.eye(3)
 _LARGEST = 1.1
 """Bound of a rotation's entries, so that no product of larger ones overflows."""
@@ -236,7 +236,7 @@ def keep(owner: object, **fields: object) -> None:
 
 
 def owned(value: Any) -> Any:
-    """Return an array read-only, a copy of one that can be written, or any other value as it is."""
+    """Return an array read-only, copied if it is writable; other values unchanged."""
     if isinstance(value, np.ndarray) and value.flags.writeable:
         value = value.copy()
     lock((value,))
@@ -292,14 +292,14 @@ def _dimensions(values: ArrayLike) -> int:
 
 
 def _text_of(shape: tuple[int, ...]) -> str:
-    """A shape as docstrings have it, with letters for any length."""
+    """Text of a shape as in docstrings, with letters for any length."""
     letters = iter(_LETTERS)
     parts = [next(letters) if length == -1 else str(length) for length in shape]
     return f"({', '.join(parts)}{',' * (len(parts) == 1)})"
 
 
 class _Described:
-    """Stands in an error for an array, whose numbers say nothing."""
+    """Stands for an array in an error, whose numbers would say nothing."""
 
     def __init__(self, text: str) -> None:
         self._text = text

@@ -1,4 +1,4 @@
-"""Files written in one step: whole, or not at all."""
+"""Atomic writing of files: whole, or not at all."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 def replace_file(path: Path, content: bytes) -> None:
-    """Write ``content`` to ``path`` in one step; the old file stays whole on failure.
+    """Write ``content`` to ``path`` atomically; on failure the old file is unchanged.
 
     An existing file keeps its permissions and, where this user may give files away, its owner; a
     new one has those of any new file. As where a file is written to directly, one that is protected
@@ -48,7 +48,7 @@ def replace_file(path: Path, content: bytes) -> None:
 
 
 def _give_to_owner(old: Path, new: Path) -> None:
-    """Let ``new`` belong to whom ``old`` does, where this user may do that."""
+    """Give ``new`` the owner of ``old``, if this user may do that."""
     if hasattr(os, "chown"):
         found = old.stat()
         with contextlib.suppress(PermissionError):

@@ -1,4 +1,4 @@
-"""The browser of this machine, asked to show a page."""
+"""Opening of pages in this machine's browser."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import webbrowser
 from pathlib import PurePath
 
 _TEXT = frozenset({"elinks", "links", "links2", "lynx", "w3m", "www-browser"})
-"""Browsers that run in the terminal, which they take over; none of them can draw a page of ours."""
+"""Text browsers, which take over the terminal and cannot draw our pages."""
 
 
 def missing_browser() -> str:
-    """Sentence on why no page can be shown here; empty where there is a browser that can."""
+    """Sentence on why no page can be shown here; empty if there is a browser that can."""
     try:
         name = PurePath(webbrowser.get().name).name
     except webbrowser.Error:
@@ -20,5 +20,5 @@ def missing_browser() -> str:
 
 
 def open_in_background(link: str) -> None:
-    """Have the browser open ``link``, and go on: some are not done before they are closed."""
+    """Open ``link`` in the browser without waiting, as some return only when they are closed."""
     threading.Thread(target=webbrowser.open, args=(link,), name="browser", daemon=True).start()

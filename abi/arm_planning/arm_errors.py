@@ -1,4 +1,4 @@
-"""Why an arm has no motion: it is out of reach, not clear, or cannot keep what is asked of it."""
+"""Errors of an arm without a motion: out of reach, not clear, or unable to meet a request."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from abi.errors import StageError, format_length
 
 
 class LinkContact(NamedTuple):
-    """What a link's shapes, as they are given, do where the convex pieces around it come too near.
+    """Contact of a link's given shapes where the convex pieces around them come too near.
 
     Attributes:
         touches: whether they touch the other.
@@ -151,7 +151,7 @@ class ArmNotClear(StageError):
         return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
 
     def nor_in_joints(self, fault: NoJointMotion) -> ArmNotClear:
-        """A copy whose text adds why there is no motion in the space of the joints, either."""
+        """A copy whose text adds why there is no motion in joint space either."""
         text = " ".join(self._sentences[:1] + fault._sentences[:1])
         return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
 
@@ -162,7 +162,7 @@ class ArmNotClear(StageError):
 
 
 class NoJointMotion(StageError):
-    """Error if no motion of the arm was found in the space of its joints.
+    """Error if no motion of the arm was found in joint space.
 
     Args:
         where: ``start`` or ``goal`` if the arm has no clear pose there, ``path`` if the search has
@@ -204,7 +204,7 @@ class NoJointMotion(StageError):
 
 
 class DirectionNotHeld(StageError):
-    """Error if no motion of the arm keeps the direction of its tool where that is asked for.
+    """Error if no motion of the arm keeps the direction of its tool as required.
 
     Args:
         where: ``start`` or ``goal`` if the tool is turned otherwise there, ``path`` if no motion
@@ -260,7 +260,7 @@ class NotFollowed(StageError):
 def _touched(
     link: str, obstacle: int | str, contact: LinkContact | None, at: str = "", exact: bool = False
 ) -> str:
-    """Clause on a link that is in the way at start or goal.
+    """Clause on the link that is in the way at start or goal.
 
     Args:
         link: its name.

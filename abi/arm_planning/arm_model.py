@@ -31,7 +31,7 @@ class JointPath(Protocol):
 
     @property
     def length(self) -> float:
-        """Distance from start to goal, [unit]: of most the arc length of the tool's curve."""
+        """Distance from start to goal, [unit]: usually the arc length of the tool's curve."""
 
     @property
     def speeds(self) -> FloatArray:
@@ -43,7 +43,7 @@ class JointPath(Protocol):
 
     @property
     def is_timed(self) -> bool:
-        """Whether these joints depend on the time, too, as another one moves meanwhile."""
+        """Whether these joints also depend on the time, as another joint moves meanwhile."""
 
     def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
         """Positions of these joints at distances along the curve and times (k,) in order, (k, n).
@@ -60,7 +60,7 @@ class JointPath(Protocol):
         collision_world: CollisionWorld,
         required: float,
     ) -> bool:
-        """Check if a quick test shows that the arm is not clear; False if that would take long.
+        """Quick check that the arm is not clear; False if that would take long.
 
         Args:
             profile: makes the motion along it, which is asked for only where it counts.
@@ -110,7 +110,7 @@ class ArmBranch(NodeExclusion, Protocol):
 
     @property
     def segments(self) -> ArmSegments | None:
-        """What compiled loops need to test segments; None if they do not know the arm."""
+        """Data with which compiled loops test segments; None if they do not support the arm."""
 
     def refutation(self, curve: BSpline | Quadratic) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
@@ -122,12 +122,13 @@ class ArmBranch(NodeExclusion, Protocol):
         """
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Reason why the arm does not take its pose at a point (3,); None where it is not known."""
+        """Reason why the arm does not reach a point (3,); None if it is not known."""
 
     def link_contact(
         self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
     ) -> LinkContact | None:
-        """Whether the first of a pair itself touches the other at a point (3,); None if unknown."""
+        """Whether the first of a pair touches the other by its own shapes at a point (3,); or
+        None."""
 
     def clear_segments(self, points: FloatArray) -> BoolArray:
         """Check if the arm is proven clear on each segment (k - 1,) of a polyline (k, 3)."""
@@ -136,7 +137,7 @@ class ArmBranch(NodeExclusion, Protocol):
         """The joints along a curve."""
 
     def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
-        """A copy with multiples of the distance beyond the clearance, and of a proof's tries."""
+        """A copy with multiples of the margin beyond the clearance and of a proof's tries."""
 
 
 class Unreached(NamedTuple):
@@ -159,7 +160,7 @@ class Unreached(NamedTuple):
 
     @property
     def words(self) -> str:
-        """Predicate of a sentence on the arm; behind lengths is the placeholder of the unit."""
+        """Predicate of a sentence on the arm, with the unit's placeholder after lengths."""
         value, limit = map(self._position, (self.value, self.limit))
         if self.shortfall == 0.0:
             side = "past" if abs(self.value) > abs(self.limit) else "at"
@@ -191,7 +192,7 @@ class BranchTask(NamedTuple):
 
 
 class OtherBranches(NamedTuple):
-    """Further branches, tried where no branch leads to a motion.
+    """Further branches, tried if no branch leads to a motion.
 
     Attributes:
         branches: an iterator, which makes each one on demand.
@@ -220,7 +221,7 @@ class ArmModel(Protocol):
         obstacles: ObstacleSet,
         collision_world: CollisionWorld,
     ) -> Sequence[JointPath]:
-        """Joint positions along a curve on each branch that may be taken, the preferred first."""
+        """Joint positions along a curve on each allowed branch, the preferred first."""
 
     def is_refuted(
         self,
@@ -241,7 +242,7 @@ class ArmModel(Protocol):
         """
 
     def branches(self, task: BranchTask) -> Sequence[ArmBranch]:
-        """The branches that may be taken."""
+        """The allowed branches."""
 
     def other_branches(self, task: BranchTask) -> OtherBranches:
-        """Further branches, tried where none of the first leads to a motion."""
+        """Further branches, tried if none of the first leads to a motion."""

@@ -1,4 +1,4 @@
-"""Motion along a curve by the law that a scene asks for, and the table of the laws.
+"""Motion along a curve by the law that a scene chooses, and the table of laws.
 
 A new law is a function in a file here or, where
 it knows nothing of joints, beside :mod:`abi.curves.three_phase_profile`; and an entry in the table.
@@ -30,11 +30,12 @@ from abi.errors import ArgumentError
 from abi.scene.settings import Law, MotionSettings
 
 _GRID = 3201
-"""Points along the curve at which the joints are asked."""
+"""Points of the curve at which the joints are computed."""
 ROUNDING = 1.001
-"""Factor by which differences of samples may be too large, or too small."""
+"""Factor by which differences of samples may be too large or too small."""
 _ROUNDS, _SETTLED = 5, 1e-6
-"""Times that a motion is slowed down, as q5 then slides farther, and the excess that is none."""
+"""Most times that a motion is slowed down, as q5 then slides farther, and the excess that counts as
+none."""
 
 
 class JointLimits(NamedTuple):
@@ -45,7 +46,7 @@ class JointLimits(NamedTuple):
 
 
 Slowed = Callable[[float], PathProfile]
-"""Makes a law's motion from a factor >= 1: so many times as long as the fastest one."""
+"""Function that makes a law's motion a factor >= 1 slower than the fastest one."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ def _fastest(path: JointPath, settings: MotionSettings) -> Slowed:
 
 
 def _slowed(length: float, rates: tuple[float, float, float], factor: float) -> PathProfile:
-    """Three phases that take ``factor`` times as long."""
+    """Three phases slowed down by ``factor``."""
     # a triangle's peak scales by itself: its speed is not reached
     return three_phase(length, rates[0] / factor, rates[1] / factor**2, rates[2] / factor**2)
 

@@ -20,11 +20,11 @@ from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
 
 _LONGER = 1.5
-"""Longest path, as a multiple of the straight line, whose time bounds the slide beforehand."""
+"""Longest path, over the straight line, whose duration bounds the slide in advance."""
 
 
 class PaperArmModel:
-    """The paper's arm; it remembers the rows of the last obstacles."""
+    """The paper's arm for the planner; caches the rows of the last obstacles."""
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         self.arm = PaperArm.from_settings(settings, unit)
@@ -42,7 +42,7 @@ class PaperArmModel:
         obstacles: ObstacleSet,
         collision_world: CollisionWorld,
     ) -> tuple[PaperArmJointPath, ...]:
-        """Joints along a curve, on each elbow branch that may be taken."""
+        """Joints along a curve, on each allowed elbow branch."""
         branches = settings.branches
         return tuple(
             PaperArmJointPath(curve, arc, self.arm, settings.on(elbow)) for elbow in branches
@@ -56,11 +56,11 @@ class PaperArmModel:
         collision_world: CollisionWorld,
         required: float,
     ) -> bool:
-        """False: its joints are found by formulas, and tested along the curve as quickly."""
+        """False: its joints follow from formulas, and testing them along the curve is as quick."""
         return False
 
     def branches(self, task: BranchTask) -> tuple[ElbowBranch, ...]:
-        """One branch for each elbow branch that may be taken."""
+        """One branch for each allowed elbow."""
         settings, around = task.scene.arm, task.collision_world
         extensions, clearance = _extensions(task.scene), settings.clearance
         return tuple(
@@ -76,7 +76,7 @@ class PaperArmModel:
 
 
 def _extensions(scene: Scene) -> tuple[float, float]:
-    """Least and greatest q5 in the time that a rather long path takes, [unit]."""
+    """Least and greatest q5 during a rather long path, [unit]."""
     settings, asked = scene.arm, scene.motion
     if settings.forces[1] == 0:
         return settings.q5, settings.q5

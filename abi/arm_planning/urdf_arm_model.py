@@ -36,11 +36,11 @@ from abi.scene.arm_settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _BRANCHES = 6
-"""First poses, at most, from which a path is sought."""
+"""Most first poses from which a path is sought."""
 _ALL = 64
-"""Poses at start or goal, at most, that are paired where those lead to none."""
+"""Most poses at start or goal that are paired if those lead to none."""
 _REMEMBERED = 16
-"""Pairs, at most, whose configurations are kept."""
+"""Most pairs whose configurations are cached."""
 
 
 class _Spread(NamedTuple):
@@ -77,7 +77,7 @@ class UrdfArmModel:
         obstacles: ObstacleSet,
         collision_world: CollisionWorld,
     ) -> tuple[ChainJointPath, ...]:
-        """The joint_path from the start pose that keeps the arm clearest."""
+        """The joint path from the start pose that keeps the arm clearest."""
         return (chain_joint_path(curve, arc, self.arm, obstacles, collision_world),)
 
     def is_refuted(
@@ -120,7 +120,7 @@ class UrdfArmModel:
         return OtherBranches(self._branch(pair, task) for pair in pairs if pair not in tried)
 
     def _remember(self, task: BranchTask) -> None:
-        """Forget what belongs to another mesh, start or goal."""
+        """Drop caches of another mesh, start or goal."""
         scene = task.scene
         at = (task.mesh, scene.start, scene.goal)
         if self._at is None or at[0] is not self._at[0] or at[1] != self._at[1]:
@@ -136,7 +136,7 @@ class UrdfArmModel:
         return self.arm.first_poses(np.array(point), _ALL)
 
     def _clear(self, poses: Sequence[FloatArray], task: BranchTask) -> dict[int, FloatArray]:
-        """Those that are clear, by their numbers."""
+        """The clear poses by their numbers."""
         return {k: pose for k, pose in enumerate(poses) if self._is_clear(task, pose)}
 
     def _is_clear(self, task: BranchTask, pose: FloatArray) -> bool:
@@ -181,11 +181,11 @@ class UrdfArmModel:
 
 
 def _first_ones(clear: Mapping[int, FloatArray]) -> list[int]:
-    """Numbers of the first poses that are tried alone; the first of all where none is clear."""
+    """Numbers of the first poses that are tried alone; the very first if none is clear."""
     return [number for number in clear if number < TRIED][:_BRANCHES] or [0]
 
 
 def _still(pose: FloatArray) -> Followed:
-    """Joints of an arm that stands still."""
+    """Joint path of an arm that stands still."""
     nothing = np.zeros(2)
     return Followed(nothing, np.stack([pose, pose]), nothing)

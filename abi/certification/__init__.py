@@ -1,1 +1,1 @@
-"""Proofs that a motion which anybody planned keeps a robot clear, or where it does not."""
+"""Proofs that a motion from any planner keeps a robot clear, or where it does not."""

@@ -1,4 +1,4 @@
-"""``abi.certify``: the verdict on a motion that is given as arrays."""
+"""``abi.certify``: the verdict on a motion given as arrays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The verdict on a motion: what directions prove, and contacts that the exact shapes decide."""
+"""The verdict on a motion: proofs by separating directions, and contacts of the exact shapes."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch, 
 from abi.scene.scene import Scene
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
-"""Parts of the least distance found that are tried to prove."""
+"""Fractions of the least distance found that are tried to prove."""
 _POSES, _PAIRS = 20, 12
-"""Poses of a pair, and pairs, at most, at which exact shapes are tested."""
+"""Most poses of a pair, and most pairs, at which exact shapes are tested."""
 _DEPTHS = 4
-"""Poses of a contact, at most, at which its depth is measured."""
+"""Most poses of a contact at which its depth is measured."""
 _BISECTIONS = 18
 _FINEST = 1e-9
 """Distance below which shapes may touch or not by rounding, over the largest coordinate."""
@@ -76,7 +76,7 @@ def certify_motion(
 def _verdict(
     task: MotionTask, scene: Scene, limits: LimitsKept, clearance: float, most_tries: int
 ) -> MotionVerdict:
-    """What the bodies of a task prove, and where they do not, what the exact shapes decide."""
+    """What the bodies prove; where they do not, what the exact shapes decide."""
     motion = task.motion.motion
     proof = separation(task, clearance, most_tries)
     found = nearest(task, np.arange(0.0, len(motion.times) - 0.5, 0.5))
@@ -103,7 +103,7 @@ def _whose(task: MotionTask, found: NearestObstacle) -> tuple[str, int, float] |
 
 
 def _inside(task: MotionTask) -> list[tuple[str, int]]:
-    """Links that begin inside a closed mesh, whose surface alone is kept clear of.
+    """Links that begin inside a closed mesh, whose surface alone is tested.
 
     Where a link touches no triangle, one of its points says whether all of it is inside.
     """
@@ -125,7 +125,7 @@ def _inside(task: MotionTask) -> list[tuple[str, int]]:
 def _wider(
     task: MotionTask, proof: Separation, found: NearestObstacle, most_tries: int
 ) -> Separation:
-    """A proof of the largest of some parts of the least distance found."""
+    """A proof for the largest possible of some fractions of the least distance found."""
     if not 0 < found.distance < math.inf:
         return proof
     for share in _SHARES:
@@ -147,7 +147,7 @@ class _Pair(NamedTuple):
 
 
 def _pairs(task: MotionTask, proof: Separation) -> list[_Pair]:
-    """What is left of a separation, by links."""
+    """Undecided stretches of a separation, grouped by links."""
     rows: dict[tuple[str, int | str], list[int]] = {}
     for k, (body, other) in enumerate(
         zip(proof.left_bodies.tolist(), proof.left_others.tolist(), strict=True)
@@ -196,7 +196,7 @@ def _decided(
 def _touches(
     task: MotionTask, finder: ContactFinder, pair: _Pair, rows: IntArray, hit: BoolArray
 ) -> list[Touch]:
-    """Contacts of a pair one after the other: each from its first time, found by bisection, on.
+    """Contacts of a pair in order, each from its first time, found by bisection.
 
     Args:
         task: the motion.
@@ -241,7 +241,7 @@ def _first_contact(finder: ContactFinder, pair: _Pair, low: float, high: float) 
 def _doubt(
     task: MotionTask, proof: Separation, pair: _Pair, finder: ContactFinder, clearance: float
 ) -> Doubt:
-    """A pair that is not found to touch, and not proven to be clear."""
+    """A pair that neither was found to touch nor is proven clear."""
     first, last = _times(task, float(pair.left[0, 0]), float(pair.left[:, 1].max()))
     middle = float(pair.left[len(pair.left) // 2, 2])
     distance = finder.distance(middle, pair.link, pair.other)

@@ -1,4 +1,4 @@
-"""A motion from elsewhere as a plan that has nothing but stage 6, to be shown as plans are."""
+"""A motion from elsewhere as a plan with stage 6 only, to be shown like other plans."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene
 
 SAMPLES = 401
-"""Moments at which the motion is shown."""
+"""Number of poses at which the motion is shown."""
 _MEASURED = 5
-"""Samples from one at which distances are measured to the next."""
+"""Samples between two at which distances are measured."""
 
 
 def checked_plan(verdict: MotionVerdict) -> Plan:
@@ -42,7 +42,7 @@ def checked_plan(verdict: MotionVerdict) -> Plan:
 
 
 def _arm(verdict: MotionVerdict) -> UrdfArm:
-    """The scene's arm, with all joints that the motion moves: a second arm's, too."""
+    """The scene's arm with all joints that the motion moves, including a second arm's."""
     scene: Scene = verdict.scene
     settings, chain = scene.arm, verdict.task.motion.chain
     stands = settings.base, settings.exact_axis, scene.unit, settings.base_wxyz
@@ -103,7 +103,7 @@ def _of_arm(values: FloatArray, verdict: MotionVerdict, arm: UrdfArm) -> FloatAr
 
 
 def _tool(verdict: MotionVerdict, positions: FloatArray, arm: UrdfArm) -> FloatArray:
-    """Places of the tip (k, 3), [unit], world."""
+    """Positions of the tip (k, 3), [unit], world."""
     chain = arm.chain
     carried = next(one for one in chain.carried if one.link == arm.tip)
     if carried.frame < 0:

@@ -38,14 +38,14 @@ from abi.obstacles.primitive_tree_kernels import TREE
 from abi.scene.scene import Scene
 
 MOST_TRIES = 4_000_000
-"""Pairs that are tried by default before what is left counts as undecided: a few seconds."""
+"""Default number of pairs that are tried before the rest counts as undecided: a few seconds."""
 PARTS = 1024
-"""Parts of a motion: where bodies overlap, stretches shorter than one are not halved."""
+"""Parts of a motion; stretches shorter than one are not halved where bodies overlap."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Separation(ShortRepr):
-    """What directions prove of a motion, and the stretches that are left.
+    """What separating directions prove of a motion, and the stretches that remain.
 
     Attributes:
         margin: distance that the bodies were to keep from obstacles, [unit].
@@ -75,7 +75,7 @@ class Separation(ShortRepr):
 
     @property
     def proven(self) -> bool:
-        """Whether nothing is left."""
+        """Whether nothing remains."""
         return len(self.left) == 0
 
 
@@ -99,7 +99,7 @@ class MotionTask(ShortRepr):
 def task_of(
     motion: RobotMotion, scene: Scene, closely: Collection[str] = frozenset()
 ) -> MotionTask:
-    """Bodies and surroundings of a motion in a scene; ``closely`` as of ``robot_bodies``."""
+    """Bodies and collision world of a motion in a scene; ``closely`` as for ``robot_bodies``."""
     metres = METRES[scene.unit]
     low = np.minimum(motion.chain.limits[:, 0], motion.points.min(axis=(0, 1)))
     high = np.maximum(motion.chain.limits[:, 1], motion.points.max(axis=(0, 1)))
@@ -198,7 +198,7 @@ def _numbers(task: MotionTask, pairs: FloatArray) -> tuple[IntArray, IntArray]:
 def _around(
     bodies: RobotBodies, obstacles: ObstacleSet, floor: float, scene: Scene
 ) -> CollisionWorld:
-    """Obstacles and floor. Links that stand still are asked for neither."""
+    """Obstacles and floor, without links that stand still."""
     frames = np.array([body.frame for body in bodies.bodies])
     stands = np.array([body.link in bodies.on_floor for body in bodies.bodies])
     own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), ~stands[:, None])

@@ -1,4 +1,4 @@
-"""Convex bodies that hold a robot's collision shapes, and pairs of them that must keep apart."""
+"""Convex bodies that contain a robot's collision shapes, and pairs of them that must stay apart."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class RobotBodies(ShortRepr):
 
     @cached_property
     def pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
-        """Numbers of two bodies that must keep apart, (p, 2), and links that may touch."""
+        """Numbers of two bodies that must stay apart, (p, 2), and links that may touch."""
         held, numbers = tuple(sorted(self.chain.held.items())), self._numbers()
         links, allowed = _link_pairs(self.chain.robot, self.chain.names, held)
         apart = [
@@ -83,7 +83,7 @@ class RobotBodies(ShortRepr):
 
     @property
     def allowed(self) -> tuple[AllowedContact, ...]:
-        """What may touch: pairs of links, and what stands still."""
+        """Allowed contacts: pairs of links, and links that stand still."""
         still = dict.fromkeys(body.link for body in self.bodies if body.frame < 0)
         return (
             *self.pairs[1],
@@ -123,7 +123,7 @@ class RobotBodies(ShortRepr):
         return np.asarray(sum(levers))
 
     def _reason(self, first: str, second: str, pairs: Sequence[tuple[int, int]]) -> Reason | None:
-        """Reason for which two links may touch; None if they must not.
+        """Reason why two links may touch; None if they must not.
 
         ``always`` means that they overlap in nearly all random poses.
         """

@@ -55,7 +55,7 @@ class ContactFinder:
     def _beside(
         self, parameter: float, link: str, other: int | str
     ) -> tuple[LinkSolids, SolidPose] | None:
-        """What a link may touch, and the link's pose in the frame of that; None for the floor."""
+        """The body that a link may touch, and the link's pose in its frame; None for the floor."""
         pose = self._pose(link, parameter)
         if isinstance(other, int):
             return self._obstacles[other], pose

@@ -14,8 +14,8 @@ from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
 
 _ROUNDING = 1 + 1e-9
 _SAMPLES, _STEP = 5, 0.05
-"""Places between two waypoints at which torques are computed, both among them, at least; and the
-largest way of a joint between two of them, [rad] or [m]."""
+"""Least number of places between two waypoints at which torques are computed, ends included, and
+largest step of a joint between two of them, [rad] or [m]."""
 _MOST_ROWS = 200_000
 """Places of a motion at most, beyond those at least."""
 
@@ -23,7 +23,7 @@ Quantity = Literal["position", "speed", "acceleration", "torque"]
 
 
 class LimitPassed(NamedTuple):
-    """A limit that a joint passes.
+    """A limit that a joint exceeds.
 
     Attributes:
         quantity: of what.
@@ -42,7 +42,7 @@ class LimitPassed(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LimitsKept(ShortRepr):
-    """Largest values of joints along a motion, and the limits that they pass.
+    """Largest values of joints along a motion, and the limits that they exceed.
 
     Attributes:
         peaks: largest size of each joint's speed, acceleration and torque, (n,) each; None where it

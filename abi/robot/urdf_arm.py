@@ -1,4 +1,4 @@
-"""An arm that a URDF describes, in the scene's unit, as the stages use it."""
+"""An arm from a URDF, in the scene's unit, as the stages use it."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_files import description_of, files_of
 
 _STARTS, _HELD_STARTS = 48, 16
-"""Random poses from which the first pose of a motion is sought."""
+"""Numbers of random poses from which a motion's first pose is sought."""
 TRIED = 8
-"""Largest number of start poses whose motions are compared."""
+"""Most start poses whose motions are compared."""
 _ALIKE = 0.3
-"""Poses nearer to each other than this in every joint are one, [rad] or [m]."""
+"""Joint distance below which two poses count as one, [rad] or [m]."""
 REACHED = 1e-6
-"""Error, as a fraction of the arm's reach, up to which a point counts as reached."""
+"""Error, over the arm's reach, up to which a point counts as reached."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UrdfArm(ShortRepr):
-    """An arm that a URDF describes: a robot's chain in a scene.
+    """An arm from a URDF: a robot's chain in a scene.
 
     Attributes:
         chain: in [m].
@@ -121,7 +121,7 @@ class UrdfArm(ShortRepr):
 
     @cached_property
     def touchable(self) -> BoolArray:
-        """Which capsules need not keep a distance from obstacles, only not touch them, (c,).
+        """Flags of the capsules that only must not touch obstacles, (c,).
 
         While an object is taken or set down these are the ones behind the last joint.
         """
@@ -130,11 +130,11 @@ class UrdfArm(ShortRepr):
 
     @cached_property
     def levers(self) -> FloatArray:
-        """Bound of a capsule's motion per unit of each coordinate, (c, n), [unit]."""
+        """Bound of a capsule's displacement per unit of each coordinate, (c, n), [unit]."""
         return self._levers([one.ends for one in self.capsules])
 
     def _levers(self, points: Sequence[FloatArray]) -> FloatArray:
-        """Bound of the motion of points of each capsule's frame, (c, n), [unit]."""
+        """Bound of the displacement of points in each capsule's frame, (c, n), [unit]."""
         frames = [one.frame for one in self.capsules]
         rows = [lever(self.chain, *one, -1) for one in zip(frames, points, strict=True)]
         return read_only(np.stack(rows) / self.metres / self.scales)
@@ -145,7 +145,7 @@ class UrdfArm(ShortRepr):
         return self._pair_levers([one.ends for one in self.capsules])
 
     def _pair_levers(self, points: Sequence[FloatArray]) -> FloatArray:
-        """Bound of the motion of points of both capsules of a pair beside each other, (p, n)."""
+        """Bound of the relative displacement of points of both capsules of a pair, (p, n)."""
         chain, frames = self.chain, [one.frame for one in self.capsules]
         rows = []
         for i, j in self.pairs.tolist():
@@ -157,7 +157,7 @@ class UrdfArm(ShortRepr):
 
     @cached_property
     def pairs(self) -> IntArray:
-        """Pairs of capsules (k, 2) that must keep apart."""
+        """Pairs of capsules (k, 2) that must stay apart."""
         return self._link_pairs[0]
 
     @property
@@ -167,7 +167,7 @@ class UrdfArm(ShortRepr):
 
     @cached_property
     def _link_pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
-        """Pairs that must keep apart, and those that may touch."""
+        """Pairs that must stay apart, and those that may touch."""
         asked = frozenset(frozenset(pair) for pair in self.asked)
         return link_pairs(self.chain.robot, self.tip, tuple(self.held.items()), asked)
 
@@ -195,7 +195,7 @@ class UrdfArm(ShortRepr):
 
     @cached_property
     def unpaired_bodies(self) -> Bodies:
-        """The bodies without pairs that must keep apart."""
+        """The bodies without pairs that must stay apart."""
         nothing = read_only(np.zeros(0))
         return self.bodies._replace(
             pairs=read_only(np.zeros(0, dtype=np.int32)),
@@ -229,16 +229,16 @@ class UrdfArm(ShortRepr):
 
     @property
     def has_elbow(self) -> bool:
-        """Whether it has an elbow: False, its branches are poses with the tool at the start."""
+        """False: its branches are poses with the tool at the start."""
         return False
 
     @property
     def has_exact_bodies(self) -> bool:
-        """Whether its bodies are its links: False, they contain them and are a little larger."""
+        """False: its bodies contain its links and are a little larger."""
         return False
 
     def rate_limits(self, acceleration: float) -> RateLimits:
-        """Largest rates of its joints, speeds and torques as its URDF has them.
+        """Largest rates of its joints, speeds and torques from its URDF.
 
         Args:
             acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²].
@@ -249,7 +249,7 @@ class UrdfArm(ShortRepr):
     def torques(
         self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray
     ) -> FloatArray | None:
-        """Torques (k, n) that a motion takes, [N·m] or [N]; None where its URDF has no masses.
+        """Torques (k, n) of a motion, [N·m] or [N]; None if its URDF has no masses.
 
         Args:
             positions: of its joints, (k, n), [rad] or [unit].
@@ -278,7 +278,7 @@ class UrdfArm(ShortRepr):
         return files_of(self.chain.robot)
 
     def proof_data(self) -> dict[str, Any]:
-        """Subject of a certificate as plain data: the capsules, and pairs of them."""
+        """What a certificate is about, as plain data: the capsules, and pairs of them."""
         capsules = [
             {"link": one.link, "joint": one.frame, "radius": radius}
             | dict(zip(("from", "to"), (one.ends / self.metres).tolist(), strict=True))
@@ -345,7 +345,7 @@ class UrdfArm(ShortRepr):
 
 @lru_cache(maxsize=16)
 def _first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
-    """All of :meth:`UrdfArm.first_poses`, kept: they take a tenth of a plan to find."""
+    """All of :meth:`UrdfArm.first_poses`, cached, as finding them takes a tenth of a plan."""
     random = np.random.default_rng(0)
     low, high = arm.chain.usual_range().T
     target = np.array(point)[None] * arm.metres
@@ -362,7 +362,7 @@ def _first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
 
 @lru_cache(maxsize=16)
 def _further_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
-    """Poses in which a joint is where it was put at random.
+    """Poses in which one joint is at a random position.
 
     A short slide otherwise ends at its limit nearly always. Where there are slides one of them is
     held, otherwise any joint.
@@ -381,7 +381,7 @@ def _further_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
 
 
 def _different(poses: Sequence[FloatArray]) -> list[FloatArray]:
-    """Poses without those that are like one before."""
+    """Poses without near duplicates of earlier ones."""
     kept: list[FloatArray] = []
     for pose in poses:
         if all(np.abs(pose - other).max() > _ALIKE for other in kept):

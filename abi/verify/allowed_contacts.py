@@ -1,4 +1,4 @@
-"""Contacts that a certificate of a URDF arm leaves out, each checked to be one that may be.
+"""Contacts that a certificate of a URDF arm allows, each checked for its reason.
 
 What may be left out: two links that no joint moves beside each other, or that one joins; an object
 that is held and what holds it, or is fixed to that; pairs that the SRDF or the scene names; links
@@ -34,13 +34,15 @@ Bodies = Mapping[str, Sequence[LinkPiece]]
 _NEAR = 1e-6
 """Distance at which bodies count as overlapping, over the size of both."""
 _WHOLE = 1e3
-"""Weight of that the parts of corners in a point add up to one, beside the way between points."""
+"""Weight of the condition that convex coefficients add up to one, beside the distance between
+points."""
 _UPRIGHT = 1e-3
-"""Tilt of an axis that counts as none, [rad]."""
+"""Tilt of an axis that counts as zero, [rad]."""
 _POSES = 64
-"""Random poses in which links that are said to overlap always are looked at."""
+"""Random poses in which links that are said to overlap always are tested."""
 _MOSTLY = 0.85
-"""Part of these in which they do, of a motion that was planned elsewhere: 0.95 of others did."""
+"""Fraction of these in which they must overlap, for a motion planned elsewhere, whose own test asks
+for 0.95."""
 
 
 def allowed_contacts(
@@ -50,7 +52,7 @@ def allowed_contacts(
     chain: ExactChain,
     bodies: Bodies,
 ) -> frozenset[tuple[str, Other]]:
-    """Links, each with what it may touch, both ways round for two links.
+    """Links, each with what it may touch; for two links in both directions.
 
     Raises:
         Fault: a contact may not be left out.
@@ -78,7 +80,7 @@ def allowed_contacts(
 def contacts_of_motion(
     data: dict[str, Any], scene: Scene, chain: ExactChain, bodies: Bodies
 ) -> frozenset[frozenset[str]]:
-    """Pairs of links that a motion from elsewhere lets touch, each for a reason that holds.
+    """Pairs of links that a motion from elsewhere allows to touch, each for a valid reason.
 
     Raises:
         Fault: a contact may not be left out.
@@ -108,7 +110,7 @@ def contacts_of_motion(
 def _entries(
     field: str, entries: object, chain: ExactChain
 ) -> Iterator[tuple[str, object, object]]:
-    """Each contact's link, which is one of the chain, what it may touch, and the reason given."""
+    """Each contact's link of the chain, what it may touch, and the stated reason."""
     for entry in list_of(field, entries):
         contact = mapping(field, entry)
         link = contact.get("link")
@@ -122,7 +124,7 @@ def _name(other: Other) -> str:
 
 
 def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: ExactChain) -> bool:
-    """Check a pair of links by the reason given."""
+    """Check the stated reason for which a pair of links may touch."""
     pair, robot = {link, other}, scene.robot
     if reason in ("adjacent", "grasp"):
         return reason == ("grasp" if _is_held(robot, pair) else "adjacent") and are_joined(
@@ -134,7 +136,7 @@ def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: Exact
 
 
 def are_joined(robot: Robot, chain: ExactChain, link: str, other: str) -> bool:
-    """Check whether two links stand still beside each other, or one joint joins them.
+    """Check whether two links do not move relative to each other, or are joined by one joint.
 
     It joins no object that is held, and no links between which there is one with a shape.
     """
@@ -167,7 +169,7 @@ def _may_stand(
     chain: ExactChain,
     bodies: Bodies,
 ) -> bool:
-    """Check a link that touches the floor or an obstacle by the reason given."""
+    """Check the stated reason for which a link may touch the floor or an obstacle."""
     frame = chain.frames[link]
     if isinstance(other, str):
         return reason == "mount" and may_touch_floor(link, scene, chain, bodies)
@@ -209,7 +211,7 @@ def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) 
 def _check_overlap(
     pairs: Sequence[tuple[str, str]], chain: ExactChain, bodies: Bodies, least: float
 ) -> None:
-    """Raise where links that are said to overlap always do in fewer random poses than so many."""
+    """Raise if links that are said to overlap always do so in too few random poses."""
     if not pairs:
         return
     overlaps = dict.fromkeys(pairs, 0)

@@ -26,10 +26,10 @@ _BODIES: dict[str, Body] = {
     "rod": "slide",
     "gripper": "slide",
 }
-"""What each link is fixed to."""
+"""Body to which each link is fixed."""
 
 _GAP = Fraction(1, 50)
-"""Part of a length that is let pass between capsules: as drawn, joints have a seam."""
+"""Accepted gap between capsules, over a length, as drawn joints have a seam."""
 
 
 def capsules_of(certificate: dict[str, Any], arm: ExactArm) -> list[ExactCapsule]:
@@ -78,7 +78,7 @@ def _capsule(data: dict[str, Any], arm: ExactArm) -> ExactCapsule:
 
 
 def _cover(capsules: Sequence[ExactCapsule], length: Fraction) -> bool:
-    """Check if capsules cover an axis from 0 to a length, but for seams."""
+    """Check whether capsules cover an axis from 0 to a length, up to seams."""
     reached, seam = Fraction(0), _GAP * length
     for one in sorted(capsules, key=attrgetter("low")):
         if one.low - one.radius <= reached + seam:

@@ -1,4 +1,4 @@
-"""A certificate as written: its margin, and its directions by what they keep clear of what."""
+"""A certificate as written: its margin, and its directions by the pair that they separate."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _NONE = Fraction(0)
 
 
 class CertifiedPlane(NamedTuple):
-    """A direction that keeps a curve or a capsule from something on a piece of the motion.
+    """A direction that separates a curve or a capsule from something on a piece of the motion.
 
     Attributes:
         start, end: parameters of the piece.
@@ -108,7 +108,7 @@ def planes_of(
 
 
 def capsule_of(entry: dict[str, Any], capsules: int) -> int:
-    """Number of the capsule that an entry names, of so many.
+    """Number of the capsule that an entry names, checked against their count.
 
     Raises:
         Fault: it names none.
@@ -120,7 +120,7 @@ def capsule_of(entry: dict[str, Any], capsules: int) -> int:
 
 
 def words_of(margin: Fraction | None, unit: str, links: str = "its links") -> str:
-    """What it means for links to keep a margin, [unit]; None if there is no obstacle."""
+    """Phrase for the margin that links keep, [unit]; None if there is no obstacle."""
     if margin is None:
         return "there is no obstacle"
     return f"{links} keep {float(margin):.9g} {unit}" if margin else f"{links} touch no obstacle"

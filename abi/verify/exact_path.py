@@ -27,7 +27,7 @@ class ExactPath:
         return _part(self.pieces[piece], Fraction(0), at - piece)[-1]
 
     def hull(self, start: Fraction, end: Fraction) -> list[Row]:
-        """Rows between whose least and largest values all positions on a stretch are."""
+        """Rows whose least and largest values bound all positions on a stretch."""
         found: list[Row] = []
         for piece in range(int(start), max(int(start) + 1, -int(-end // 1))):
             low, high = max(start - piece, Fraction(0)), min(end - piece, Fraction(1))
@@ -78,7 +78,7 @@ def exact_path(motion: dict[str, Any], scales: Sequence[int]) -> ExactPath:
 
 
 def _sum(row: Row, added: tuple[Row, int, int]) -> Row:
-    """A row plus another one, divided by a number and times another."""
+    """A row divided by a number, plus another one times a number."""
     other, divisor, factor = added
     return [one + factor * two / divisor for one, two in zip(row, other, strict=True)]
 
@@ -95,7 +95,7 @@ def _rows(motion: dict[str, Any], name: str, scales: Sequence[int]) -> list[Row]
 
 
 def _part(points: Sequence[Row], low: Fraction, high: Fraction) -> list[Row]:
-    """Bézier points of the part of a polynomial between two shares of its time."""
+    """Bézier points of the part of a polynomial between two fractions of its time."""
     rows = [list(row) for row in points]
     last = len(rows) - 1
     for level in range(1, last + 1 if high != 1 else 1):

@@ -1,4 +1,4 @@
-"""What the verifier finds wrong with a certificate."""
+"""The verifier's finding against a certificate."""
 
 from __future__ import annotations
 

@@ -18,9 +18,9 @@ from abi.verify.fault import Fault
 from abi.verify.plan_fields import numbers_of
 
 _SLACK = Fraction(1, 10**9)
-"""Angle by which the tolerance may be passed, [rad]: URDF files are rounded."""
+"""Angle by which the tolerance may be exceeded, [rad], as URDF files are rounded."""
 _SHORTEST = Fraction(1, 1 << 12)
-"""Shortest stretch that is tried, as a part of the way between two samples."""
+"""Shortest stretch that is tried, over the interval between two samples."""
 _UNIFORM = 1e-9
 """Largest difference between steps of time, over the motion's duration."""
 
@@ -61,7 +61,7 @@ def check_held(
 
 
 def _check_uniform(section: dict[str, Any], rows: Sequence[Sequence[Fraction]]) -> None:
-    """Raise where what is written is not every so many-th row, at uniform times."""
+    """Raise unless what is written is every k-th row, at uniform times."""
     times = numbers_of("arm.time", section.get("time"))
     written = [numbers_of("arm.positions", row) for row in section["positions"]]
     steps, rest = divmod(len(rows) - 1, max(len(times) - 1, 1))

@@ -1,4 +1,4 @@
-"""Check of what an arm stands on: a plumb line through its base meets it, and begins outside.
+"""Check of what an arm stands on: a plumb line through its base meets it, from outside.
 
 In floating point, and by other formulas than planning: it decides only which obstacle links that
 stand still may touch.

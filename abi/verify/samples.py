@@ -1,4 +1,4 @@
-"""Check of the samples of a plan's motion: which joints their columns are of, and when each is.
+"""Check of a motion's samples: the joints of their columns, and their times.
 
 Where the tool is, how fast the joints are, and that limits hold is told beside them, and checked.
 """
@@ -17,7 +17,7 @@ from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, numbers_of, vector_of
 
 _SAME = 1e-9
-"""Error of a time that is let pass, over the duration and 1 s; of a speed, over the largest."""
+"""Accepted error of a time, over the duration and 1 s; of a speed, over the largest."""
 
 
 def check_samples(section: dict[str, Any], timing: dict[str, Any], joints: Sequence[str]) -> None:
@@ -49,7 +49,7 @@ def check_samples(section: dict[str, Any], timing: dict[str, Any], joints: Seque
 def check_tool_points(
     section: dict[str, Any], placed: Callable[[Sequence[Fraction]], Vec3], allowed: Fraction
 ) -> None:
-    """Check that the tool is told to be where the joints take it, at every sample.
+    """Check that the stated tool positions follow from the joints at every sample.
 
     Args:
         section: the plan's ``arm``.
@@ -72,7 +72,7 @@ def check_tool_points(
 
 
 def _check_speeds(section: dict[str, Any], steps: FloatArray) -> None:
-    """Raise where a joint is faster on the mean between two samples than its peak speed."""
+    """Raise if a joint's mean speed between two samples exceeds its stated peak."""
     if "peak_joint_speed" not in section:
         return
     peaks = numbers_of("arm.peak_joint_speed", section["peak_joint_speed"])

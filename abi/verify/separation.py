@@ -22,7 +22,7 @@ def check_apart(
     solid: ExactFloor | ExactSolid | ExactMesh | None,
     margin: Fraction | None = None,
 ) -> None:
-    """Check that planes show a part to stay farther than a margin from a solid.
+    """Check that planes prove a part to stay farther than a margin from a solid.
 
     Args:
         label: what both are, for a fault.
@@ -51,7 +51,7 @@ def check_apart(
 
 
 def _check_cover(sides: Sequence[Side], span: Span) -> None:
-    """Raise where pieces, in order, do not cover the motion."""
+    """Raise unless the pieces, in order, cover the motion."""
     reached, last = span
     for start, end, _, _ in sides:
         if start > reached:

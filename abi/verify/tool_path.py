@@ -1,4 +1,4 @@
-"""Check that curves and motion of a plan are those of its scene, in exact rational numbers.
+"""Check that a plan's curves and motion are those of its scene, in exact rational numbers.
 
 A curve must lead from start to goal. The tool of the paper's arm, from the joint positions as
 written, must pass along the curve in order, on the side of the elbow and with the slide for which
@@ -27,9 +27,9 @@ from abi.verify.plan_fields import list_of, numbers_of
 from abi.verify.samples import check_samples, check_tool_points
 
 _ROUNDING = Fraction(1, 10**9)
-"""Error at start and goal that is let pass, over the largest coordinate of the workspace."""
+"""Accepted error at start and goal, over the largest coordinate of the workspace."""
 _REACHED = Fraction(1, 10**7)
-"""Error of the tool that is let pass, over the length of the arm."""
+"""Accepted error of the tool, over the length of the arm."""
 _LARGEST_ANGLE = 1e4
 _PARTS = 32  # of each polynomial
 _STEPS = 6
@@ -88,7 +88,7 @@ def check_tool(
 
 
 class _Path:
-    """A curve in floating point, in which places are sought that are then checked exactly."""
+    """A curve in floating point, in which candidates are sought that are then checked exactly."""
 
     # a damaged curve may leave the numbers: what is found is checked exactly
     @np.errstate(all="ignore")
@@ -105,7 +105,7 @@ class _Path:
 
     @np.errstate(all="ignore")
     def next(self, tool: Vec3, behind: float, allowed: Fraction) -> float | None:
-        """First parameter found, not before ``behind``, where the curve is at the tool."""
+        """First parameter found from ``behind`` on at which the curve is at the tool."""
         target = np.array(tool, dtype=np.float64)
         for guess in self._guesses(target, behind):
             at = self._nearest(target, guess, behind)
@@ -114,7 +114,7 @@ class _Path:
         return None
 
     def _guesses(self, target: FloatArray, behind: float) -> list[float]:
-        """Parameters from ``behind`` on whose places are nearer than those beside them."""
+        """Parameters from ``behind`` on whose points are nearer than their neighbours."""
         later = int(np.searchsorted(self._grid, behind, side="right"))
         places = np.vstack([self._places(behind), self._on_grid[later:]])
         away = ((places - target) ** 2).sum(axis=1)
@@ -124,7 +124,7 @@ class _Path:
         return found
 
     def _nearest(self, target: FloatArray, at: float, behind: float) -> float:
-        """Improve a parameter by steps of Gauss and Newton, as far as these are numbers."""
+        """Refine a parameter by Gauss-Newton steps while they are finite."""
         last = float(self._grid[-1])
         for _ in range(_STEPS):
             slope = self._slopes(at)

@@ -1,4 +1,4 @@
-"""What a plan or a verdict states that no check of this package reads."""
+"""Statements of a plan or a verdict that no check of this package reads."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _OF_PLANS = (
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
 )
 _OF_MOTIONS = ("limits", "motion.duration")
-"""Fields, the most telling ones of each section; times of computing tell nothing of the motion."""
+"""Unchecked fields, the most telling ones of each section; computing times are left out."""
 
 
 def unchecked(data: object) -> tuple[str, ...]:

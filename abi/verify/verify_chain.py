@@ -44,18 +44,18 @@ from abi.verify.samples import check_samples, check_tool_points
 from abi.verify.separation import check_apart
 
 _REACHED = Fraction(1, 10**5)
-"""Error of the tool at start and goal that is let pass, over the length of the chain."""
+"""Accepted error of the tool at start and goal, over the length of the chain."""
 _TOLD = Fraction(1, 10**9)
-"""Error of the tool at a sample that is let pass, over the length of the chain and its place."""
+"""Accepted error of the tool at a sample, over the length of the chain and its position."""
 _ROUNDED = Fraction(1, 1 << 46)
-"""The same over the largest coordinate, as numbers are rounded."""
+"""Accepted rounding error, over the largest coordinate."""
 _ASKED = 1e-5
-"""Error of a joint, or of the tool's direction, that is let pass at start and goal."""
+"""Accepted error of a joint, or of the tool's direction, at start and goal."""
 _ORIGIN = Fraction(0), Fraction(0), Fraction(0)
 _LEAST_ANGLE = 0.01
 """Least angle to a direction held at samples that is checked, [rad]: less would take too long."""
 _PAST = Fraction(1, 10**9)
-"""Distance that a joint may be past its limit, [rad] or [unit]."""
+"""Distance by which a joint may exceed its limit, [rad] or [unit]."""
 
 
 class _Capsule(NamedTuple):
@@ -72,7 +72,7 @@ class _Capsule(NamedTuple):
     rounding: Fraction
 
     def corners(self, closer: bool) -> tuple[tuple[Vec3, ...], Fraction]:
-        """Points whose hull it is in, and how far around: of the segment, or of what is closer."""
+        """Points whose hull contains it with a radius: of the segment, or of the closer hull."""
         return (self.points, self.rounding) if closer else (self.ends, self.radius)
 
     def placed(self, frames: list[ExactFrame], closer: bool) -> list[tuple[Vec3, Fraction]]:
@@ -85,7 +85,7 @@ class _Capsule(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _JointMotion:
-    """Joints that go straight from row to row, and poses and ways that were asked for."""
+    """Joints that move straight from row to row, with cached poses and displacements."""
 
     chain: ExactChain
     rows: list[list[Fraction]]
@@ -204,7 +204,7 @@ def _claimed_axis(scene: Scene, section: dict[str, Any]) -> HeldAxis | None:
 
 
 def _left_out(certificate: dict[str, Any]) -> str:
-    """How many contacts are allowed for which reason, as the end of a sentence."""
+    """Number of contacts allowed for each reason, as the end of a sentence."""
     reasons = Counter(str(one["reason"]) for one in certificate.get("allowed", []))
     named = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
     return f"; allowed to touch: {named}" if named else ""
@@ -225,7 +225,7 @@ def _check_all_named(
     pairs: Sequence[tuple[int, int]],
     allowed: Container[tuple[str, Other]],
 ) -> None:
-    """Raise where two links are neither kept apart nor allowed to touch."""
+    """Raise if two links are neither kept apart nor allowed to touch."""
     apart = {frozenset(pair) for pair in pairs}
     for (i, first), (j, second) in itertools.combinations(enumerate(capsules), 2):
         named = first.link == second.link or (first.link, second.link) in allowed
@@ -236,7 +236,7 @@ def _check_all_named(
 def _rows(
     certificate: dict[str, Any], section: dict[str, Any], chain: ExactChain
 ) -> list[list[Fraction]]:
-    """Joint positions between which the joints go straight; the plan has every k-th of them."""
+    """Joint positions between which the joints move straight; the plan has every k-th of them."""
     label = f"{ARM}.positions"
     rows = [numbers_of(label, row) for row in list_of(label, certificate.get("positions"))]
     count = len(chain.coordinates)
@@ -256,7 +256,7 @@ def _rows(
 
 
 def _check_ends(motion: _JointMotion, scene: Scene) -> None:
-    """Raise where the arm does not go from start to goal, or not from and to what is asked."""
+    """Raise unless the arm moves from start to goal, as requested at both."""
     chain, length = motion.chain, _length(motion.chain)
     metres = METRES[scene.unit]
     slides = {one.name for one in scene.robot.joints if one.kind == "prismatic"}
@@ -287,14 +287,14 @@ def _tool(chain: ExactChain, row: Sequence[Fraction]) -> Vec3:
 
 
 def _tolerance(chain: ExactChain, rows: Sequence[Sequence[Fraction]]) -> Fraction:
-    """Error that is let pass where the tool is told to be, [unit]: that of floating point."""
+    """Accepted error of the stated tool position, [unit]: that of floating point."""
     far = max(map(abs, _tool(chain, rows[0])))
     strokes = max(abs(at) for row in rows for at in row)
     return _TOLD * (_length(chain) + far + strokes)
 
 
 def _turned(frame: ExactFrame, wxyz: Quaternion) -> float:
-    """Angle by which a frame is turned beside an orientation, less the error let pass, [rad]."""
+    """Angle between a frame and an orientation, less the accepted error, [rad]."""
     origin, *axes = (frame.place(vector(one))[0] for one in ((0, 0, 0), *np.eye(3).tolist()))
     turn = np.array([[float(part) for part in sub(axis, origin)] for axis in axes]).T
     turn /= np.linalg.norm(turn, axis=0)
@@ -308,7 +308,7 @@ def _check_outside(
     obstacles: list[ExactSolid | ExactMesh],
     allowed: Container[tuple[str, Other]],
 ) -> None:
-    """Raise where a capsule, clear of all triangles, is inside a closed mesh."""
+    """Raise if a capsule, clear of all triangles, is inside a closed mesh."""
     frames = motion.chain.place(motion.rows[0])
     for capsule in capsules:
         point, _ = capsule.placed(frames, True)[0]

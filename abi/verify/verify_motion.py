@@ -51,7 +51,7 @@ class _Body(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """Joints on their path, with the poses, ways and levers that were asked for.
+    """Joints on their path, with cached poses, displacements and levers.
 
     The chain's limits hold the whole motion; ``usual`` is the chain with those of the robot.
     """
@@ -82,7 +82,7 @@ class _Motion:
         return self.frames[at], self.ways[key]
 
     def way(self, body: _Body, behind: int, ways: list[Fraction]) -> Fraction:
-        """Bound of the motion of a body's hull beside the frame ``behind``, [unit]."""
+        """Bound of the displacement of a body's hull relative to the frame ``behind``, [unit]."""
         key = body.number, behind
         if key not in self.levers:
             self.levers[key] = self.chain.levers(body.points, body.frame, behind)
@@ -174,7 +174,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
 
 
 def _check_told(data: dict[str, Any]) -> None:
-    """Raise where the verdict tells more or other in words and stretches than that it is clear."""
+    """Raise if the verdict states more or other in words and stretches than that it is clear."""
     if data.get("touches") or data.get("undecided"):
         raise Fault("it lists what touches or is not decided")
     stretches = [mapping("stretches", one) for one in list_of("stretches", data.get("stretches"))]
@@ -264,7 +264,7 @@ def _check_pairs(
     bodies: Sequence[_Body],
     pairs: Sequence[tuple[int, int]],
 ) -> None:
-    """Raise where two links neither keep apart nor are allowed to touch."""
+    """Raise if two links neither stay apart nor are allowed to touch."""
     kept = {frozenset(pair) for pair in pairs}
     for first, second in itertools.combinations(bodies, 2):
         links = frozenset((first.link, second.link))
@@ -275,7 +275,7 @@ def _check_pairs(
 
 
 def _excepted(data: dict[str, Any]) -> str:
-    """What is allowed to touch though it is not next to each other, as the end of a sentence."""
+    """Allowed contacts of links that are not adjacent, as the end of a sentence."""
     usual = ("adjacent", "grasp", "mount")
     others = [one for one in data["allowed"] if one.get("reason") not in usual]
     names = [f"{one.get('link')} and {one.get('other')}" for one in others]
@@ -285,7 +285,7 @@ def _excepted(data: dict[str, Any]) -> str:
 def _check_outside(
     motion: _Motion, bodies: Sequence[_Body], obstacles: Sequence[ExactSolid | ExactMesh]
 ) -> None:
-    """Raise where a body, clear of all triangles, is inside a closed mesh."""
+    """Raise if a body, clear of all triangles, is inside a closed mesh."""
     frames = motion.chain.place(motion.path.positions(Fraction(0)))
     for body in bodies:
         if body.frame >= 0:

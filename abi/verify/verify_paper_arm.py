@@ -53,7 +53,7 @@ class _CurveMotion:
     poses: dict[tuple[Fraction, Fraction, Fraction], ExactPose] = field(default_factory=dict)
 
     def near(self, plane: CertifiedPlane) -> ExactPose:
-        """The pose of a plane, and how far the arm gets from it."""
+        """The pose of a plane, and how far the arm moves from it."""
         key = plane.start, plane.end, plane.at
         if key not in self.poses:
             self.poses[key] = self._pose(plane)
@@ -125,7 +125,7 @@ def check_arm(
 def _others(
     capsule: ExactCapsule, capsules: list[ExactCapsule], floor: ExactFloor, arm: ExactArm
 ) -> list[tuple[str, ExactFloor | ExactSolid]]:
-    """Everything but the obstacles that a capsule is to keep clear of, by name."""
+    """Everything but the obstacles that a capsule must keep clear of, by name."""
     others: list[tuple[str, ExactFloor | ExactSolid]] = []
     if capsule.body == "column":
         return others

@@ -1,4 +1,4 @@
-"""Check of the plans of a sequence of tasks: each leg begins where the last one left all things.
+"""Check of the plans of a sequence of tasks: each leg begins where the last one ended.
 
 What each leg's certificate proves is checked by itself; here it is checked that the legs are those
 of the tasks. That code is not used which makes the scenes of legs.
@@ -20,7 +20,7 @@ from abi.verify.fault import Fault
 from abi.verify.plan_fields import list_of, mapping, numbers_of
 
 _SAME = 1e-9
-"""Difference that is let pass between joints, [rad] or [unit], and of poses, over their size."""
+"""Accepted difference between joints, [rad] or [unit], and of poses, over their size."""
 _OF_LEG = ("start", "goal", "obstacles", "tasks", "arm")
 _OF_LEG_ARM = ("start", "goal", "gripper", "axis", "attached", "allowed", "grasping")
 """Fields of a scene, and of its arm, that differ from leg to leg."""
@@ -100,14 +100,14 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
 
 
 def _grasps(task: dict[str, Any]) -> bool:
-    """Check whether an object is taken or set down at the end of a leg."""
+    """Check whether an object is taken or released at the end of a leg."""
     return task.get("attach") is not None or bool(task.get("release"))
 
 
 def _check_same(
     label: str, leg: dict[str, Any], whole: dict[str, Any], gripper: dict[str, Any]
 ) -> None:
-    """Raise where a leg's scene differs otherwise than legs may."""
+    """Raise if a leg's scene differs in other ways than legs may."""
     fields = {name: value for name, value in leg.items() if name not in _OF_LEG}
     arm = {name: value for name, value in leg["arm"].items() if name not in _OF_LEG_ARM}
     same = all(whole[name] == value for name, value in fields.items())
@@ -118,7 +118,7 @@ def _check_same(
 
 
 def _check_goal(label: str, leg: Scene, asked: Any) -> None:
-    """Raise where a leg has another goal than its task."""
+    """Raise if a leg has another goal than its task."""
     is_point = isinstance(asked, tuple)
     if (leg.goal if is_point else leg.arm.goal) != asked or (is_point and leg.arm.goal):
         raise Fault(f"{label} has another goal than is asked for")
@@ -131,7 +131,7 @@ def _check_things(
     held: dict[str, Any] | None,
     allowed: list[Any],
 ) -> None:
-    """Raise where obstacles, or what is held, are not where the last leg left them."""
+    """Raise if obstacles, or what is held, are not where the last leg left them."""
     if leg["arm"]["allowed"] != allowed:
         raise Fault(f"{label} allows other contacts than the scene")
     if len(leg["obstacles"]) != len(obstacles):

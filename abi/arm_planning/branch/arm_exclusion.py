@@ -16,12 +16,11 @@ from abi.tet_mesh.tet_mesh import TetMesh
 _NO_IDS = read_only(np.zeros(0, dtype=np.int32))
 
 _MANY = 50_000
-"""Nodes among which it is quicker to decide many at once near a triangle mesh: they are near to
-each other."""
+"""Number of nodes from which they are tested together near a triangle mesh, which is quicker."""
 
 
 class _Known(NamedTuple):
-    """Nodes (n,) of which it is known whether the arm touches an obstacle there, and where it does.
+    """Nodes (n,) at which it is known whether the arm touches an obstacle, and where it does.
 
     Of nothing known both are one flag.
     """
@@ -52,7 +51,7 @@ class ArmExclusionCache:
         self._complete = self._reached  # whether all are asked about it
 
     def __call__(self, free: FreeMesh, branch: NodeExclusion, obstacles: ObstacleSet) -> FreeMesh:
-        """The mesh without the nodes that the arm excludes, too.
+        """The mesh without the nodes that the arm excludes in addition.
 
         Args:
             free: the mesh without those that the tool excludes.
@@ -84,7 +83,7 @@ class ArmExclusionCache:
         return apply(free, [_nodes(~(open_ | free.excluded), self._line_starts)])
 
     def _forget_others(self, obstacles: ObstacleSet) -> None:
-        """Forget obstacles that are not among these; what is known of an equal one stays."""
+        """Forget obstacles that are gone; what is known of an equal one is kept."""
         asked = {id(one) for one in obstacles}
         gone = [one for key, one in self._known.items() if key not in asked]
         equal = {one.obstacle: one for one in gone}
@@ -99,7 +98,7 @@ class ArmExclusionCache:
     def _ask(
         self, mesh: TetMesh, branch: NodeExclusion, obstacles: dict[int, Obstacle], left: BoolArray
     ) -> BoolArray:
-        """Ask what is not known of nodes ``left`` (n,); those at which none is touched, (n,)."""
+        """Test what is not known of nodes ``left`` (n,); flags of those without a contact, (n,)."""
         for number, obstacle in obstacles.items():
             known = self._known.get(id(obstacle), _Known(obstacle, _NO_FLAGS, _NO_FLAGS))
             new = left & ~known.nodes
@@ -117,13 +116,13 @@ class ArmExclusionCache:
 
 
 def _line_starts(mesh: TetMesh) -> BoolArray:
-    """Nodes (n,) that are not in a line along z with the one before."""
+    """Flags (n,) of nodes that are not in a line along z with the one before."""
     across = mesh.points[:, :2]
     return np.concatenate([[True], (across[1:] != across[:-1]).any(axis=1)])
 
 
 def _nodes(excluded: BoolArray, line_starts: BoolArray) -> Exclusion:
-    """Exclusion of nodes alone, by runs in a line along z."""
+    """Exclusion of nodes only, in runs along z."""
     begins, ends = excluded & line_starts, excluded.copy()
     begins[1:] |= excluded[1:] & ~excluded[:-1]
     ends[:-1] &= ~excluded[1:] | line_starts[1:]

@@ -53,14 +53,14 @@ def search_clear(
 
 @dataclass(frozen=True, eq=False)
 class _Segments:
-    """Segments of the tool, with an arm that the kernels do not know."""
+    """Segments of the tool with an arm that the kernels do not support."""
 
     obstacles: ObstacleSet
     margin: float
     branch: ArmBranch
 
     def clear(self, points: tuple[Vec3, ...]) -> bool:
-        """Check whether those between points are clear for tool and arm."""
+        """Check whether the segments between points are clear for tool and arm."""
         polyline = np.array(points)
         if self.obstacles.polyline_clearance(polyline) < self.margin:
             return False
@@ -75,7 +75,7 @@ def pull_clear(
     branch: ArmBranch,
     rounds: int = ROUNDS,
 ) -> TautPath:
-    """Pull a path taut as far as tool and arm stay clear.
+    """Pull a path taut while tool and arm stay clear.
 
     If the arm is clear along the taut path of the tool alone, that is taken. Otherwise vertices
     that are not needed are dropped, the others moved towards the chord of their neighbours, and

@@ -32,11 +32,11 @@ from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.tet_mesh.node_tree import NodeTree
 
 _STEP = 1 / 60
-"""Way of the tool between poses of a segment, at most, over the arm's reach."""
+"""Largest distance of the tool between two poses of a segment, over the arm's reach."""
 _AT_LIMIT = 1e-3
-"""Distance to its limit at which a joint counts as held by it, [rad] or [m]."""
+"""Distance from its limit at which a joint counts as stopped by it, [rad] or [m]."""
 _SAMPLES = 241
-"""Places of a curve that is asked about."""
+"""Number of points of a curve that are tested."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class ChainBranch:
 
     @property
     def segments(self) -> None:
-        """None: the compiled loops do not know this arm."""
+        """None, as the compiled loops do not support this arm."""
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -76,7 +76,7 @@ class ChainBranch:
         return self.arm, self.configurations, self.clearance, self.slack
 
     def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
-        """A copy with so many times the slack and the tries."""
+        """A copy with multiples of the slack and the tries."""
         return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
 
     def refutation(self, curve: Curve) -> ArmRefutation | None:
@@ -102,7 +102,7 @@ class ChainBranch:
         return link_contact(self.arm, *around, joints[-1], pair, self.clearance)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Reason why the arm does not take its pose at a place (3,), [unit], world."""
+        """Reason why the arm does not reach a point (3,), [unit], world."""
         point = arguments.numbers("point", point, (3,))
         if self.configurations.near(point) is None:
             return None
@@ -133,7 +133,7 @@ class ChainBranch:
         return clear
 
     def joint_path(self, curve: Curve, arc: ArcLength) -> ChainJointPath:
-        """The joints along a curve, from that pose; of the same curve they are the same object."""
+        """The joints along a curve, from that pose; cached by curve."""
         places = curve(np.linspace(*curve.interval, _SAMPLES)).tobytes()
         if self.memory.joint_path is None or self.memory.joint_path[0] != places:
             first, home = self.configurations.first, self.configurations.home

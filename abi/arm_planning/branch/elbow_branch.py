@@ -32,7 +32,7 @@ from abi.scene.arm_settings import ArmSettings
 from abi.tet_mesh.node_tree import NodeTree
 
 _SPARE = 0.01
-"""Distance that segments keep from the limits of q2 and q3, for curves to round, [rad]."""
+"""Distance of segments from the limits of q2 and q3, as room for rounded corners, [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class ElbowBranch:
         return self.arm, self.elbow, self.extensions, self.clearance, self.slack
 
     def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
-        """A copy with so many times the slack and the tries."""
+        """A copy with multiples of the slack and the tries."""
         return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
 
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
@@ -108,10 +108,10 @@ class ElbowBranch:
     def link_contact(
         self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
     ) -> None:
-        """None: the bodies are the links."""
+        """None, as the bodies are the links' own shapes."""
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Reason why the arm does not take its pose at a point (3,), [unit], world."""
+        """Reason why the arm does not reach a point (3,), [unit], world."""
         point = arguments.numbers("point", point, (3,))
         extensions = np.array(self.extensions)
         places, still = np.stack([point, point]), np.zeros((2, 3))
@@ -197,6 +197,6 @@ class ElbowBranch:
 
     @cached_property
     def _forearm(self) -> tuple[float, float]:
-        """Middle of a6 and half of its range, [unit]."""
+        """Midpoint of a6 and half of its range, [unit]."""
         low, high = map(float, self.extensions)
         return self.arm.a4 + self.arm.a5 + (low + high) / 2, (high - low) / 2

@@ -1,4 +1,4 @@
-"""Pairs of start and goal poses that a motion of an arm with redundant joints may join."""
+"""Pairs of start and goal poses that a motion with redundant joints may connect."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from abi.arrays import FloatArray
 from abi.robot.urdf_arm import REACHED, UrdfArm
 
 _MOST = 8
-"""Pairs, at most."""
+"""Most pairs."""
 _FIRSTS, _HOMES = 8, 4
-"""Largest numbers of start poses, and of homes for each, that are compared."""
+"""Most start poses, and most goal poses for each, that are compared."""
 _POINTS = 41
-"""Places of the straight way on which pairs are compared."""
+"""Points of the straight line at which pairs are compared."""
 
 
 class PosePair(NamedTuple):
-    """A start pose, and the pose that redundant joints drift to on the way.
+    """A start pose, and the pose towards which redundant joints drift.
 
     Attributes:
         first: number of the start pose, from 0.

@@ -1,4 +1,4 @@
-"""Memory of polylines along which an arm's tool was led, from one plan to the next.
+"""Cache of polylines along which an arm's tool was led, from one plan to the next.
 
 While an obstacle is dragged most polylines that are asked about are those of the last plan, and the
 other obstacles stand where they stood. So the joints along a polyline are kept, and where the arm
@@ -19,12 +19,12 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle
 
 _MOST = 4_000
-"""Polylines, at most, that are remembered."""
+"""Most polylines that are cached."""
 _WORLDS = 16
-"""Latest surroundings of which it is known what was clear in them."""
+"""Latest collision worlds for which it is known what was clear."""
 
 Key = tuple[object, ...]
-"""What an answer depends on beside the surroundings, such as bytes of a polyline."""
+"""Cache key beside the collision world, such as the bytes of a polyline."""
 
 
 class Followed(NamedTuple):
@@ -42,11 +42,12 @@ class Followed(NamedTuple):
 
 
 Refute = Callable[[Followed, CollisionWorld, bool], ArmRefutation | None]
-"""Finds where joints are not clear of surroundings and, if the flag says so, of the arm itself."""
+"""Function that finds where joints are not clear of the world and, with the flag, of the arm
+itself."""
 
 
 class _Answer(NamedTuple):
-    """An answer, and the number of the surroundings that it told of."""
+    """An answer, and the number of the collision world for which it holds."""
 
     followed: Followed
     fault: ArmRefutation | None
@@ -54,7 +55,7 @@ class _Answer(NamedTuple):
 
 
 class SegmentMemory:
-    """What is known of an arm that takes its configurations from one start pose.
+    """Cached results for an arm that starts from one pose.
 
     Attributes:
         joint_path: the last curve that it was moved along, as bytes of its points, and the joints
@@ -70,7 +71,7 @@ class SegmentMemory:
         self._changes: dict[int, Change | None] = {}
 
     def enter(self, obstacles: Sequence[Obstacle], around: CollisionWorld) -> None:
-        """Ask from now on about these obstacles, in the order of their numbers."""
+        """Switch to these obstacles, in the order of their numbers."""
         if around is self._around:
             return
         self._worlds.append(World.of(obstacles, around))
@@ -105,7 +106,7 @@ class SegmentMemory:
         return followed, fault
 
     def _since(self, world: int) -> Change | None:
-        """What has changed since; None if that is not known, or more than obstacles has."""
+        """Changes since an answer; None if unknown, or if more than obstacles changed."""
         if world not in self._changes:
             self._changes[world] = self._change(world)
         return self._changes[world]

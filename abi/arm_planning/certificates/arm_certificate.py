@@ -127,7 +127,7 @@ def _certified(
     margin: float,
     tries: int,
 ) -> ArmCertificate | ArmRefutation:
-    """Certify an arm along a curve; kept, as a curve that was tried is certified again later."""
+    """Certify an arm along a curve; cached, as a curve that was tried is certified again later."""
     pieces, slide = curve.bezier(), Slide(*map(np.frombuffer, bounds))
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
     status, at, pair, _, planes = separate_arm(
@@ -159,7 +159,7 @@ def _certified(
 def slide_bounds(
     curve: PolynomialCurve, arc: ArcLength, profile: PathProfile, settings: ArmSettings
 ) -> Slide:
-    """Bounds of q5 along a curve that is run through by a speed profile."""
+    """Bounds of q5 along a curve that is followed with a speed profile."""
     breaks = curve.bezier().breaks
     if settings.forces[1] == 0 or profile.duration == 0:
         still = read_only(np.full(2, float(settings.q5)))

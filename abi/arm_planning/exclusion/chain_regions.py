@@ -20,19 +20,20 @@ from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.tet_mesh import tetrahedralise
 
 _PLACES = 16
-"""Places along the longest side of a box."""
+"""Grid points along the longest side of a box."""
 _BLUR = 0.7
-"""Standard deviation of what smooths the border of the reached places, in cells."""
+"""Standard deviation of the smoothing of the border, in cells."""
 _LEAST = 0.05
-"""Least part that a place next to the border has of the half that parts inside and outside."""
+"""Least smoothed value of a point next to the border, over the half that separates inside and
+outside."""
 _ANYHOW = -1.0
-"""Distance that links keep from each other: they may touch."""
+"""Distance between links, which may touch here."""
 
 
 def configurations_in(
     arm: UrdfArm, first: FloatArray, start: FloatArray, box: tuple[Vec3, Vec3]
 ) -> NodeConfigurations:
-    """Configurations at the places of a coarse mesh.
+    """Configurations at the nodes of a coarse mesh.
 
     Args:
         arm: the arm.
@@ -92,7 +93,7 @@ def chain_reach(configurations: NodeConfigurations) -> FloatArray:
 
 
 def _surface_of(configurations: NodeConfigurations, chosen: BoolArray) -> FloatArray:
-    """Surface between chosen places (k,) of a mesh and the others, closed where the mesh ends.
+    """Surface between the chosen nodes (k,) of a mesh and the others, closed at the mesh's border.
 
     Smooth, but each place is on its own side.
     """

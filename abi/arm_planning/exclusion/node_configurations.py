@@ -21,7 +21,7 @@ from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _LONGEST = 0.7
-"""Step of a joint between neighbours beyond which they are not joined, [rad] or [m]."""
+"""Largest step of a joint between neighbours that are connected, [rad] or [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class NodeConfigurations:
         )
 
     def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-        """Place and joints of the configuration nearest to a point (3,), or None."""
+        """Node and joints of the configuration nearest to a point (3,), or None."""
         point = arguments.numbers("point", point, (3,))
         if np.array_equal(point, self.start):
             return self.start, self.first

@@ -72,13 +72,13 @@ def reachable(arm: PaperArm, elbow: Elbow, extension: float, lowest: float) -> F
 
 
 def box_above(floor: float, centre: FloatArray, reach: float) -> tuple[Vec3, Vec3]:
-    """Low and high corner of the box around a ball, as far as it is above the floor, [unit]."""
+    """Low and high corner of the box around a ball, cut off at the floor, [unit]."""
     x, y, z = centre.tolist()
     return (x - reach, y - reach, max(z - reach, floor)), (x + reach, y + reach, z + reach)
 
 
 def grid(low: Vec3, high: Vec3, longest: int) -> tuple[FloatArray, tuple[int, int, int]]:
-    """Places (n, 3) of a grid in a box, with one layer just outside, and their number by axis."""
+    """Points (n, 3) of a grid in a box, with one layer just outside, and their number by axis."""
     sides = np.subtract(high, low)
     cell = float(sides.max()) / (longest - 1)
     axes = []
@@ -90,7 +90,7 @@ def grid(low: Vec3, high: Vec3, longest: int) -> tuple[FloatArray, tuple[int, in
 
 
 def surface(points: FloatArray, values: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
-    """Surface of the places with values <= 0; none of the outermost layer is."""
+    """Surface around the points with values <= 0; none of the outermost layer has one."""
     values = arguments.numbers("values", values, (math.prod(shape),)).copy()
     points = arguments.numbers("points", points, (len(values), 3))
     field = values.reshape(shape)

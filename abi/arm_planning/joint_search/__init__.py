@@ -1,1 +1,1 @@
-"""Motions of an arm that are sought in the space of its joints, every edge of them proven."""
+"""Joint-space search for motions of an arm, every edge of them proven."""

@@ -1,4 +1,4 @@
-"""A direction that an arm's tool keeps within a tolerance: how far it is off, and how to get there.
+"""A direction that an arm's tool keeps within a tolerance: its error, and how to reach it.
 
 While the joints go straight and turn by w in all, the tip's z axis d turns at a rate of at most w,
 and its second derivative is at most 3 w² / 2: the axis of each joint is turned by those before it,
@@ -24,11 +24,11 @@ _LARGEST_STEP = 0.3
 _OPPOSITE = -1 + 1e-12
 """Cosine below which the tip points the other way."""
 _NEAR, _WITHIN = 0.6, 0.8
-"""Parts of the tolerance within which joints are brought, and to which ways of them keep."""
+"""Fractions of the tolerance within which joints are projected, and to which their motions keep."""
 _PIECES = 16
-"""Pieces of a way, each of which is bounded by itself."""
+"""Pieces of a joint motion that are bounded separately."""
 _ROOM = 0.02
-"""Part of the tolerance by which a way may leave it more than at its ends."""
+"""Part of the tolerance by which a motion may deviate more than at its ends."""
 AT_RISK = 0.98
 """Part of the tolerance that a motion keeps: an exact check that bounds it otherwise succeeds."""
 
@@ -72,7 +72,7 @@ class HeldDirection(ShortRepr):
         return np.asarray(np.minimum(np.arccos(np.maximum(cosines, -1.0)), steady))
 
     def excess(self, positions: FloatArray, part: float = AT_RISK) -> BoolArray:
-        """Which straight ways (k - 1,) between positions (k, n) are not proven to hold it.
+        """Which straight joint motions (k - 1,) between positions (k, n) are not proven to hold it.
 
         Args:
             positions: of the joints.
@@ -81,13 +81,13 @@ class HeldDirection(ShortRepr):
         return np.asarray(self.largest_angles(positions) > part * self.tolerance)
 
     def holds_way(self, start: FloatArray, end: FloatArray) -> bool:
-        """Check whether a short straight way of the joints, (n,) to (n,), holds it with room."""
+        """Check whether a short straight joint motion, (n,) to (n,), holds it with a margin."""
         between = np.linspace(start, end, _PIECES + 1)
         ends = float(self.angles(between[[0, -1]]).max()) / self.tolerance
         return not self.excess(between, min(max(_WITHIN, ends + _ROOM), AT_RISK)).any()
 
     def brought_near(self, joints: FloatArray) -> FloatArray | None:
-        """Joint positions near given ones (n,) that hold it with room; None if none were found."""
+        """Project joint positions (n,) to ones that hold it with a margin; None if that fails."""
         chain, (turning, axes, rates) = self.arm.chain, self._turning
         low, high = chain.limits.T
         q = joints / self.arm.scales

@@ -39,7 +39,7 @@ class HeldSpan(NamedTuple):
     tolerance: float
 
     def later(self, by: float) -> HeldSpan:
-        """The span in a motion that begins so much later, [s]."""
+        """The span in a motion that begins that much later, [s]."""
         return self._replace(first=self.first + by, last=self.last + by)
 
 
@@ -81,7 +81,7 @@ class HeldPart(ShortRepr):
         return cls(hold, axis.begin, axis.end)
 
     def rows(self, samples: int) -> slice:
-        """Which of uniform samples of a motion are in the part, or are the next outside."""
+        """Uniform samples of a motion that are in the part, or next to it."""
         last = samples - 1
         return slice(math.floor(self.begin * last), math.ceil(self.end * last) + 1)
 

@@ -1,4 +1,4 @@
-"""Paths of the joints on which the tool keeps a direction for a part of the way.
+"""Joint paths on which the tool keeps a direction for a part of the path.
 
 A path that is free throughout shows the way. Near its joints at the begin and the end of the part
 others are taken that hold the direction; between these the path is sought on the direction's
@@ -23,11 +23,11 @@ from abi.arm_planning.joint_search.search_joints import (
 from abi.arrays import FloatArray, read_only
 
 _TRIED = (0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3)
-"""Shares of the way by which an end of the part may be moved outwards."""
+"""Fractions of the path by which an end of the part may be moved outwards."""
 _SPREADS = (0.0, 0.2, 0.4, 0.7, 1.0)
-"""Distances from the path, in each joint, around which clear positions are sought, [rad]."""
+"""Distances from the path, in each joint, within which clear positions are sought, [rad]."""
 _GUIDED = 4
-"""Places of the free path in the part to which the search grows first."""
+"""Points of the unconstrained path towards which the search grows first."""
 
 
 class HeldPath(NamedTuple):
@@ -51,7 +51,7 @@ def path_holding(
     goals: FloatArray,
     effort: JointSearchEffort,
 ) -> HeldPath | None:
-    """Find a path whose joints hold a direction about between two shares of its length.
+    """Find a joint path that holds a direction about between two fractions of its length.
 
     Args:
         held: the arm, what it keeps clear of, and the direction.
@@ -102,7 +102,7 @@ def path_holding(
 def _near(
     held: HeldSearch, path: FloatArray, shares: Sequence[float], random: np.random.Generator
 ) -> FloatArray:
-    """Clear joint positions (k, n) that hold the direction, near a path at shares of its way.
+    """Clear joint positions (k, n) that hold the direction, near a path at fractions of its length.
 
     Where those nearest to the path are not clear, random ones around it are tried.
     """
@@ -119,7 +119,7 @@ def _near(
 
 
 def _at(space: JointSpace, path: FloatArray, shares: FloatArray) -> FloatArray:
-    """Joint positions (k, n) at shares (k,) of the way along a path."""
+    """Joint positions (k, n) at fractions (k,) of a path's length."""
     lengths = np.linalg.norm(np.diff(path, axis=0) * space.weights, axis=1)
     passed = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
     return np.stack([np.interp(shares, passed, column) for column in path.T], axis=1)
@@ -128,7 +128,8 @@ def _at(space: JointSpace, path: FloatArray, shares: FloatArray) -> FloatArray:
 def _free(
     space: JointSpace, start: FloatArray, end: FloatArray, effort: JointSearchEffort
 ) -> FloatArray | None:
-    """A path between joint positions (n,) that holds no direction; None if none was found."""
+    """A path between joint positions (n,) that need not hold a direction; None if none was
+    found."""
     if (start == end).all():
         return start[None]
     return search_joints(space, start[None], end[None], effort).path

@@ -1,4 +1,4 @@
-"""Search for a path of the joints on which the tool keeps a direction: two trees on its manifold.
+"""Search for a joint path on which the tool keeps a direction: two trees on its manifold.
 
 Berenson et al., Manipulation Planning on Constraint Manifolds, 2009 (CBiRRT): trees grow as without
 the constraint, but each step is brought back near the direction before its edge is proven.
@@ -20,9 +20,9 @@ from abi.arrays import FloatArray, IntArray, read_only
 _STEP = 0.3
 """Largest length of an edge, [rad]."""
 _PROGRESS = 0.1
-"""Part of an edge's length by which it must come nearer to where it goes."""
+"""Part of an edge's length by which the edge must approach its target."""
 _SHARE = 10
-"""Random positions of an effort for each one of this search, whose steps are slower."""
+"""Random samples of a search effort for each one of this search, whose steps are slower."""
 
 
 class _Tree:
@@ -46,14 +46,14 @@ class _Tree:
         return parent
 
     def frozen(self) -> JointTree:
-        """The tree as it is now."""
+        """A frozen copy of the tree."""
         parents: IntArray = np.array(self.parents, dtype=np.int32)
         return JointTree(read_only(np.array(self.nodes)), read_only(parents))
 
 
 @dataclass(eq=False)
 class HeldSearch:
-    """Ways of the joints that are proven clear and hold a direction.
+    """Joint motions that are proven clear and hold a direction.
 
     Attributes:
         space: the arm and what it keeps clear of.
@@ -68,7 +68,7 @@ class HeldSearch:
     refused: int = field(default=0, init=False)
 
     def way(self, start: FloatArray, end: FloatArray, most: int = 1_000) -> FloatArray:
-        """Joint positions (k, n) from ``start`` towards ``end``, as far as steps come nearer to it.
+        """Joint positions (k, n) from ``start`` towards ``end``, while steps come nearer to it.
 
         Both hold the direction, the end unless it is only to be gone towards; (n,) each.
         """
@@ -132,7 +132,7 @@ class HeldSearch:
     def _grow(
         self, trees: tuple[_Tree, _Tree], grown: int, target: FloatArray, most: int
     ) -> FloatArray | None:
-        """Let one tree grow towards a target and the other towards it; a path where they meet."""
+        """Grow one tree towards a target and the other towards the first; a path if they meet."""
         weights, (tree, other) = self.space.weights, (trees[grown], trees[1 - grown])
         near = tree.nearest(target, weights)
         way = self.way(tree.nodes[near], target, most)
@@ -149,7 +149,7 @@ class HeldSearch:
         return np.concatenate([first, last[-2::-1]])
 
     def _shortened(self, path: FloatArray, random: np.random.Generator, tries: int) -> FloatArray:
-        """The path, with ways between random nodes of it where these are shorter."""
+        """The path with shortcuts between random nodes."""
         for _ in range(tries):
             progress.check()
             if len(path) < 3:
@@ -167,7 +167,7 @@ class HeldSearch:
         return float(np.linalg.norm((end - start) * self.space.weights))
 
     def _is_clear(self, start: FloatArray, end: FloatArray) -> bool:
-        """Check whether a straight way is proven clear and holds the direction."""
+        """Check whether a straight joint motion is proven clear and holds the direction."""
         if not self.hold.holds_way(start, end):
             return False
         self.proofs += 1

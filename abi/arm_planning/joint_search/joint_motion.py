@@ -1,4 +1,4 @@
-"""Motions along a curve in the space of the joints: their timing, samples and clearance."""
+"""Motions along a joint-space curve: their timing, samples and clearance."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from abi.robot.urdf_arm import UrdfArm
 
 _GRID = 1201
 _FINE = 4801
-"""Places of the curve by which it is measured."""
+"""Points by which the curve is measured."""
 _DRAWN = 400
-"""Edges of the polyline that stands for the way of the tool."""
+"""Edges of the polyline that stands for the tool's path."""
 _RAMP = 0.25
-"""Part of a slow part in which it becomes slow, and in which it ends to be."""
+"""Fraction of a slow part over which the speed falls at its beginning and rises at its end."""
 _FINER = (1, 2, 4)
-"""Times as many stretches between a motion's samples that are tried until it is proven clear."""
+"""Factors for the number of samples that are tried until a motion is proven clear."""
 TURN = 0.25
-"""Part of the arm's reach that a turn by 1 rad counts as, beside the way of the tool."""
+"""Distance that a turn by 1 rad counts as, over the arm's reach."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointPassage(ShortRepr):
-    """Joint positions as functions of the distance along a curve of the joints.
+    """Joint positions as functions of the distance along a joint-space curve.
 
     Where the tool moves by dx and the joints by dq, the distance grows by the root of dx² + r² dq²,
     r being a quarter of the arm's reach: a tool that stands still while the joints turn takes time,
@@ -105,7 +105,7 @@ class JointPassage(ShortRepr):
         collision_world: CollisionWorld,
         required: float,
     ) -> bool:
-        """Check whether some of the poses on the way show that the arm is not clear."""
+        """Check whether some of the poses show that the arm is not clear."""
         return self.joint_path.is_refuted(profile, collision_world, required)
 
     def clearance(
@@ -143,7 +143,7 @@ class SlowPart(NamedTuple):
 
 
 def passage_of(spline: JointSpline, arm: UrdfArm, slow: SlowPart | None = None) -> JointPassage:
-    """Measure a curve of an arm's joints, whose ends differ.
+    """Parametrise a joint-space curve, whose ends differ, by distance.
 
     Args:
         spline: the curve.
@@ -178,7 +178,7 @@ def proven_motion(
     collision_world: CollisionWorld,
     required: float,
 ) -> tuple[ArmMotion, ArmClearance]:
-    """Motion by a profile, and its clearance, with more samples where it is not proven clear else.
+    """Motion by a profile and its clearance, with more samples if it is not proven clear otherwise.
 
     Between samples the joints go straight, which takes them off the curve: past an obstacle that
     this nearly touches, only samples that are near enough to each other keep clear.

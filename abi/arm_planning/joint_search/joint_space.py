@@ -1,4 +1,4 @@
-"""The space of an arm's joints: which positions and straight ways in it are proven clear."""
+"""An arm's joint space: which positions and straight motions in it are proven clear."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.robot.urdf_arm import UrdfArm
 
 MOST_TRIES = 20_000
-"""Pairs of bodies that the proof of one edge may try."""
+"""Most pairs of bodies that the proof of one edge may try."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointSpace(ShortRepr):
-    """The joint positions of an arm among its surroundings.
+    """The joint positions of an arm in its collision world.
 
     Attributes:
         arm: the arm.
@@ -42,7 +42,7 @@ class JointSpace(ShortRepr):
 
     @cached_property
     def kernel_arm(self) -> ArmInWorld:
-        """Arm and surroundings in the format of the kernels."""
+        """Arm and collision world in the format of the kernels."""
         around = self.collision_world.beyond(self.margin)
         return ArmInWorld(self.arm.chain.table, self.arm.bodies, around, MOST_TRIES)
 
@@ -58,7 +58,7 @@ class JointSpace(ShortRepr):
         return bool(((low <= positions) & (positions <= high)).all())
 
     def clear(self, path: FloatArray) -> bool:
-        """Check whether the arm is proven clear while its joints go along a path (k, n), k >= 2.
+        """Check whether the arm is proven clear along a joint path (k, n), k >= 2.
 
         That it is inside no closed mesh is not checked: see :meth:`clear_poses`.
         """

@@ -1,4 +1,4 @@
-"""Smooth curves in the space of the joints, near a path whose edges are proven clear."""
+"""Smooth joint-space curves near a path whose edges are proven clear."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from abi.arrays import FloatArray, ShortRepr, read_only
 
 DEGREE = 4
 _ROUNDS = 40
-"""Times that a curve is brought nearer to its path."""
+"""Most refinements that bring a curve nearer to its path."""
 _SAMPLES = 401
-"""Places of a curve between which the joints go straight when it is asked about."""
+"""Number of samples, between which the joints move straight, when a curve is tested."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,7 +67,7 @@ class JointSpline(ShortRepr):
 
 
 Lack = Callable[[JointSpline], float | None]
-"""Finds a parameter at which a curve is not what is asked for; None where it is throughout."""
+"""Function that finds a parameter at which a curve misses a requirement; None if it meets all."""
 
 
 def spline_near(

@@ -1,4 +1,4 @@
-"""A tree of joint positions that a search has grown."""
+"""A tree of joint positions grown by a search."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from abi.arrays import FloatArray, IntArray, ShortRepr
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointTree(ShortRepr):
-    """Joint positions, each but the roots reached from its parent by a proven straight way.
+    """Joint positions, each but the roots reached from its parent by a proven straight motion.
 
     Attributes:
         positions: of the joints, (k, n), [rad] or [unit].

@@ -1,4 +1,4 @@
-"""Search for a motion in the space of the joints: two trees that meet, then a shorter path."""
+"""Joint-space search for a motion: two trees that meet, then shortcuts."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from abi.errors import ArgumentError
 STEP = 1.0
 """Largest length of an edge, [rad]."""
 _BATCH = 16
-"""Samples between two looks at whether the result is still wanted."""
+"""Samples between two checks whether the result is still wanted."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JointSearch(ShortRepr):
-    """What a search in the space of the joints has found so far.
+    """Findings of a joint-space search so far.
 
     Attributes:
         path: joint positions (k, n) from a start to a goal, [rad] or [unit], between which the
@@ -45,7 +45,7 @@ class JointSearch(ShortRepr):
 
 @dataclass(frozen=True)
 class JointSearchEffort:
-    """How long a search may go on; equal efforts and seeds give equal results.
+    """Effort that a search may make; equal efforts and seeds give equal results.
 
     Attributes:
         seed: of the random positions, 0 to 2^32 - 1.
@@ -83,7 +83,7 @@ def paths_found(
     goals: FloatArray,
     effort: JointSearchEffort | None = None,
 ) -> Iterator[JointSearch]:
-    """Search for a path, and give it and each shorter one as soon as they are found.
+    """Search for a path, yielding it and each shorter one as soon as it is found.
 
     All edges are proven clear. Where no path is found in time the only result has none. Whoever
     wants the result no longer just stops asking.
@@ -141,7 +141,7 @@ def _range(space: JointSpace, roots: list[FloatArray]) -> tuple[FloatArray, Floa
 def _new_trees(
     space: JointSpace, roots: list[FloatArray], effort: JointSearchEffort
 ) -> kernels.Trees:
-    """Both trees with nothing but their roots."""
+    """Both trees with their roots only."""
     room = max(effort.nodes, *map(len, roots))
     count = len(space.weights)
     nodes = np.zeros((2, room, count))
@@ -156,7 +156,7 @@ def _new_trees(
 
 
 def _tree(trees: kernels.Trees, number: int, space: JointSpace) -> JointTree:
-    """One of the trees, as it is now."""
+    """A copy of one of the trees."""
     count, size = len(space.weights), int(trees.state[kernels.NODES + number])
     nodes = trees.nodes.reshape(2, -1, count)[number, :size]
     parents = trees.parents.reshape(2, -1)[number, :size]

@@ -1,4 +1,4 @@
-"""Shorter paths of the joints: stretches are replaced by straight ones that are proven clear."""
+"""Shortcuts of joint paths: stretches are replaced by straight motions that are proven clear."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _WORTH = 1e-3
 def shortened(
     space: JointSpace, path: FloatArray, random: np.random.Generator, tries: int
 ) -> Iterator[FloatArray]:
-    """A path of the joints, then each shorter one that is found.
+    """A joint path, then each shorter one that is found.
 
     First vertices are left out, as many at a time as can be; then straight ways are tried between
     random places of the path (Geraerts and Overmars, Creating High-quality Paths for Motion
@@ -50,7 +50,7 @@ def shortened(
 
 
 def _cut(space: JointSpace, path: FloatArray, low: float, high: float) -> FloatArray | None:
-    """The path with a straight way between two parts of its length; None if that does not do."""
+    """The path with a shortcut between two fractions of its length; None if that is no gain."""
     lengths = np.linalg.norm(np.diff(path, axis=0) * space.weights, axis=1)
     passed = np.concatenate([[0.0], np.cumsum(lengths)])
     total = float(passed[-1])

@@ -16,7 +16,7 @@ _STEP = 1e-6
 _EXACT = 1e-8
 """Errors up to which a pose counts as reached without any tolerance, [rad] and over the reach."""
 _ALIKE = 0.3
-"""Poses nearer to each other than this in every joint are one, [rad] or [m]."""
+"""Joint distance below which two poses count as one, [rad] or [m]."""
 
 
 def tool_poses(

@@ -1,1 +1,1 @@
-"""Joint positions over time, and how far the whole arm keeps clear meanwhile."""
+"""Joint positions over time, and the whole arm's clearance along them."""

@@ -25,14 +25,14 @@ from abi.robot.bodies.allowed_contacts import AllowedContact
 from abi.robot.paper_arm.paper_arm import PaperArm, place
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
-"""Parts of the measured distance that are tried to prove, and at last the one asked for."""
+"""Fractions of the measured distance that are tried to prove, before the required one."""
 
 _MANY = 1_000
-"""Rows around an arm, of triangle meshes above all, among which one proof is all that is tried."""
+"""Number of rows around an arm, mostly of triangle meshes, beyond which only one proof is tried."""
 
 _TOUCH = 1e-9
-"""Distance up to which it is measured how far the arm is from itself and the floor, [unit]: only
-what is touched is told."""
+"""Distance beyond which the arm's distance from itself and the floor is not measured, [unit], as
+only contacts are reported."""
 
 
 class Contact(NamedTuple):
@@ -102,7 +102,7 @@ class ArmClearance(ShortRepr):
 
     @property
     def is_too_near(self) -> bool:
-        """Whether a sample's links are nearer to an obstacle than required."""
+        """Whether at a sample the links are nearer to an obstacle than required."""
         return bool(self.distances.min(initial=math.inf) < self.required)
 
     def touching(self, time: float) -> frozenset[str]:
@@ -225,7 +225,7 @@ def _best_proof(
 
 
 class Measured(NamedTuple):
-    """Least signed distances of capsules (m, c), [unit], and numbers of what is nearest (m, c).
+    """Least signed distances of capsules (m, c), [unit], and numbers of the nearest bodies (m, c).
 
     Without obstacles they are inf and -1.
 
@@ -266,7 +266,7 @@ def _with_meshes(
 def contacts_of(
     time: FloatArray, measured: Measured, capsules: Sequence[int], arm: AnyArm
 ) -> tuple[Contact, ...]:
-    """Stretches of time in which capsules are in something.
+    """Stretches of time in which capsules are inside something.
 
     Args:
         time: of the samples (m,), [s].
@@ -297,7 +297,7 @@ def contacts_of(
 
 
 def named(number: int, arm: AnyArm) -> int | str:
-    """Number of an obstacle, or name of another part of an arm's surroundings."""
+    """Number of an obstacle, or name of another part of an arm's collision world."""
     if number >= 0:
         return number
     return "floor" if number == FLOOR else arm.capsules[-number - 2].link

@@ -1,4 +1,4 @@
-"""Clearance of an arm's links over time, beside triangle meshes, too."""
+"""Clearance of an arm's links over time, also from triangle meshes."""
 
 from __future__ import annotations
 

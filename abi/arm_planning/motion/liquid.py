@@ -1,4 +1,4 @@
-"""Tilt of the liquid in a cup that the tool carries along."""
+"""Tilt of the liquid in a cup carried by the tool."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from abi.obstacles.pose import METRES
 from abi.robot.kinematics.inverse_dynamics import GRAVITY
 
 _SAMPLES, _NEAR = 801, 65
-"""Times along the whole motion, and between those beside the worst."""
+"""Numbers of times along the whole motion, and around the worst one."""
 
 
 def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) -> float:
-    """Largest tilt of the surface of a liquid in a cup that is held upright, [rad].
+    """Largest tilt of a liquid's surface in a cup that is held upright, [rad].
 
     The surface is perpendicular to the gravity felt in the cup, g minus the cup's acceleration, so
     it tilts by the angle between that and the vertical. Sloshing is ignored.

@@ -1,4 +1,4 @@
-"""Memory of the last proof that an arm keeps clear on a motion.
+"""Cache of the last proof that an arm keeps clear on a motion.
 
 While an obstacle is dragged that is not in the way, the motion stays, and with it the directions
 that separate the arm from itself, from the floor and from the obstacles that stand where they
@@ -26,7 +26,7 @@ _Number = TypeVar("_Number", bound=np.generic)
 
 
 class _Proof(NamedTuple):
-    """A proof, the distance that it was asked for, and the surroundings."""
+    """A proof, the required distance, and the collision world."""
 
     certificate: ArmCertificate
     margin: float
@@ -34,7 +34,7 @@ class _Proof(NamedTuple):
 
 
 class ProofMemory:
-    """Proofs for an arm, of which the last is remembered."""
+    """Proofs for an arm, of which the last is cached."""
 
     def __init__(self, arm: UrdfArm) -> None:
         self._arm = arm
@@ -47,7 +47,7 @@ class ProofMemory:
         around: CollisionWorld,
         margin: float,
     ) -> ArmCertificate | ArmRefutation:
-        """Prove as :func:`certify_chain` does, with what is left of the last proof.
+        """Certify as :func:`certify_chain` does, reusing what remains of the last proof.
 
         Args:
             positions: joint positions (k, n), k >= 2, [rad] or [unit].
@@ -66,7 +66,7 @@ class ProofMemory:
         return found
 
     def _known(self, positions: FloatArray, margin: float) -> _Proof | None:
-        """The last proof, if it was of these positions and this distance."""
+        """The last proof, if it was for these positions and this distance."""
         last = self._last
         is_known = last is not None and last.certificate.positions is positions
         return last if last is not None and is_known and last.margin == margin else None
@@ -74,7 +74,7 @@ class ProofMemory:
     def _updated(
         self, known: ArmCertificate, change: Change, margin: float
     ) -> ArmCertificate | ArmRefutation:
-        """A proof after a change, from the one before."""
+        """Update a proof after a change."""
         assert known.positions is not None
         stays = (known.obstacle < 0) | np.isin(known.obstacle, [*change.stays])
         if not change.moved and stays.all():
@@ -97,5 +97,5 @@ class ProofMemory:
 
 
 def _joined(before: NDArray[_Number], new: NDArray[_Number]) -> NDArray[_Number]:
-    """Rows that stay, and new ones behind them."""
+    """Rows that remain, followed by new ones."""
     return read_only(np.concatenate([before, new]))

@@ -67,7 +67,7 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(ShortRepr):
-    """Position of the tool over time: a curve run through by arc length."""
+    """Position of the tool over time: a curve parametrised by arc length."""
 
     curve: Curve
     arc: ArcLength

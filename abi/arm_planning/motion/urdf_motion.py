@@ -43,15 +43,16 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import REACHED, UrdfArm
 
 _FEW, _GRID = 41, 1201
-"""Points along the curve at which first poses are compared, and the chosen one is followed."""
+"""Points of the curve at which first poses are compared, and at which the chosen one is
+followed."""
 _ROUGH_FIRST = (slice(4, None, 8), slice(0, None, 8), slice(2, None, 4), slice(1, None, 2))
-"""Those that are asked about together: a first pose that touches at some of them is done with."""
+"""Batches of these points; a first pose that touches at some of a batch is discarded."""
 _EVERY, _TRIES_TO_REFUTE = 3, 5_000
-"""Step between the points at which that is refuted, and the tests that this may take."""
+"""Step between the points of a quick refutation, and the tests that it may take."""
 _CLOSER = 0.02
-"""Distance, over the arm's reach, beyond the least up to which hulls are measured, too."""
+"""Distance beyond the least, over the arm's reach, up to which hulls are measured."""
 _ENOUGH = 0.03
-"""Clearance, over the arm's reach, beyond which the shorter motion counts."""
+"""Clearance, over the arm's reach, beyond which the shorter motion is preferred."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +104,7 @@ class ChainJointPath:
         return np.asarray(np.clip(self._spline(distances), limits[:, 0], limits[:, 1]))
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
-        """Motion by a profile, at uniform times; of the same profile it is the same object."""
+        """Motion by a profile, at uniform times; cached by profile."""
         return self._last_motion(profile, samples)
 
     @cached_property
@@ -147,7 +148,7 @@ class ChainJointPath:
         collision_world: CollisionWorld,
         required: float,
     ) -> bool:
-        """Check whether some of the poses on the joint_path show that the arm is not clear."""
+        """Check whether some of the poses show that the arm is not clear."""
         poses = self.positions[::_EVERY]
         fault = chain_refutation(self.arm, poses, collision_world, required, _TRIES_TO_REFUTE)
         return fault is not None and fault.decided
@@ -198,7 +199,7 @@ def _decided(
     collision_world: CollisionWorld,
     contact: Contact,
 ) -> Contact:
-    """A contact of a link's bodies, with what its shapes as they are given do at that time."""
+    """A contact of a link's bodies, decided by its given shapes at that time."""
     pose = motion.positions[int(np.searchsorted(motion.time, contact.time))]
     pair = contact.link, contact.obstacle
     exact = link_contact(arm, obstacles, collision_world, pose, pair, 0.0)
@@ -210,7 +211,7 @@ def _decided(
 
 
 def _without_touchable(arm: UrdfArm, measured: Measured) -> Measured:
-    """Distances without those of capsules that need only not touch, where they touch nothing."""
+    """Distances without those of capsules that only must not touch, if they do not."""
     left_out = arm.touchable & (measured.distance > 0)
     return Measured(
         np.where(left_out, np.inf, measured.distance),
@@ -219,7 +220,7 @@ def _without_touchable(arm: UrdfArm, measured: Measured) -> Measured:
 
 
 def _against(number: IntArray | int, distance: FloatArray) -> Measured:
-    """Distances (m, c) to what has the same number at all samples, (c,) or one for all."""
+    """Distances (m, c) to the same body at all samples, numbered (c,) or one for all."""
     return Measured(distance, np.broadcast_to(np.int32(number), distance.shape))
 
 
@@ -288,7 +289,7 @@ def _few(curve: Curve, arc: ArcLength) -> FloatArray:
 def _followed(
     arm: UrdfArm, points: bytes
 ) -> tuple[tuple[FloatArray, ...], list[tuple[FloatArray, FloatArray]]]:
-    """First poses of an arm, and from each its joints along points and what it misses there."""
+    """First poses of an arm, and from each the joints along points and the distances missed."""
     few = np.frombuffer(points).reshape(-1, 3)
     firsts = arm.first_poses(few[0])
     return firsts, [arm.follow(pose, few) for pose in firsts]
@@ -316,7 +317,8 @@ def joint_path_from(
     arm: UrdfArm,
     home: FloatArray | None = None,
 ) -> ChainJointPath:
-    """Move an arm's tool along a curve from a given pose; redundant joints drift ``home``."""
+    """Move an arm's tool along a curve from a given pose; redundant joints drift towards
+    ``home``."""
     points = curve(arc.parameter(np.linspace(0.0, arc.length, _GRID)))
     positions, missed = arm.follow(pose, points, home)
     return ChainJointPath(curve, arc, arm, read_only(positions), read_only(missed))

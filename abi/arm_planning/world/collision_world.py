@@ -1,4 +1,4 @@
-"""Surroundings of an arm, which it must keep clear of: obstacles, the floor and its own column."""
+"""Collision world of an arm: the obstacles, the floor and its own column."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
 
 OWN = -2
-"""Number of the arm's first capsule, beside those of obstacles; -3 is its second, and so on."""
+"""Number of the arm's first capsule among those of obstacles; -3 is its second, and so on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class CollisionWorld:
         return self.solids.numbers
 
     def beyond(self, margin: float) -> Obstacles:
-        """Add a distance to keep from obstacles, [unit]; from floor and column it is 0."""
+        """A copy with an additional distance from obstacles, [unit]; floor and column keep 0."""
         if margin not in self._beyond:
             kept = self.numbers >= 0
             margins = np.where(kept if self.touched is None else kept & ~self.touched, margin, 0.0)
@@ -74,7 +74,7 @@ class CollisionWorld:
 
     @cached_property
     def _beyond(self) -> dict[float, Obstacles]:
-        """What was asked for, by its margin: while a path is sought it is asked for often."""
+        """Cache of these copies by margin, as a path's search asks for them often."""
         return {}
 
     def first_row(self, number: int) -> int:
@@ -90,7 +90,7 @@ class CollisionWorld:
         return rows
 
     def only(self, kept: BoolArray) -> CollisionWorld:
-        """A copy that asks only about some of the rows; ``kept`` has one flag for each."""
+        """A copy with only the rows flagged in ``kept``."""
         kept = arguments.flags("kept", kept, self.numbers.shape)
         return replace(self, asked=read_only(self.asked & kept))
 
@@ -98,7 +98,7 @@ class CollisionWorld:
 def paper_arm_world(
     arm: PaperArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
 ) -> CollisionWorld:
-    """Build the surroundings of the paper's arm.
+    """Build the collision world of the paper's arm.
 
     The floor is level with the base, or with the bottom of the workspace if that is lower. Links
     with a joint at the column may touch it, and the fingers may touch the floor.
@@ -116,7 +116,7 @@ def paper_arm_world(
 def chain_world(
     arm: UrdfArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
 ) -> CollisionWorld:
-    """Surroundings of a URDF arm, without the arm itself, as those of the paper's arm.
+    """Build the collision world of a URDF arm, without the arm itself.
 
     Links that stand still may touch the floor, and so may those that the first joint moves where it
     brings them no nearer to it. Those that stand still may touch what the arm stands on, too, and
@@ -136,7 +136,7 @@ def chain_world(
 
 
 def _doubled(world: CollisionWorld, touchable: BoolArray) -> CollisionWorld:
-    """Surroundings with all obstacles twice, once for capsules that need only not touch them.
+    """Add every obstacle a second time, for capsules that only must not touch it.
 
     Args:
         world: the surroundings, without parts of the arm.
@@ -167,7 +167,7 @@ def _doubled(world: CollisionWorld, touchable: BoolArray) -> CollisionWorld:
 def _allowed(
     arm: UrdfArm, obstacles: ObstacleSet, standing: Iterable[str]
 ) -> tuple[AllowedContact, ...]:
-    """What of a URDF arm's surroundings which link may touch; ``standing``: on the floor."""
+    """Contacts that a URDF arm's links may have with the world; ``standing``: on the floor."""
     frames = {one.link: one.frame for one in arm.capsules}
     found = [AllowedContact(link, "floor", "mount") for link in standing]
     reasons: dict[tuple[str, int], Reason] = {}
@@ -188,7 +188,7 @@ def _collision_world(
     lowest: float,
     table: RowTable | None,
 ) -> CollisionWorld:
-    """Surroundings of an arm.
+    """Assemble a collision world.
 
     Args:
         arm: the arm.

@@ -1,4 +1,4 @@
-"""Whether a link touches something by its shapes as they are given, not by the pieces around it."""
+"""Contacts of links decided by their given shapes instead of the convex pieces around them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from abi.robot.urdf_arm import UrdfArm
 
 _WORLD = SolidPose(np.eye(3), np.zeros(3))
 _MOST = 20_000
-"""Triangles of a link that are compared: with more it would take seconds."""
+"""Most triangles of a link that are compared; more would take seconds."""
 
 
 def link_contact(
@@ -70,7 +70,7 @@ def _solids(arm: UrdfArm, link: str) -> LinkSolids:
 
 
 def _placed(arm: UrdfArm, link: str, pose: FloatArray) -> SolidPose:
-    """World from link, [unit]."""
+    """Pose of a link, ``world_from_link``, [unit]."""
     carried = next(one for one in arm.chain.carried if one.link == link)
     turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
     if carried.frame >= 0:

@@ -1,4 +1,4 @@
-"""The boxes that an arm takes a triangle mesh for."""
+"""Boxes that stand for a triangle mesh in an arm's collision tests."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import vec3_at
 
 _MOST_TRIANGLES = 20_000
-"""Triangles above which a mesh is taken for the boxes of the leaves of a tree."""
+"""Number of triangles beyond which a mesh is replaced by the boxes of a tree's leaves."""
 
 
 class Boxes(NamedTuple):
-    """A tree of boxes that hold the triangles of a surface, in the file's unit.
+    """A tree of boxes that contain the triangles of a surface, in the file's unit.
 
     Attributes:
         middles: (n, 3).
@@ -85,7 +85,7 @@ def boxes_of(surface: Surface) -> Boxes:
 
 
 def _united(outer: np.ufunc, corners: FloatArray, leaves: IntArray, inner: int) -> FloatArray:
-    """Outer corner (nodes, 3) of each box of a tree, from those of what its leaves hold."""
+    """Outer corner (nodes, 3) of each box of a tree, from those of its leaves' contents."""
     united = np.empty((2 * inner + 1, 3))
     united[inner:] = outer.reduceat(corners, leaves[:-1])
     for k in range(inner - 1, -1, -1):

@@ -1,4 +1,4 @@
-"""Obstacles as rows of convex primitives, of which only those of what has moved are made anew."""
+"""Obstacles as rows of convex primitives, of which only those that moved are rebuilt."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ FLOOR = -1
 """Number of the floor, beside those of obstacles."""
 
 _SPARE = 4
-"""One part in so many of a table is left free, for what moves."""
+"""Fraction of a table that is left free for obstacles that move."""
 
 
 class Own(NamedTuple):
-    """Parts that an arm keeps clear of beside obstacles.
+    """Parts other than obstacles that an arm keeps clear of.
 
     Attributes:
         rows: primitives, flat (k ``WIDTH``,).
@@ -34,7 +34,7 @@ class Own(NamedTuple):
 
 
 class SolidRows(NamedTuple):
-    """Obstacles and what is the arm's own as rows; some may be of no use any more.
+    """Rows of obstacles and the arm's own parts; some may be out of use.
 
     Attributes:
         rows: flat (k ``WIDTH``,).
@@ -54,7 +54,7 @@ class SolidRows(NamedTuple):
 
 
 class _Block(NamedTuple):
-    """Rows of one obstacle, or of the arm's own."""
+    """Rows of one obstacle, or of the arm's own part."""
 
     whose: object
     number: int
@@ -63,7 +63,7 @@ class _Block(NamedTuple):
 
 
 class RowTable:
-    """Rows of an arm's surroundings, which stay where they are until their obstacle moves.
+    """Rows of an arm's collision world, which keep their place until their obstacle moves.
 
     New rows are added behind the others, so that what was handed out never changes. Only when there
     is no more room, or another number of obstacles, are the rows in use copied to a new table.
@@ -116,7 +116,7 @@ class RowTable:
         )
 
     def _begin(self, count: int) -> None:
-        """Begin a new table with room for so many rows, and some more."""
+        """Begin a new table with room for that many rows and some more."""
         size = count + count // _SPARE + 1
         self._used = 0
         self._rows = np.zeros((size, WIDTH))

@@ -1,4 +1,4 @@
-"""What has changed around an arm from one plan to the next."""
+"""Changes of an arm's collision world from one plan to the next."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from abi.robot.bodies.allowed_contacts import AllowedContact
 
 
 class World(NamedTuple):
-    """Surroundings that were asked about."""
+    """A collision world to compare with."""
 
     obstacles: Sequence[Obstacle]
     floor: float
@@ -21,12 +21,12 @@ class World(NamedTuple):
 
     @classmethod
     def of(cls, obstacles: Sequence[Obstacle], around: CollisionWorld) -> World:
-        """Surroundings with these obstacles, in the order of their numbers."""
+        """The world with these obstacles, in the order of their numbers."""
         return cls(obstacles, around.floor, around.allowed)
 
 
 class Change(NamedTuple):
-    """Difference between two surroundings.
+    """Difference between two collision worlds.
 
     Attributes:
         stays: numbers of the obstacles that are where they were.

@@ -19,7 +19,7 @@ COLOURS: dict[str, Vec3] = {
     "steel": (0.60, 0.63, 0.67),
     "accent": (0.05, 0.60, 0.66),
 }
-"""Colours by their use; each shows on white and on near-black."""
+"""Colours by use; each is visible on white and on near-black."""
 
 _ALONG_X: Vec3 = (0.0, math.pi / 2, 0.0)
 

@@ -25,7 +25,8 @@ from abi.robot.paper_arm import inverse_kinematics_kernels as kernels
 from abi.robot.paper_arm.paper_arm import PaperArm
 
 THROUGH = 1e-6
-"""A path that passes the base axis nearer than this part of the arm's reach passes through it."""
+"""Distance from the base axis, over the arm's reach, below which a path counts as passing through
+it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,10 +21,10 @@ BODIES = ("column", "upper_arm", "forearm", "slide")
 """Their names."""
 
 _GROWTH = 1.06
-"""Radius of a capsule, as a multiple of the least: the flatter its caps, the shorter it is."""
+"""Radius of a capsule over the least possible; a larger one has flatter caps and is shorter."""
 
 _FINGERS = 2
-"""First of the gripper's solids that is a finger; each has three parts."""
+"""Index of the gripper's first finger among its solids; each finger has three parts."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class LinkCapsule:
 
 @lru_cache(maxsize=64)
 def link_capsules(a1: float, a2: float, a3: float, a4: float, a5: float) -> tuple[LinkCapsule, ...]:
-    """Capsules of all links, those that stand still first.
+    """Capsules of all links, fixed ones first.
 
     Together the two of the upper arm are one capsule; the first may touch the column.
 

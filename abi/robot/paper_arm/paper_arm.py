@@ -33,7 +33,7 @@ JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Names of the joints, in the order of all arrays of joint positions."""
 
 SLIDES = tuple(name == "q5" for name in JOINTS)
-"""Which joints slide."""
+"""Flags of the sliding joints."""
 
 JOINT_AXES = tuple((1.0, 0.0, 0.0) if name in ("q2", "q3") else (0.0, 0.0, 1.0) for name in JOINTS)
 """Axis of each joint in its own frame."""
@@ -42,14 +42,14 @@ JOINT_SPEED = np.pi
 """Largest speed of the turning joints, nominal, [rad/s]."""
 
 MOVED = 3
-"""Joints that the inverse kinematics moves, q1 to q3."""
+"""Number of joints that the inverse kinematics moves, q1 to q3."""
 
 STROKE = 0.8
 """Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
 
 
 class ArmLengths(Protocol):
-    """Where the paper's arm stands and how long its links are, as a scene's settings say it."""
+    """Position and link lengths of the paper's arm, as in a scene's settings."""
 
     @property
     def base(self) -> Vec3:
@@ -193,16 +193,16 @@ class PaperArm(ShortRepr):
 
     @property
     def has_elbow(self) -> bool:
-        """Whether its branches are the two sides of its elbow: True."""
+        """True: its branches are the two sides of its elbow."""
         return True
 
     @property
     def has_exact_bodies(self) -> bool:
-        """Whether its bodies are its links: True, they are capsules."""
+        """True: its bodies are its links, which are capsules."""
         return True
 
     def rate_limits(self, acceleration: float) -> RateLimits:
-        """Largest rates of its joints: of q1 to q3, whose speed is nominal, as the paper has none.
+        """Largest rates of its joints, nominal for q1 to q3, for which the paper gives none.
 
         Args:
             acceleration: largest of these joints, [rad/s²].
@@ -213,7 +213,7 @@ class PaperArm(ShortRepr):
         return RateLimits(speeds, accelerations, np.full(len(JOINTS), np.inf), nominal=True)
 
     def torques(self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray) -> None:
-        """Torques of a motion: None, as the paper gives masses for its last three drives alone."""
+        """None, as the paper gives masses for its last three drives only."""
 
     def tool(self, positions: FloatArray) -> FloatArray:
         """Positions (k, 3) of the tool at joint positions (k, 6), [unit], world."""
@@ -236,7 +236,7 @@ class PaperArm(ShortRepr):
         return {"arm.urdf": self.description().encode()}
 
     def proof_data(self) -> dict[str, Any]:
-        """Subject of a certificate as plain data: the capsules."""
+        """What a certificate is about, as plain data: the capsules."""
         return {"capsules": [asdict(one) | {"body": BODIES[one.body]} for one in self.capsules]}
 
     def forearm(self, extension: ArrayLike) -> FloatArray:

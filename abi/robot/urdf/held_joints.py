@@ -1,4 +1,4 @@
-"""Positions of a robot's joints that stand still while its arm moves, such as a gripper's."""
+"""Positions of a robot's joints that are held while its arm moves, such as a gripper's."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from abi.robot.urdf.robot import MOST_JOINTS, Robot, joints_to
 from abi.robot.urdf.urdf_joints import some_of
 
 NOT_HELD: Mapping[str, float] = MappingProxyType({})
-"""No position: every joint that is not planned rests nearest to 0."""
+"""No held positions: every joint that is not planned rests nearest to 0."""
 _FIELD = "arm.gripper"
 _PAST = 1e-9
-"""Distance that a joint may be held past its limit, [rad] or [m]."""
+"""Distance by which a held joint may exceed its limit, [rad] or [m]."""
 
 
 def positions_held(
     robot: Robot, planned: Collection[str], wanted: Mapping[str, float]
 ) -> dict[str, float]:
-    """Positions of all joints that can move but are not planned, [rad] or [m].
+    """Positions of all movable joints that are not planned, [rad] or [m].
 
     One that follows another stands where this takes it; of the others, those that ``wanted`` does
     not name rest within their limits nearest to 0.
@@ -58,7 +58,7 @@ def positions_held(
 
 
 def planned_joints(robot: Robot, tip: str) -> tuple[str, ...]:
-    """Names of the joints whose positions are planned, from the base on: those that move a tip.
+    """Names of the planned joints, which move a tip, from the base on.
 
     Raises:
         SceneError: there is no such link, no joint moves it, or too many joints do.
@@ -68,7 +68,7 @@ def planned_joints(robot: Robot, tip: str) -> tuple[str, ...]:
 
 
 def held_in_metres(robot: Robot, held: Mapping[str, float], metres: float) -> dict[str, float]:
-    """Positions of joints by name in [rad] or [m], of such whose slides are in other lengths.
+    """Positions of joints by name in [rad] or [m], converted from another unit of lengths.
 
     Args:
         robot: the robot.
@@ -80,7 +80,7 @@ def held_in_metres(robot: Robot, held: Mapping[str, float], metres: float) -> di
 
 
 def planned_sentence(robot: Robot, tip: str, wanted: Mapping[str, float]) -> str:
-    """A sentence on the link of the tool tip, the joints that move it, and those that are held.
+    """Sentence on the link of the tool tip, the joints that move it, and the held ones.
 
     Args:
         robot: the robot.

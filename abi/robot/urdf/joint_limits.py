@@ -1,4 +1,4 @@
-"""Limits of a URDF's joints, in which numbers beyond sense mean none.
+"""Limits of a URDF's joints; implausible numbers mean no limit.
 
 The formats: http://wiki.ros.org/urdf/XML/joint and http://wiki.ros.org/pr2_controller_manager/safety_limits.
 """
@@ -12,11 +12,11 @@ from abi.robot.urdf.strict_xml import XmlElement
 
 TURN = 2 * math.pi
 _SLIDE = 10.0
-"""Limit of a sliding joint that has none, [m]."""
+"""Limit of a sliding joint without one, [m]."""
 _MOST = 1e3
-"""Largest limit of a position that is meant, [rad] or [m]; greater ones mean none."""
+"""Largest plausible limit of a position, [rad] or [m]; greater ones mean none."""
 _MOST_RATE = 1e9
-"""The same of a speed, a torque or a force."""
+"""Largest plausible limit of a speed, a torque or a force."""
 _RATES = ("velocity", "effort")
 
 
@@ -36,7 +36,7 @@ class UrdfLimits(NamedTuple):
 
 
 def read_limits(joint: XmlElement, kind: str) -> UrdfLimits:
-    """Limits of a joint that moves, with a note where they are not as its ``<limit>`` says.
+    """Limits of a joint that moves, with a note if they differ from its ``<limit>``.
 
     Args:
         joint: its element.
@@ -73,7 +73,7 @@ def read_limits(joint: XmlElement, kind: str) -> UrdfLimits:
 
 
 def _softened(joint: XmlElement, low: float, high: float) -> tuple[float, float]:
-    """Limits within those of a joint's safety controller."""
+    """Limits tightened by a joint's safety controller."""
     soft = _soft(joint)
     if soft is None:
         return low, high
@@ -87,7 +87,7 @@ def _softened(joint: XmlElement, low: float, high: float) -> tuple[float, float]
 
 
 def _soft(joint: XmlElement) -> tuple[float, float] | None:
-    """Soft limits of a joint's safety controller; None if it gives none."""
+    """Soft limits of a joint's safety controller; None without any."""
     safety = joint.child("safety_controller")
     if safety is None:
         return None

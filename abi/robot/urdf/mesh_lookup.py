@@ -1,4 +1,4 @@
-"""Meshes of a robot's archive: found, read once, and counted."""
+"""Meshes of a robot's archive, each found, read once, and counted."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from abi.obstacles.triangle_mesh import mesh_reader
 from abi.robot.urdf.mesh_places import alike, length, places
 
 MAX_TRIANGLES = 500_000
-"""Largest number of triangles of all shapes of a robot; a shape used twice counts twice."""
+"""Most triangles of all shapes of a robot; a shape used twice counts twice."""
 _PLAIN = ".plain.stl"
-"""Added to the name of a file that has been turned into an STL."""
+"""Suffix of a file that has been converted to STL."""
 _NOTES = "notes.plain.txt"
-"""Name of the file with the sentences on meshes that have been turned into STL files."""
+"""Name of the file with the notes on converted meshes."""
 _MOST_NOTES = 20
 _SIMPLE = (".stl", ".obj", ".glb")
 
 
 class MeshLookup:
-    """Meshes of an archive, found where the URDF says, or else by the ends of their paths.
+    """Meshes of an archive, found where the URDF says or by the ends of their paths.
 
     Args:
         files: content by path.
@@ -82,12 +82,12 @@ class MeshLookup:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on the files that were taken for others, and on what of them is left out."""
+        """Sentences on files that were used for others, and on what of them is left out."""
         guessed = (f"Taken for {name}: {file}." for name, file in self._guessed.items())
         return (*guessed, *self._left_out)
 
     def _mesh(self, content: bytes, name: str) -> Parts:
-        """A mesh in metres, which a file without a unit has, and in the axes of its file."""
+        """A mesh in its file's axes and in metres, the default unit."""
         suffix = PurePosixPath(name).suffix.lower()
         if suffix not in mesh_reader.SUFFIXES:
             expected = f"a mesh that ends in {', '.join(mesh_reader.SUFFIXES)}"
@@ -105,7 +105,7 @@ class MeshLookup:
         return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))
 
     def _most_alike(self, name: str) -> str:
-        """The only file whose path ends most like a name that no file has."""
+        """The only file whose path shares the longest end with a name that no file has."""
         files, count = alike(self._names, name)
         if len(files) > 1:
             exact = [file for file in files if file.endswith(PurePosixPath(name).name)]
@@ -122,6 +122,6 @@ class MeshLookup:
 
 
 def is_plain(path: str) -> bool:
-    """Check whether a file is no mesh that has to be parsed as XML, or otherwise at length."""
+    """Check whether a file needs no slow parsing, as XML meshes do."""
     suffix = PurePosixPath(path).suffix.lower()
     return suffix in _SIMPLE or suffix not in mesh_reader.SUFFIXES

@@ -1,4 +1,4 @@
-"""Places at which a mesh may be that a URDF names: in its ROS package, or beside the URDF.
+"""Possible paths of a mesh that a URDF names: in its ROS package, or beside the URDF.
 
 Nothing here opens a file: a name is turned into paths inside the archive or the scene's folder.
 """
@@ -15,7 +15,7 @@ _SCHEME = re.compile(r"\A(package|model)://")
 
 
 def reference(text: str) -> str | None:
-    """The name of a mesh file, with ``/`` between folders; None for one that leads outside.
+    """Name of a mesh file, with ``/`` between folders; None if it leads outside.
 
     It begins with ``package://NAME/`` where it is in a package.
     """
@@ -32,7 +32,7 @@ def reference(text: str) -> str | None:
 
 
 def places(folder: PurePosixPath, name: str) -> tuple[str, ...]:
-    """Paths at which a mesh is looked for, the first that exists being meant.
+    """Paths at which a mesh is looked for; the first that exists is used.
 
     That of a package ``package://NAME/REST`` is REST in the nearest folder above the URDF that is
     called NAME, or in one of that name beside these, or else REST in any of them.
@@ -72,7 +72,7 @@ def _parts(name: str) -> list[str]:
 
 
 def _common(first: list[str], second: list[str]) -> int:
-    """Number of last parts that are the same."""
+    """Number of last parts that two paths share."""
     count = 0
     while count < min(len(first), len(second)) and first[-1 - count] == second[-1 - count]:
         count += 1
@@ -80,7 +80,7 @@ def _common(first: list[str], second: list[str]) -> int:
 
 
 def _inside(path: PurePosixPath) -> PurePosixPath | None:
-    """A path without ``..``; None where it leads out of where it begins."""
+    """A path without ``..``; None if it leads outside its start."""
     parts: list[str] = []
     for part in path.parts:
         if part != "..":

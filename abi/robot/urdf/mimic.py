@@ -1,4 +1,4 @@
-"""Joints of a URDF that follow others, each led back to one that moves by itself."""
+"""Joints of a URDF that follow others, each resolved to one that moves by itself."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from abi.robot.urdf.robot import Joint, Mimic
 from abi.robot.urdf.strict_xml import XmlElement
 
 _ROUNDED = 1e-2
-"""Part of a joint's way by which numbers in a file may be rounded."""
+"""Relative rounding of numbers in a file, over a joint's range."""
 
 
 def with_masters(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]:
-    """The joints, each that follows another following one that moves by itself.
+    """The joints, each follower resolved to a joint that moves by itself.
 
     What follows a fixed joint, or one that there is not, is fixed at its offset: as if that joint
     were at 0.
@@ -45,7 +45,7 @@ def with_masters(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]
 
 
 def _is_past_limits(joint: Joint, mimic: Mimic, master: Joint) -> bool:
-    """Check whether a joint passes its limits where its master keeps its own, but for rounding."""
+    """Check whether a joint exceeds its limits while its master keeps its own, up to rounding."""
     span = joint.high - joint.low
     if joint.kind == "continuous" or span == 0:
         return False
@@ -54,7 +54,7 @@ def _is_past_limits(joint: Joint, mimic: Mimic, master: Joint) -> bool:
 
 
 def _master(root: XmlElement, joint: Joint, by_name: Mapping[str, Joint]) -> Mimic:
-    """How a joint follows the first of its chain of masters, which need not be there."""
+    """How a joint follows the first of its chain of masters, which may be missing."""
     assert joint.mimic is not None
     name, factor, offset = joint.mimic
     passed = [joint.name]

@@ -21,7 +21,7 @@ from abi.errors import ArgumentError, SceneError
 from abi.obstacles.pose import Vec3
 
 MOST_JOINTS = 16
-"""Largest number of joints between root and tip."""
+"""Most joints between root and tip."""
 
 JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
 
@@ -51,7 +51,7 @@ class LinkShape(ReadOnlyCopies):
     colours: ByteArray
 
     def __post_init__(self) -> None:
-        """Check what proofs are made of.
+        """Check the data that proofs are based on.
 
         Raises:
             ArgumentError: an array has another shape or type, or makes no sense.
@@ -91,7 +91,7 @@ class Link(ShortRepr):
     visuals: tuple[LinkShape, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check what torques are computed from.
+        """Check the data that torques are computed from.
 
         Raises:
             ArgumentError: a number makes no sense, or an array has another shape.
@@ -146,7 +146,7 @@ class Joint(ReadOnlyCopies):
     mimic: Mimic | None
 
     def __post_init__(self) -> None:
-        """Check its place and its numbers.
+        """Check its pose and its numbers.
 
         Raises:
             ArgumentError: a number makes no sense, or an array has another shape.
@@ -186,7 +186,7 @@ class Joint(ReadOnlyCopies):
 
 
 class NamedState(NamedTuple):
-    """Positions of joints that an SRDF gives a name, such as ``home`` or ``open``.
+    """Named positions of joints from an SRDF, such as ``home`` or ``open``.
 
     Attributes:
         name: of the state.
@@ -200,7 +200,7 @@ class NamedState(NamedTuple):
 
 
 class AttachedObject(NamedTuple):
-    """An object that a robot holds: a link of it that is in none of its files.
+    """An object held by a robot: a link that is in none of its files.
 
     Attributes:
         link: name of that link.
@@ -252,7 +252,7 @@ class Robot(ShortRepr):
         return hash(self._key)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What ``pickle`` and ``copy`` keep; a view of a dict is not among what they can."""
+        """State for ``pickle`` and ``copy``, which cannot handle a view of a dict."""
         states = tuple(one._replace(positions=dict(one.positions)) for one in self.states)
         views = {"links": dict(self.links), "groups": dict(self.groups), "states": states}
         return {**vars(self), **views}
@@ -292,7 +292,7 @@ def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
 
 
 def meet(robot: Robot, first: str, second: str) -> bool:
-    """Check whether only links without collision shapes are between two links of the tree."""
+    """Check whether there are only links without collision shapes between two links of the tree."""
     above = {joint.child: joint.parent for joint in robot.joints}
     ways = [[first], [second]]
     for way in ways:

@@ -29,7 +29,7 @@ SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7
 
 _MAX_ARCHIVE, _MAX_UNPACKED, _MAX_FILES = 30_000_000, 100_000_000, 2_000
 _ROOM = 0.9
-"""Part of an archive's size that meshes for looks alone may fill it to."""
+"""Fraction of an archive's largest size up to which meshes for looks alone are included."""
 _INSIDE = ".zip/"
 _SRDF = ".srdf"
 _ZIP = b"PK\x03\x04"
@@ -59,7 +59,7 @@ def load_robot(name: str, source: MeshSource, srdf: str | None = None) -> Robot:
 
 
 def load_plain_robot(name: str, source: MeshSource, srdf: str | None = None) -> Robot:
-    """Load the arm of a file, and give it an archive that can be read without trimesh.
+    """Load the arm of a file with an archive that can be read without trimesh.
 
     The file is unpacked once, and each mesh in it is read once. Arguments and errors are those of
     :func:`load_robot`; no shipped arm is found.
@@ -88,12 +88,12 @@ def archive_of(name: str, source: MeshSource) -> bytes:
 
 
 def _packed_anew(name: str, files: Mapping[str, bytes]) -> bytes:
-    """Files as an archive; those that were beside a URDF need not be small."""
+    """Pack files into an archive; those from beside a URDF are stored uncompressed."""
     return packed(files, zipfile.ZIP_STORED if file_of(name) == name else zipfile.ZIP_DEFLATED)
 
 
 def _unpacked_files(name: str, source: MeshSource) -> tuple[bytes | None, dict[str, bytes]]:
-    """The archive that a name stands for, None if there is none of just these files; and these."""
+    """The archive that a name stands for, None if it holds more than its robot; and the files."""
     archive = _archive_itself(name, source)
     if archive is not None:
         return archive, unpacked(archive)
@@ -104,7 +104,7 @@ def _unpacked_files(name: str, source: MeshSource) -> tuple[bytes | None, dict[s
 
 
 def _archive_itself(name: str, source: MeshSource) -> bytes | None:
-    """Content of a file that is an archive of one robot; None for a URDF, and for one of several.
+    """Content of a file that is an archive of one robot; None for a URDF and for several robots.
 
     Raises:
         SceneError: the file has another ending, or is missing.
@@ -152,7 +152,7 @@ def robot_from_archive(content: bytes) -> Robot:
 
 
 def packed(files: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
-    """Files by their paths as a zip, the same for the same files."""
+    """Pack files into a reproducible zip."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
         for name, data in files.items():
@@ -161,7 +161,7 @@ def packed(files: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) 
 
 
 def unpacked(content: bytes) -> dict[str, bytes]:
-    """Files of an archive by their paths, no more of each than it says beforehand.
+    """Unpack an archive, no more of each file than its declared size.
 
     Raises:
         SceneError: it is damaged, or too large.
@@ -173,7 +173,7 @@ def unpacked(content: bytes) -> dict[str, bytes]:
 
 @contextlib.contextmanager
 def _opened(content: bytes) -> Iterator[zipfile.ZipFile]:
-    """An archive of no more and no larger files than are taken, to read in the block.
+    """Open an archive of limited size and number of files, to read in the block.
 
     Raises:
         SceneError: it is damaged, or too large.
@@ -212,7 +212,7 @@ def _read(files: Mapping[str, bytes]) -> tuple[Robot, dict[str, bytes]]:
 
 
 def _with_one(files: Mapping[str, bytes], name: str) -> dict[str, bytes]:
-    """Files with only one of the URDF files among them, whose path ends in a name."""
+    """Files with only the URDF whose path ends in a name."""
     urdfs = [file for file in files if file.lower().endswith(".urdf")]
     found = [file for file in urdfs if f"/{file}".endswith(f"/{name}")]
     if name in urdfs:
@@ -223,7 +223,7 @@ def _with_one(files: Mapping[str, bytes], name: str) -> dict[str, bytes]:
 
 
 def _with_one_srdf(files: Mapping[str, bytes], source: MeshSource, name: str) -> dict[str, bytes]:
-    """Files with one SRDF alone: a file of the source, or that of its name among them."""
+    """Files with only one SRDF: one from the source, or the one of its name among them."""
     inside = [file for file in files if f"/{file}".endswith(f"/{PurePosixPath(name).name}")]
     others = {file: files[file] for file in files if not file.lower().endswith(_SRDF)}
     if not name.lower().endswith(_SRDF):
@@ -238,7 +238,7 @@ def _with_one_srdf(files: Mapping[str, bytes], source: MeshSource, name: str) ->
 
 
 def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
-    """The robot with what its SRDF says: the only one among its files, or that of its name.
+    """The robot with the content of its SRDF: the only one among its files, or the one of its name.
 
     Without an SRDF more is checked than need be, so a choice among others is not made.
     """
@@ -295,7 +295,7 @@ def _with_meshes(source: MeshSource, urdf: str) -> dict[str, bytes]:
 
 
 def _mesh_of(source: MeshSource, folder: PurePosixPath, name: str) -> tuple[str, bytes]:
-    """Path and content of a mesh that a URDF in a folder names: of the first place that has one."""
+    """Path and content of a mesh that a URDF names, from the first place that has one."""
     fault = SceneError("arm.urdf mesh", name, "a file inside the scene's folder")
     for number, path in enumerate(places(folder, name)):
         try:

@@ -51,7 +51,7 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
 
 
 def _may_touch(root: XmlElement, robot: Robot) -> frozenset[frozenset[str]]:
-    """Pairs of links whose collisions are disabled, one by one or all of a link."""
+    """Pairs of links whose collisions are disabled, one by one or for a whole link."""
     links = robot.links.keys()
     pairs = {_pair(one) for one in root.all("disable_collisions")}
     for one in root.all("disable_default_collisions"):
@@ -67,7 +67,7 @@ def _pair(element: XmlElement) -> frozenset[str]:
 def _joints(
     group: XmlElement, robot: Robot, known: Mapping[str, tuple[str, ...]]
 ) -> tuple[str, ...]:
-    """Names of a group's joints that can move, in the order of the robot."""
+    """Names of a group's movable joints, in the order of the robot."""
     named = {one.text("name") for one in group.all("joint")}
     links = {one.text("name") for one in group.all("link")}
     by_child = {joint.child: joint for joint in robot.joints}
@@ -86,7 +86,7 @@ def _joints(
 
 
 def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
-    """Named states, each with the positions of joints that the robot has, within their limits."""
+    """Named states, each with positions of existing joints within their limits."""
     limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
     found = []
     for element in root.all("group_state"):

@@ -1,4 +1,4 @@
-"""Strict parser of the XML of robot descriptions, whose errors are one sentence each."""
+"""Strict parser of robot descriptions in XML, whose errors are one sentence each."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NOT_IN_NAMES = '<>"\\`'
 _ENDLESS = ("inf", "infinity")
 _COMMA = re.compile(r",(\s|$)")  # between numbers; one inside a number is not let pass
 _DEFAULTED = re.compile(r"\$\(optenv\s+\w+\s+([^$()]*)\)")
-"""Of xacro: a variable of the environment, and what counts where it is not set."""
+"""Pattern of xacro's environment variables with a default."""
 _MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 _LEAST_QUATERNION = 1e-6
@@ -56,13 +56,13 @@ class XmlElement:
         return SceneError(f"arm.urdf {self.file}: {self.title}, {what}", value, expected)
 
     def tell(self, note: str) -> None:
-        """Add this element to those that a sentence ends in."""
+        """Note this element for a summarising sentence."""
         named = self.told.setdefault(note, [])
         if self.title not in named:
             named.append(self.title)
 
     def called(self) -> XmlElement:
-        """A copy for error messages that goes by its ``name`` attribute."""
+        """A copy that error messages call by its ``name`` attribute."""
         name = self.xml.get("name", "")
         tag = str(self.xml.tag)
         if not _is_name(name):
@@ -74,12 +74,12 @@ class XmlElement:
         return XmlElement(self.xml, self.file, f"{tag} {name}", self.told)
 
     def all(self, tag: str) -> Iterator[XmlElement]:
-        """Children with a tag, under the same name in error messages."""
+        """Children with a tag, called by it in error messages."""
         for element in self.xml.iterfind(tag):
             yield XmlElement(element, self.file, self.title, self.told)
 
     def child(self, tag: str) -> XmlElement | None:
-        """First child with a tag; None if there is none. That it is not the only one is told."""
+        """First child with a tag; None if there is none. Further ones are noted."""
         found = list(self.all(tag))
         if len(found) > 1:
             self.tell(f"Of more than one <{tag}> the first counts:")
@@ -154,7 +154,7 @@ class XmlElement:
         return scipy.spatial.transform.Rotation.from_quat(numbers)
 
     def _given(self, attribute: str) -> str | None:
-        """An attribute as the file has it, with the defaults of variables that xacro left."""
+        """An attribute of the file, with the defaults of variables that xacro left."""
         text = self.xml.get(attribute)
         if text is None:
             return None
@@ -176,12 +176,12 @@ class XmlElement:
 
 
 def _is_macro(text: str) -> bool:
-    """Check whether an attribute is to be worked out by xacro, and not just by its default."""
+    """Check whether an attribute needs xacro's evaluation, and not just its default."""
     return "${" in text or "$(" in _DEFAULTED.sub("", text)
 
 
 def _is_name(name: str) -> bool:
-    """Check whether links and joints may be called so: it is shown, and written to files."""
+    """Check whether a name is valid for links and joints: it is displayed, and written to files."""
     return (
         0 < len(name) <= _LONGEST_NAME
         and name.isprintable()
@@ -192,7 +192,7 @@ def _is_name(name: str) -> bool:
 
 
 def decoded(content: bytes) -> str:
-    """Text of an XML file in UTF-8 or UTF-16.
+    """Decode an XML file in UTF-8 or UTF-16.
 
     Raises:
         UnicodeDecodeError: it is neither.
@@ -245,7 +245,7 @@ def parse(content: bytes, name: str) -> etree._Element:
 
 
 def _root_of(content: bytes) -> etree._Element:
-    """Root element of a text; a prefix that nothing declares, such as ``drake:``, is let pass.
+    """Root element of a text; an undeclared prefix, such as ``drake:``, is accepted.
 
     Raises:
         etree.XMLSyntaxError: it is no XML but for that.

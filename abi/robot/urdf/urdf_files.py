@@ -1,4 +1,4 @@
-"""A robot as files again: its URDF, alone or with the meshes that it names."""
+"""A robot written as files: its URDF, alone or with the meshes that it names."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from abi.robot.urdf.urdf_meshes import file_name
 
 
 def description_of(robot: Robot) -> str:
-    """Text of a robot's URDF, as it was read, but without what is no part of the robot."""
+    """Text of a robot's URDF as it was read, without links that are not part of the robot."""
     files = unpacked(robot.archive)
     path = _urdf_among(files)
     root = parse(files[path], PurePosixPath(path).name)
@@ -48,7 +48,7 @@ def _urdf_among(files: dict[str, bytes]) -> str:
 
 
 def _drop_others(root: etree._Element, robot: Robot) -> bool:
-    """Drop links and joints that are no part of a robot; whether there were any.
+    """Remove links and joints that are not part of a robot; whether there were any.
 
     Then all that is neither, such as transmissions, is dropped, too: it may name them.
     """

@@ -17,11 +17,11 @@ _MOVING = ("revolute", "continuous", "prismatic")
 _X = read_only(np.array([1.0, 0.0, 0.0]))
 _LEAST_AXIS = 1e-6
 _HELD = ("floating", "planar", "spherical")
-"""Kinds that have more than one coordinate: they are held at their origin."""
+"""Kinds with more than one coordinate, which are held at their origin."""
 
 
 def read_joint(element: XmlElement) -> Joint:
-    """Read a joint with its limits; what its kind does not use is not looked at.
+    """Read a joint with its limits, ignoring what its kind does not use.
 
     Raises:
         SceneError: its kind is unknown, or one of its numbers makes no sense.
@@ -49,7 +49,7 @@ def read_joint(element: XmlElement) -> Joint:
 
 
 def some_of(names: Sequence[str], most: int = 4) -> str:
-    """The first of some names, and how many more there are."""
+    """List the first of some names, and how many more there are."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return f"{', '.join(names[:most])}{more}"
 

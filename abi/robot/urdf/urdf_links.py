@@ -27,7 +27,7 @@ _LARGEST = 1000.0
 """Largest coordinate or size of a shape, [m]."""
 
 Meshes = Callable[[str], Parts]
-"""Vertices, faces and their colours of the mesh file of that name."""
+"""Function from the name of a mesh file to its vertices, faces and colours."""
 
 
 def read_link(element: XmlElement, meshes: Meshes, masses: bool = True) -> Link:
@@ -77,7 +77,7 @@ def _are_same(first: Sequence[LinkShape], second: Sequence[LinkShape]) -> bool:
 
 
 def add_colours(root: XmlElement, links: dict[str, Link]) -> None:
-    """Give visuals the colours of their materials, which take precedence over those of a mesh.
+    """Colour visuals by their materials, which take precedence over a mesh's colours.
 
     Shapes that stand for visuals take the first visual's colour.
     """
@@ -105,7 +105,7 @@ def _shapes(element: XmlElement, kind: str, meshes: Meshes) -> tuple[LinkShape, 
 
 
 def _solids(element: XmlElement, meshes: Meshes) -> Iterator[LinkShape]:
-    """A shape; of a capsule its cylinder and both its balls."""
+    """Solids of a shape; of a capsule its cylinder and both its balls."""
     geometry = element.needed("geometry")
     solids = [str(x.tag) for one in element.all("geometry") for x in one.xml if x.tag in _KINDS]
     if len(solids) > 1:

@@ -1,4 +1,4 @@
-"""Masses and inertias of a URDF's links, which only torques need."""
+"""Masses and inertias of a URDF's links, which are needed for torques only."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WEIGHTLESS = Inertial(0.0, read_only(np.zeros(3)), read_only(np.zeros((3, 3))))
 
 
 def read_inertial(link: XmlElement) -> Inertial:
-    """Read the mass of a link and its inertia; none where the file gives none.
+    """Read the mass and inertia of a link; none if the file has none.
 
     Raises:
         SceneError: one of the numbers makes no sense, or is missing.
@@ -44,7 +44,7 @@ def read_inertial(link: XmlElement) -> Inertial:
 
 
 def has_sense(link: XmlElement) -> bool:
-    """Check whether a link's masses can be read."""
+    """Check whether a link's masses are valid."""
     try:
         read_inertial(link)
     except SceneError:

@@ -10,7 +10,7 @@ from abi.robot.urdf.strict_xml import XmlElement, parse
 
 
 def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Mesh files that a URDF names: those of its shapes, and those only of visuals.
+    """Mesh files that a URDF names: those of collision shapes, and those of visuals only.
 
     Raises:
         SceneError: it is no URDF, or the mesh of a shape is outside the folder.
@@ -30,7 +30,7 @@ def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, .
 
 
 def file_name(mesh: XmlElement) -> str:
-    """Name of a mesh file inside the upload, in the form of :func:`.mesh_places.reference`.
+    """Name of a mesh file in the upload, in the form of :func:`.mesh_places.reference`.
 
     Raises:
         SceneError: it leads outside.

@@ -1,4 +1,4 @@
-"""Strict reader of URDF files, from bytes alone.
+"""Strict reader of URDF files from bytes.
 
 Nothing that a file names is opened: meshes come from the same folder or upload. A file that is
 damaged, ambiguous or too large is refused with one sentence.

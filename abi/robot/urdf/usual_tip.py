@@ -1,4 +1,4 @@
-"""The link that is the tool where nobody names one: the last before joints branch into fingers."""
+"""The default tool link: the last before joints branch into fingers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _WRIST = re.compile(r"wrist|roll|rot|yaw|pitch", re.IGNORECASE)
 
 
 def usual_tip(robot: Robot) -> str:
-    """The link that the most joints move but for a gripper's; the last one if there are several.
+    """The link moved by the most joints other than a gripper's; the last one if there are several.
 
     Joints that follow others count where links are else moved by as many.
 
@@ -39,7 +39,7 @@ def usual_tip(robot: Robot) -> str:
 
 
 def _branches(robot: Robot, way: list[Joint], count: int) -> bool:
-    """Check whether joints branch into fingers behind so many joints on the way to the deepest."""
+    """Check whether joints branch into fingers after that many joints of the deepest row."""
     body = _fixed_to(robot, way[count - 1].child)
     before = {joint.coordinate for joint in way[:count]}
     rows = [
@@ -51,7 +51,7 @@ def _branches(robot: Robot, way: list[Joint], count: int) -> bool:
 
 
 def _fixed_to(robot: Robot, link: str) -> list[str]:
-    """A link and those that are fixed to it and hang from it."""
+    """A link and those fixed to it further out."""
     found = [link]
     for joint in robot.joints:
         if joint.kind == "fixed" and joint.parent in found:
@@ -60,7 +60,7 @@ def _fixed_to(robot: Robot, link: str) -> list[str]:
 
 
 def _longest_row(robot: Robot, first: Joint) -> int:
-    """Number of joints in the longest row that begins with a joint."""
+    """Number of joints in the longest row from a joint on."""
     counts = {first.child: 1}
     for joint in _behind(robot, first):
         counts[joint.child] = counts[joint.parent] + (joint.kind != "fixed")
@@ -68,7 +68,7 @@ def _longest_row(robot: Robot, first: Joint) -> int:
 
 
 def _behind(robot: Robot, first: Joint) -> Iterable[Joint]:
-    """Joints behind one, parents before children."""
+    """Joints further out than one, parents before children."""
     carried = {first.child}
     for joint in robot.joints:
         if joint.parent in carried:
@@ -77,5 +77,5 @@ def _behind(robot: Robot, first: Joint) -> Iterable[Joint]:
 
 
 def _last_of(robot: Robot, link: str) -> str:
-    """The last link that is fixed to one, such as a flange behind the last joint."""
+    """The last link that is fixed to one, such as a flange after the last joint."""
     return _fixed_to(robot, link)[-1]

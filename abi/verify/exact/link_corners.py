@@ -1,4 +1,4 @@
-"""Check that the capsules of a certificate hold the corners of a robot's links, and points of them.
+"""Check that a certificate's capsules contain the corners of a robot's links, and points of them.
 
 So none stands where its joints do not take it, and none leaves a part of a link out. The points are
 spread at random, others each time, over the surface of each shape and, but for meshes, inside. They
@@ -21,10 +21,10 @@ from abi.verify.exact.chain import ExactChain
 from abi.verify.fault import Fault
 
 _NEAR = 1e-6
-"""Distance that a corner may be outside, over the largest coordinate of its link and 1 m."""
+"""Distance by which a corner may be outside, over the largest coordinate of its link and 1 m."""
 _TINY = 1e-300
 _POINTS = 600
-"""Random points of each shape."""
+"""Number of random points of each shape."""
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 
 
@@ -47,7 +47,7 @@ class LinkPiece(NamedTuple):
 def check_corners(
     robot: Robot, chain: ExactChain, bodies: Mapping[str, Sequence[LinkPiece]]
 ) -> None:
-    """Raise where a point of a link's shapes is in none of its pieces, capsule and hull.
+    """Raise if a point of a link's shapes is in none of its pieces, capsule and hull.
 
     Args:
         robot: the robot.

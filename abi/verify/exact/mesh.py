@@ -18,9 +18,9 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.verify.exact.solids import Vec3, dot, in_body, sub, times_length, vector
 
 _ROUNDING = 2.0**-50
-"""Rounding of a sum of products, as a part of the sum of their magnitudes."""
+"""Relative rounding of a sum of products, over the sum of their magnitudes."""
 _SMALLEST = 2.0**-1073
-"""What is lost where products are too small for their digits, for each factor and for all."""
+"""Absolute error of products too small for their digits, for each factor and in total."""
 
 Side = tuple[Fraction, Fraction, Vec3, Fraction]
 """First and last parameter of a piece, a direction, and its least product with the piece."""
