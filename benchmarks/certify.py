@@ -62,7 +62,7 @@ def main() -> None:
         if verdict.state != "clear":
             continue
         samples = np.linspace(0, _WAYPOINTS - 1, chosen.samples)
-        refuted += nearest(verdict.task, samples).distance < verdict.clearance
+        refuted += nearest(verdict.problem, samples).distance < verdict.clearance
         plates += 1
         thin, _ = plate(verdict, seed)
         damaged = scene.replace(obstacles=[*scene.obstacles, thin])
@@ -137,9 +137,9 @@ def _two_arms() -> Scene:
 def plate(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
     """A plate across the way of the last link, and the random parameter at which it is there."""
     random = np.random.default_rng(seed)
-    at = random.uniform(0.1, len(verdict.task.motion.points) - 0.1)
-    task = verdict.task
-    body = task.bodies.bodies[-1]
+    at = random.uniform(0.1, len(verdict.problem.motion.points) - 0.1)
+    problem = verdict.problem
+    body = problem.bodies.bodies[-1]
     places = [_place(verdict, body.points[0], body.frame, t) for t in (at, at + 1e-3)]
     way = places[1] - places[0]
     axis = int(np.abs(way).argmax())
@@ -150,8 +150,8 @@ def plate(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
 
 def _place(verdict: MotionVerdict, point: FloatArray, frame: int, at: float) -> FloatArray:
     """Place of a point of a body at a parameter, [m]."""
-    positions = verdict.task.motion.positions_at(np.array([at]))
-    pose = verdict.task.bodies.chain.poses(positions)[0, frame]
+    positions = verdict.problem.motion.positions_at(np.array([at]))
+    pose = verdict.problem.bodies.chain.poses(positions)[0, frame]
     return np.asarray(pose[:, :3] @ point + pose[:, 3])
 
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
-from abi.certification.clearance_proof import PARTS, nearest, task_of
+from abi.certification.clearance_proof import PARTS, nearest, problem_of
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
@@ -83,36 +83,36 @@ def main() -> None:
     tasks = _of_set(chosen.set, chosen.each) if chosen.set else _random(chosen.random)
     begin, known = time.monotonic(), _read(chosen.records)
     with chosen.records.open("a") as file:
-        for task in tasks:
+        for problem in tasks:
             if time.monotonic() - begin > chosen.seconds:
                 break
-            last = known.get(task.name)
+            last = known.get(problem.name)
             if last is None or (chosen.again and "path" in last):
-                print(json.dumps(record(task, chosen.damages, last)), file=file, flush=True)
+                print(json.dumps(record(problem, chosen.damages, last)), file=file, flush=True)
 
 
-def record(task: Task, damages: int, last: dict[str, Any] | None = None) -> dict[str, Any]:
-    """What came of a task: the verdict on OMPL's path, and on its damaged forms.
+def record(problem: Task, damages: int, last: dict[str, Any] | None = None) -> dict[str, Any]:
+    """What came of a problem: the verdict on OMPL's path, and on its damaged forms.
 
     Args:
-        task: the task.
+        problem: the problem.
         damages: how many forms.
-        last: the last record of the task, whose path is taken.
+        last: the last record of the problem, whose path is taken.
     """
-    oracle = _oracle(task)
-    step = _STEP * float(np.linalg.norm(np.ptp(task.arm.limits, axis=1)))
+    oracle = _oracle(problem)
+    step = _STEP * float(np.linalg.norm(np.ptp(problem.arm.limits, axis=1)))
     is_clear = partial(_is_clear, oracle)
     if last is None:
-        path = ompl_path(is_clear, task.arm.limits, task.start, task.goal, step)
+        path = ompl_path(is_clear, problem.arm.limits, problem.start, problem.goal, step)
     else:
         path = np.array(last["path"])
     if path is None:
-        return {"name": task.name, "state": "no path"}
-    motion = task.motion(path)
+        return {"name": problem.name, "state": "no path"}
+    motion = problem.motion(path)
     begin = time.thread_time()
-    verdict = certify_motion(motion, task.scene)
+    verdict = certify_motion(motion, problem.scene)
     found: dict[str, Any] = {
-        "name": task.name,
+        "name": problem.name,
         "state": verdict.state,
         "waypoints": len(path),
         "ms": 1e3 * (time.thread_time() - begin),
@@ -123,16 +123,16 @@ def record(task: Task, damages: int, last: dict[str, Any] | None = None) -> dict
         found |= {"sentence": verdict.sentence, "path": path.tolist()}
     else:
         samples = np.linspace(0, len(path) - 1, _SAMPLES)
-        nearer = nearest(verdict.task, samples).distance < verdict.clearance
-        touched = oracle.touches(verdict.task.motion.positions_at(samples))
+        nearer = nearest(verdict.problem, samples).distance < verdict.clearance
+        touched = oracle.touches(verdict.problem.motion.positions_at(samples))
         found["refuted"] = bool(nearer or touched)
-        found |= damaged(task, verdict, path, damages)
+        found |= damaged(problem, verdict, path, damages)
     return found
 
 
 def confirmed(oracle: MeshOracle, verdict: MotionVerdict) -> dict[str, int]:
     """How many contacts are told, and of how many coal finds time, depth, and none before."""
-    motion = verdict.task.motion
+    motion = verdict.problem.motion
     touches = verdict.touches
     at = [motion.positions_at(np.array([one.time, one.deepest])) for one in touches]
     before = np.linspace(0, max(touches[0].time - len(motion.points) / PARTS, 0), _BEFORE)
@@ -144,13 +144,13 @@ def confirmed(oracle: MeshOracle, verdict: MotionVerdict) -> dict[str, int]:
     }
 
 
-def damaged(task: Task, verdict: MotionVerdict, path: FloatArray, count: int) -> dict[str, int]:
+def damaged(problem: Task, verdict: MotionVerdict, path: FloatArray, count: int) -> dict[str, int]:
     """Verdicts on a motion that was damaged so many times."""
-    random = np.random.default_rng(zlib.crc32(task.name.encode()))
+    random = np.random.default_rng(zlib.crc32(problem.name.encode()))
     names = ("damaged", "hit", "touching", "doubted", "unseen", "false")
     found = dict.fromkeys(names, 0)
     for number in range(count):
-        scene, moved, kind = task.scene, path.copy(), number % 3
+        scene, moved, kind = problem.scene, path.copy(), number % 3
         if kind == 0:
             at, joint = float(random.integers(len(path))), random.integers(path.shape[1])
             moved[int(at), joint] += random.normal(0, 0.4)
@@ -158,8 +158,8 @@ def damaged(task: Task, verdict: MotionVerdict, path: FloatArray, count: int) ->
             put = plate if kind == 1 else grazed
             thin, at = put(verdict, int(random.integers(2**31)))
             scene = scene.replace(obstacles=[*scene.obstacles, thin])
-        again = certify_motion(task.motion(moved), scene)
-        oracle, motion = MeshOracle(again.task), again.task.motion
+        again = certify_motion(problem.motion(moved), scene)
+        oracle, motion = MeshOracle(again.problem), again.problem.motion
         near = np.linspace(max(at - 1, 0), min(at + 1, len(path) - 1), _NEAR)
         hit = oracle.touches(motion.positions_at(np.insert(near, 0, at)))
         found["damaged"] += 1
@@ -176,7 +176,7 @@ def damaged(task: Task, verdict: MotionVerdict, path: FloatArray, count: int) ->
 def grazed(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
     """A small plate that the last link grazes between two waypoints, and the parameter there."""
     random = np.random.default_rng(seed)
-    motion, chain = verdict.task.motion, verdict.task.bodies.chain
+    motion, chain = verdict.problem.motion, verdict.problem.bodies.chain
     last = [one for one in chain.carried if chain.robot.links[one.link].shapes][-1]
     shape = chain.robot.links[last.link].shapes[0]
     pose = last.pose @ shape.pose
@@ -200,10 +200,10 @@ def grazed(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
     return thin, float(at[highest])
 
 
-def _oracle(task: Task) -> MeshOracle:
-    """The exact shapes of a task."""
-    straight = task.motion(np.stack([task.start, task.goal]))
-    return MeshOracle(task_of(robot_motion(straight, task.scene, None), task.scene))
+def _oracle(problem: Task) -> MeshOracle:
+    """The exact shapes of a problem."""
+    straight = problem.motion(np.stack([problem.start, problem.goal]))
+    return MeshOracle(problem_of(robot_motion(straight, problem.scene, None), problem.scene))
 
 
 def _is_clear(oracle: MeshOracle, pose: FloatArray) -> bool:
@@ -212,7 +212,7 @@ def _is_clear(oracle: MeshOracle, pose: FloatArray) -> bool:
 
 
 def _read(records: Path) -> dict[str, dict[str, Any]]:
-    """The last record of each task that there is, by its name."""
+    """The last record of each problem that there is, by its name."""
     lines = records.read_text().splitlines() if records.exists() else []
     return {one["name"]: one for one in map(json.loads, lines)}
 

@@ -10,7 +10,7 @@ import coal
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.certification.clearance_proof import MotionTask
+from abi.certification.clearance_proof import MotionProblem
 from abi.certification.verdict import Touch
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
@@ -43,12 +43,12 @@ class MeshOracle:
     """The exact shapes of a robot's links, and what they must not touch, at any pose.
 
     Args:
-        task: a motion in a scene in metres, whose robot, obstacles and pairs of links are meant.
+        problem: a motion in a scene in metres, whose robot, obstacles and pairs of links are meant.
     """
 
-    def __init__(self, task: MotionTask) -> None:
-        self._chain, self._floor = task.bodies.chain, task.around.floor
-        self._obstacles = list(task.obstacles)
+    def __init__(self, problem: MotionProblem) -> None:
+        self._chain, self._floor = problem.bodies.chain, problem.around.floor
+        self._obstacles = list(problem.obstacles)
         self._parts, self._links = list[_Part](), dict[str, list[int]]()
         for carried in self._chain.carried:
             for shape in self._chain.robot.links[carried.link].shapes:
@@ -57,8 +57,8 @@ class MeshOracle:
         self._solids = [*map(obstacle_object, self._obstacles), _floor_object(self._floor)]
         self._frames = np.array([part.frame for part in self._parts])
         self._radii = np.array([part.radius for part in self._parts])
-        names = [body.link for body in task.bodies.bodies]
-        links = sorted({(names[i], names[j]) for i, j in task.bodies.pairs[0].tolist()})
+        names = [body.link for body in problem.bodies.bodies]
+        links = sorted({(names[i], names[j]) for i, j in problem.bodies.pairs[0].tolist()})
         pairs = [
             both for one, other in links for both in product(self._links[one], self._links[other])
         ]

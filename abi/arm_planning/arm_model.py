@@ -173,7 +173,7 @@ class Unreached(NamedTuple):
         return format_length(value) if self.slides else f"{math.degrees(value):.1f}°"
 
 
-class BranchTask(NamedTuple):
+class BranchProblem(NamedTuple):
     """What the branches of an arm are made from: scene, mesh, obstacles and margins.
 
     Attributes:
@@ -241,8 +241,8 @@ class ArmModel(Protocol):
             required: clearance that the links are to keep from obstacles, [unit].
         """
 
-    def branches(self, task: BranchTask) -> Sequence[ArmBranch]:
+    def branches(self, problem: BranchProblem) -> Sequence[ArmBranch]:
         """The allowed branches."""
 
-    def other_branches(self, task: BranchTask) -> OtherBranches:
+    def other_branches(self, problem: BranchProblem) -> OtherBranches:
         """Further branches, tried if none of the first leads to a motion."""

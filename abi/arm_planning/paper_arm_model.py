@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_model import BranchTask, OtherBranches
+from abi.arm_planning.arm_model import BranchProblem, OtherBranches
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
@@ -59,18 +59,18 @@ class PaperArmModel:
         """False: its joints follow from formulas, and testing them along the curve is as quick."""
         return False
 
-    def branches(self, task: BranchTask) -> tuple[ElbowBranch, ...]:
+    def branches(self, problem: BranchProblem) -> tuple[ElbowBranch, ...]:
         """One branch for each allowed elbow."""
-        settings, around = task.scene.arm, task.collision_world
-        extensions, clearance = _extensions(task.scene), settings.clearance
+        settings, around = problem.scene.arm, problem.collision_world
+        extensions, clearance = _extensions(problem.scene), settings.clearance
         return tuple(
             ElbowBranch(
-                *(self.arm, elbow, around, extensions, clearance, task.slack), settings=settings
+                *(self.arm, elbow, around, extensions, clearance, problem.slack), settings=settings
             )
             for elbow in settings.branches
         )
 
-    def other_branches(self, task: BranchTask) -> OtherBranches:
+    def other_branches(self, problem: BranchProblem) -> OtherBranches:
         """No further branches: an elbow has only two sides."""
         return OtherBranches(iter(()))
 

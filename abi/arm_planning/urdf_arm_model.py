@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.arm_model import BranchTask, OtherBranches
+from abi.arm_planning.arm_model import BranchProblem, OtherBranches
 from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
 from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
@@ -93,22 +93,22 @@ class UrdfArmModel:
             return False
         return touches_from_all(curve, arc, self.arm, collision_world, required)
 
-    def branches(self, task: BranchTask) -> tuple[ChainBranch, ...]:
+    def branches(self, problem: BranchProblem) -> tuple[ChainBranch, ...]:
         """One branch for each of a few start poses, clear ones if there are any."""
-        self._remember(task)
-        clear = self._clear(self._poses_at(task.scene.start)[:TRIED], task)
-        return tuple(self._branch(PosePair(number, None), task) for number in _first_ones(clear))
+        self._remember(problem)
+        clear = self._clear(self._poses_at(problem.scene.start)[:TRIED], problem)
+        return tuple(self._branch(PosePair(number, None), problem) for number in _first_ones(clear))
 
-    def other_branches(self, task: BranchTask) -> OtherBranches:
+    def other_branches(self, problem: BranchProblem) -> OtherBranches:
         """One branch for each of a few clear pairs of a start pose and a pose at the goal.
 
         A start pose that was not tried may also stand alone.
         """
         if not self.arm.is_redundant:
             return OtherBranches(iter(()))
-        self._remember(task)
-        start, goal = task.scene.start, task.scene.goal
-        firsts, lasts = (self._clear(self._poses_at(point), task) for point in (start, goal))
+        self._remember(problem)
+        start, goal = problem.scene.start, problem.scene.goal
+        firsts, lasts = (self._clear(self._poses_at(point), problem) for point in (start, goal))
         for where, point, clear in (("start", start, firsts), ("goal", goal, lasts)):
             if not clear:
                 found = len(self._poses_at(point))
@@ -116,13 +116,13 @@ class UrdfArmModel:
                 return OtherBranches(iter(()), note)
         tried = [PosePair(number, None) for number in _first_ones(firsts)]
         line = np.array(start), np.array(goal)
-        pairs = pose_pairs(self.arm, line, firsts, lasts, partial(self._is_clear, task))
-        return OtherBranches(self._branch(pair, task) for pair in pairs if pair not in tried)
+        pairs = pose_pairs(self.arm, line, firsts, lasts, partial(self._is_clear, problem))
+        return OtherBranches(self._branch(pair, problem) for pair in pairs if pair not in tried)
 
-    def _remember(self, task: BranchTask) -> None:
+    def _remember(self, problem: BranchProblem) -> None:
         """Drop caches of another mesh, start or goal."""
-        scene = task.scene
-        at = (task.mesh, scene.start, scene.goal)
+        scene = problem.scene
+        at = (problem.mesh, scene.start, scene.goal)
         if self._at is None or at[0] is not self._at[0] or at[1] != self._at[1]:
             self._configurations = {}
         elif at[2] != self._at[2]:
@@ -135,20 +135,20 @@ class UrdfArmModel:
         """All poses found with the tool at a point."""
         return self.arm.first_poses(np.array(point), _ALL)
 
-    def _clear(self, poses: Sequence[FloatArray], task: BranchTask) -> dict[int, FloatArray]:
+    def _clear(self, poses: Sequence[FloatArray], problem: BranchProblem) -> dict[int, FloatArray]:
         """The clear poses by their numbers."""
-        return {k: pose for k, pose in enumerate(poses) if self._is_clear(task, pose)}
+        return {k: pose for k, pose in enumerate(poses) if self._is_clear(problem, pose)}
 
-    def _is_clear(self, task: BranchTask, pose: FloatArray) -> bool:
+    def _is_clear(self, problem: BranchProblem, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
-        margin = task.scene.arm.clearance + task.slack
-        self._poses.enter(task.obstacles.obstacles, task.collision_world)
+        margin = problem.scene.arm.clearance + problem.slack
+        self._poses.enter(problem.obstacles.obstacles, problem.collision_world)
         _, fault = self._poses.examined(
             (pose.tobytes(), margin), partial(_still, pose), partial(self._refutation, margin)
         )
         if fault is not None:
             return False
-        return not inside_meshes(self.arm, task.obstacles, pose, task.collision_world.allowed)
+        return not inside_meshes(self.arm, problem.obstacles, pose, problem.collision_world.allowed)
 
     def _refutation(
         self, margin: float, followed: Followed, around: CollisionWorld, with_itself: bool
@@ -157,23 +157,23 @@ class UrdfArmModel:
         joints = followed.joints
         return chain_refutation(self.arm, joints, around, margin, with_itself=with_itself)
 
-    def _branch(self, pair: PosePair, task: BranchTask) -> ChainBranch:
+    def _branch(self, pair: PosePair, problem: BranchProblem) -> ChainBranch:
         branch = f"From pose {pair.first + 1} at the start"
         if pair.home is not None:
             branch += f" drawn to pose {pair.home + 1} at the goal"
-        configurations, memory = self._spread(pair, task)
-        memory.enter(task.obstacles.obstacles, task.collision_world)
-        clearance = task.scene.arm.clearance
-        around = task.collision_world, configurations, clearance, task.slack
+        configurations, memory = self._spread(pair, problem)
+        memory.enter(problem.obstacles.obstacles, problem.collision_world)
+        clearance = problem.scene.arm.clearance
+        around = problem.collision_world, configurations, clearance, problem.slack
         return ChainBranch(self.arm, branch, *around, memory=memory)
 
-    def _spread(self, pair: PosePair, task: BranchTask) -> _Spread:
+    def _spread(self, pair: PosePair, problem: BranchProblem) -> _Spread:
         """Configurations on the mesh from a first pose, drawn to a home."""
         if pair not in self._configurations:
-            start, goal = task.scene.start, task.scene.goal
+            start, goal = problem.scene.start, problem.scene.goal
             first = self._poses_at(start)[pair.first]
             home = first if pair.home is None else self._poses_at(goal)[pair.home]
-            found = spread_over(self.arm, task.mesh, np.array(start, dtype=float), first, home)
+            found = spread_over(self.arm, problem.mesh, np.array(start, dtype=float), first, home)
             if len(self._configurations) >= _REMEMBERED:
                 self._configurations.pop(next(iter(self._configurations)))
             self._configurations[pair] = _Spread(found, SegmentMemory())

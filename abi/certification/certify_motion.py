@@ -14,12 +14,12 @@ from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.certification.clearance_proof import (
     MOST_TRIES,
-    MotionTask,
+    MotionProblem,
     NearestObstacle,
     Separation,
     nearest,
+    problem_of,
     separation,
-    task_of,
 )
 from abi.certification.exact_contact import ContactFinder
 from abi.certification.joint_limits import LimitsKept, joint_limits
@@ -64,66 +64,66 @@ def certify_motion(
     clearance = arguments.number("clearance", clearance, 0.0, math.inf)
     moves = robot_motion(motion, scene, start)
     limits = joint_limits(moves, acceleration)
-    verdict = _verdict(task_of(moves, scene), scene, limits, clearance, most_tries)
+    verdict = _verdict(problem_of(moves, scene), scene, limits, clearance, most_tries)
     if verdict.state != "undecided":
         return verdict
     # bodies of few corners, which are soon proven clear, may touch where the links do not
     links = {str(name) for one in verdict.doubts for name in (one.link, one.obstacle)}
     closely = links & {*moves.chain.robot.links}
-    return _verdict(task_of(moves, scene, closely), scene, limits, clearance, most_tries)
+    return _verdict(problem_of(moves, scene, closely), scene, limits, clearance, most_tries)
 
 
 def _verdict(
-    task: MotionTask, scene: Scene, limits: LimitsKept, clearance: float, most_tries: int
+    problem: MotionProblem, scene: Scene, limits: LimitsKept, clearance: float, most_tries: int
 ) -> MotionVerdict:
     """What the bodies prove; where they do not, what the exact shapes decide."""
-    motion = task.motion.motion
-    proof = separation(task, clearance, most_tries)
-    found = nearest(task, np.arange(0.0, len(motion.times) - 0.5, 0.5))
-    least = _whose(task, found)
-    inside = _inside(task)
+    motion = problem.motion.motion
+    proof = separation(problem, clearance, most_tries)
+    found = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
+    least = _whose(problem, found)
+    inside = _inside(problem)
     if proof.proven and not inside:
-        proof = _wider(task, proof, found, most_tries)
-        margin = proof.margin if len(task.obstacles) else math.inf
-        whole = (TimeStretch(*_times(task, 0.0, len(task.motion.points)), "clear"),)
-        return MotionVerdict("clear", scene, task, margin, least, (), (), whole, limits, proof)
-    touches, doubts, stretches = _decided(task, proof, inside, clearance)
+        proof = _wider(problem, proof, found, most_tries)
+        margin = proof.margin if len(problem.obstacles) else math.inf
+        whole = (TimeStretch(*_times(problem, 0.0, len(problem.motion.points)), "clear"),)
+        return MotionVerdict("clear", scene, problem, margin, least, (), (), whole, limits, proof)
+    touches, doubts, stretches = _decided(problem, proof, inside, clearance)
     state: State = "touches" if touches else "undecided"
     return MotionVerdict(
-        *(state, scene, task, found.distance, least, touches, doubts, stretches, limits, None)
+        *(state, scene, problem, found.distance, least, touches, doubts, stretches, limits, None)
     )
 
 
-def _whose(task: MotionTask, found: NearestObstacle) -> tuple[str, int, float] | None:
+def _whose(problem: MotionProblem, found: NearestObstacle) -> tuple[str, int, float] | None:
     """Link, obstacle and time of the least distance."""
     if found.body < 0:
         return None
-    time = task.motion.time_at(found.parameter)
-    return task.bodies.bodies[found.body].link, found.obstacle, time
+    time = problem.motion.time_at(found.parameter)
+    return problem.bodies.bodies[found.body].link, found.obstacle, time
 
 
-def _inside(task: MotionTask) -> list[tuple[str, int]]:
+def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
     """Links that begin inside a closed mesh, whose surface alone is tested.
 
     Where a link touches no triangle, one of its points says whether all of it is inside.
     """
     found = []
-    first = task.motion.positions_at(np.array([0.0]))
-    poses = task.bodies.chain.poses(first)[0]
-    for number, obstacle in enumerate(task.obstacles):
+    first = problem.motion.positions_at(np.array([0.0]))
+    poses = problem.bodies.chain.poses(first)[0]
+    for number, obstacle in enumerate(problem.obstacles):
         if obstacle.convex:
             continue
-        for body in task.bodies.bodies:
+        for body in problem.bodies.bodies:
             if body.frame >= 0:
                 frame = poses[body.frame]
                 point = frame[:, :3] @ body.points[0] + frame[:, 3]
-                if obstacle.signed_distance(point[None] / task.bodies.metres)[0] < 0:
+                if obstacle.signed_distance(point[None] / problem.bodies.metres)[0] < 0:
                     found.append((body.link, number))
     return list(dict.fromkeys(found))
 
 
 def _wider(
-    task: MotionTask, proof: Separation, found: NearestObstacle, most_tries: int
+    problem: MotionProblem, proof: Separation, found: NearestObstacle, most_tries: int
 ) -> Separation:
     """A proof for the largest possible of some fractions of the least distance found."""
     if not 0 < found.distance < math.inf:
@@ -131,7 +131,7 @@ def _wider(
     for share in _SHARES:
         if share * found.distance <= proof.margin:
             break
-        wider = separation(task, share * found.distance, most_tries, to_the_end=False)
+        wider = separation(problem, share * found.distance, most_tries, to_the_end=False)
         if wider.proven:
             return wider
     return proof
@@ -146,13 +146,13 @@ class _Pair(NamedTuple):
     overlaps: IntArray
 
 
-def _pairs(task: MotionTask, proof: Separation) -> list[_Pair]:
+def _pairs(problem: MotionProblem, proof: Separation) -> list[_Pair]:
     """Undecided stretches of a separation, grouped by links."""
     rows: dict[tuple[str, int | str], list[int]] = {}
     for k, (body, other) in enumerate(
         zip(proof.left_bodies.tolist(), proof.left_others.tolist(), strict=True)
     ):
-        rows.setdefault((task.bodies.bodies[body].link, named(task, other)), []).append(k)
+        rows.setdefault((problem.bodies.bodies[body].link, named(problem, other)), []).append(k)
     found = []
     for (link, other), of_pair in rows.items():
         chosen = np.array(of_pair)[np.argsort(proof.left[of_pair, 0], kind="stable")]
@@ -161,45 +161,45 @@ def _pairs(task: MotionTask, proof: Separation) -> list[_Pair]:
 
 
 def _decided(
-    task: MotionTask, proof: Separation, inside: Iterable[tuple[str, int]], clearance: float
+    problem: MotionProblem, proof: Separation, inside: Iterable[tuple[str, int]], clearance: float
 ) -> tuple[tuple[Touch, ...], tuple[Doubt, ...], tuple[TimeStretch, ...]]:
     """Contacts, doubts, and stretches of time."""
-    finder = ContactFinder(task)
+    finder = ContactFinder(problem)
     touches, doubts = [], []
     touching = np.zeros((0, 2))
     for link, obstacle in inside:
-        first, last = _times(task, 0.0, float(len(task.motion.points)))
+        first, last = _times(problem, 0.0, float(len(problem.motion.points)))
         deep = finder.depth(0.0, link, obstacle)
         touches.append(Touch(first, last, link, obstacle, deep, first))
-        touching = np.array([[0.0, float(len(task.motion.points))]])
-    for number, pair in enumerate(_pairs(task, proof)):
+        touching = np.array([[0.0, float(len(problem.motion.points))]])
+    for number, pair in enumerate(_pairs(problem, proof)):
         step = max(1, math.ceil(len(pair.left) / _POSES))
         rows = np.arange(0, len(pair.left) if number < _PAIRS else 0, step, dtype=np.int32)
         poses = pair.left[rows, 2].tolist()
         hit = np.array([finder.touches(at, pair.link, pair.other) for at in poses], dtype=bool)
         if hit.any():
-            found = _touches(task, finder, pair, rows, hit)
+            found = _touches(problem, finder, pair, rows, hit)
             touches += found
             nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(rows) - 1)
             spans = np.array([(one.time, one.last) for one in found])
             spans = np.interp(
-                spans, task.motion.motion.times, np.arange(len(task.motion.points) + 1)
+                spans, problem.motion.motion.times, np.arange(len(problem.motion.points) + 1)
             )
             touching = np.concatenate([touching, pair.left[hit[nearest_tested], :2], spans])
         else:
-            doubts.append(_doubt(task, proof, pair, finder, clearance))
+            doubts.append(_doubt(problem, proof, pair, finder, clearance))
     touches.sort(key=attrgetter("time"))
     doubts.sort(key=attrgetter("first"))
-    return tuple(touches), tuple(doubts), _stretches(task, proof, touching)
+    return tuple(touches), tuple(doubts), _stretches(problem, proof, touching)
 
 
 def _touches(
-    task: MotionTask, finder: ContactFinder, pair: _Pair, rows: IntArray, hit: BoolArray
+    problem: MotionProblem, finder: ContactFinder, pair: _Pair, rows: IntArray, hit: BoolArray
 ) -> list[Touch]:
     """Contacts of a pair in order, each from its first time, found by bisection.
 
     Args:
-        task: the motion.
+        problem: the motion.
         finder: of contacts.
         pair: the pair.
         rows: numbers of its stretches that were tested, (k,).
@@ -220,7 +220,7 @@ def _touches(
         depths = [finder.depth(pose, pair.link, pair.other) for pose in poses]
         deepest = int(np.argmax(depths))
         times = (at, float(ends[rows[of_one[-1]]]), poses[deepest])
-        time, last, deep = (task.motion.time_at(one) for one in times)
+        time, last, deep = (problem.motion.time_at(one) for one in times)
         found.append(Touch(time, last, pair.link, pair.other, depths[deepest], deep))
     return found
 
@@ -239,15 +239,15 @@ def _first_contact(finder: ContactFinder, pair: _Pair, low: float, high: float) 
 
 
 def _doubt(
-    task: MotionTask, proof: Separation, pair: _Pair, finder: ContactFinder, clearance: float
+    problem: MotionProblem, proof: Separation, pair: _Pair, finder: ContactFinder, clearance: float
 ) -> Doubt:
     """A pair that neither was found to touch nor is proven clear."""
-    first, last = _times(task, float(pair.left[0, 0]), float(pair.left[:, 1].max()))
+    first, last = _times(problem, float(pair.left[0, 0]), float(pair.left[:, 1].max()))
     middle = float(pair.left[len(pair.left) // 2, 2])
     distance = finder.distance(middle, pair.link, pair.other)
     if proof.spent:
         why = "More tries would decide it."
-    elif distance > max(clearance, _FINEST * task.around.size) and pair.overlaps.any():
+    elif distance > max(clearance, _FINEST * problem.around.size) and pair.overlaps.any():
         why = f"Convex pieces that fit {pair.link} more closely would decide it."
     elif distance < clearance:
         why = "It is nearer than the clearance asked for, and does not touch: ask for less."
@@ -257,12 +257,12 @@ def _doubt(
 
 
 def _stretches(
-    task: MotionTask, proof: Separation, touching: FloatArray
+    problem: MotionProblem, proof: Separation, touching: FloatArray
 ) -> tuple[TimeStretch, ...]:
     """The motion in the order of time: what touches, what is undecided, and what is proven."""
     cuts = np.unique(
         np.concatenate(
-            [[0.0, float(len(task.motion.points))], proof.left[:, :2].ravel(), touching.ravel()]
+            [[0.0, float(len(problem.motion.points))], proof.left[:, :2].ravel(), touching.ravel()]
         )
     )
     middles = (cuts[1:] + cuts[:-1]) / 2
@@ -276,7 +276,7 @@ def _stretches(
         states.append(state)
     found: list[TimeStretch] = []
     for (low, high), state in zip(itertools.pairwise(cuts), states, strict=True):
-        first, last = _times(task, float(low), float(high))
+        first, last = _times(problem, float(low), float(high))
         if found and found[-1].state == state:
             found[-1] = TimeStretch(found[-1].first, last, state)
         else:
@@ -284,6 +284,6 @@ def _stretches(
     return tuple(found)
 
 
-def _times(task: MotionTask, first: float, last: float) -> tuple[float, float]:
+def _times(problem: MotionProblem, first: float, last: float) -> tuple[float, float]:
     """Times of two parameters, [s]."""
-    return task.motion.time_at(first), task.motion.time_at(last)
+    return problem.motion.time_at(first), problem.motion.time_at(last)

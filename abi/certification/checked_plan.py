@@ -44,7 +44,7 @@ def checked_plan(verdict: MotionVerdict) -> Plan:
 def _arm(verdict: MotionVerdict) -> UrdfArm:
     """The scene's arm with all joints that the motion moves, including a second arm's."""
     scene: Scene = verdict.scene
-    settings, chain = scene.arm, verdict.task.motion.chain
+    settings, chain = scene.arm, verdict.problem.motion.chain
     stands = settings.base, settings.exact_axis, scene.unit, settings.base_wxyz
     arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper, settings.allowed)
     if {*chain.names} <= {*arm.joints}:
@@ -61,7 +61,7 @@ def _arm(verdict: MotionVerdict) -> UrdfArm:
 
 def _motion(verdict: MotionVerdict, arm: UrdfArm) -> ArmMotion:
     """The motion at equal times."""
-    moved = verdict.task.motion
+    moved = verdict.problem.motion
     times = moved.motion.times
     time = np.linspace(0.0, float(times[-1]), SAMPLES)
     at = np.interp(time, times, np.arange(float(len(times))))
@@ -94,7 +94,7 @@ def _motion(verdict: MotionVerdict, arm: UrdfArm) -> ArmMotion:
 
 def _of_arm(values: FloatArray, verdict: MotionVerdict, arm: UrdfArm) -> FloatArray:
     """Columns (k, n) of the joints of an arm, in its unit; 0 of those that are not named."""
-    names = verdict.task.motion.chain.names
+    names = verdict.problem.motion.chain.names
     found = np.zeros((len(values), len(arm.joints)))
     for column, name in enumerate(arm.joints):
         if name in names:
@@ -115,9 +115,9 @@ def _tool(verdict: MotionVerdict, positions: FloatArray, arm: UrdfArm) -> FloatA
 
 def _clearance(verdict: MotionVerdict, motion: ArmMotion) -> ArmClearance:
     """What the verdict says of the distance, and distances at samples."""
-    times = verdict.task.motion.motion.times
+    times = verdict.problem.motion.motion.times
     at = np.interp(motion.time[::_MEASURED], times, np.arange(float(len(times))))
-    few = [nearest(verdict.task, at[k : k + 1]).distance for k in range(len(at))]
+    few = [nearest(verdict.problem, at[k : k + 1]).distance for k in range(len(at))]
     distances = np.interp(motion.time, motion.time[::_MEASURED], few)
     link, obstacle, time = verdict.nearest or ("", -1, 0.0)
     contacts = [

@@ -80,7 +80,7 @@ class Separation(ShortRepr):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionTask(ShortRepr):
+class MotionProblem(ShortRepr):
     """A motion, the bodies that move, and what they keep clear of.
 
     Attributes:
@@ -96,9 +96,9 @@ class MotionTask(ShortRepr):
     obstacles: ObstacleSet
 
 
-def task_of(
+def problem_of(
     motion: RobotMotion, scene: Scene, closely: Collection[str] = frozenset()
-) -> MotionTask:
+) -> MotionProblem:
     """Bodies and collision world of a motion in a scene; ``closely`` as for ``robot_bodies``."""
     metres = METRES[scene.unit]
     low = np.minimum(motion.chain.limits[:, 0], motion.points.min(axis=(0, 1)))
@@ -108,34 +108,34 @@ def task_of(
     floor = min(scene.arm.base[2], scene.workspace.min[2])
     bodies = robot_bodies(chain, metres, closely, floor * metres)
     obstacles = ObstacleSet(scene.obstacles)
-    return MotionTask(motion, bodies, _around(bodies, obstacles, floor, scene), obstacles)
+    return MotionProblem(motion, bodies, _around(bodies, obstacles, floor, scene), obstacles)
 
 
 def separation(
-    task: MotionTask, margin: float, most_tries: int = MOST_TRIES, to_the_end: bool = True
+    problem: MotionProblem, margin: float, most_tries: int = MOST_TRIES, to_the_end: bool = True
 ) -> Separation:
     """Prove as much of a motion as can be proven to keep more than a margin from obstacles.
 
     Args:
-        task: the motion.
+        problem: the motion.
         margin: distance to keep from obstacles, at least 0, [unit]; from floor and other links 0.
         most_tries: pairs to try at most.
         to_the_end: whether to go on once something is left.
     """
-    points = task.motion.points
+    points = problem.motion.points
     path = Path(flat(points), points.shape[1], points.shape[2])
     finest = min(1.0, len(points) / PARTS)
     planes, left, _ = separate_motion(
-        task.bodies.chain.table,
-        task.bodies.hulls,
+        problem.bodies.chain.table,
+        problem.bodies.hulls,
         path,
-        task.around.beyond(margin),
+        problem.around.beyond(margin),
         finest,
         most_tries,
         to_the_end,
     )
-    bodies, others = _numbers(task, planes[:, 2])
-    left_bodies, left_others = _numbers(task, left[:, 2])
+    bodies, others = _numbers(problem, planes[:, 2])
+    left_bodies, left_others = _numbers(problem, left[:, 2])
     return Separation(
         margin=margin,
         pieces=read_only(planes[:, :2].copy()),
@@ -167,31 +167,33 @@ class NearestObstacle(NamedTuple):
     obstacle: int
 
 
-def nearest(task: MotionTask, parameters: FloatArray) -> NearestObstacle:
+def nearest(problem: MotionProblem, parameters: FloatArray) -> NearestObstacle:
     """Find where the bodies are nearest to an obstacle at parameters (k,)."""
     parameters = arguments.numbers("parameters", parameters, (-1,))
-    joints = flat(task.motion.positions_at(parameters))
+    joints = flat(problem.motion.positions_at(parameters))
     distance, pair, sample = nearest_obstacle(
-        task.bodies.chain.table,
-        task.bodies.hulls,
+        problem.bodies.chain.table,
+        problem.bodies.hulls,
         joints,
-        len(task.bodies.chain.names),
-        task.around.beyond(0.0),
+        len(problem.bodies.chain.names),
+        problem.around.beyond(0.0),
     )
     if sample < 0:
         return NearestObstacle(distance, 0.0, -1, -1)
-    body, row = divmod(pair, len(task.around.numbers))
-    return NearestObstacle(distance, float(parameters[sample]), body, int(task.around.numbers[row]))
+    body, row = divmod(pair, len(problem.around.numbers))
+    return NearestObstacle(
+        distance, float(parameters[sample]), body, int(problem.around.numbers[row])
+    )
 
 
-def _numbers(task: MotionTask, pairs: FloatArray) -> tuple[IntArray, IntArray]:
+def _numbers(problem: MotionProblem, pairs: FloatArray) -> tuple[IntArray, IntArray]:
     """Numbers of the bodies of pairs (k,), and of what each is separated from."""
-    numbers, count = pairs.astype(np.int64), len(task.around.numbers)
-    behind = numbers - len(task.bodies.bodies) * count
-    own, apart = behind >= 0, task.bodies.pairs[0]
+    numbers, count = pairs.astype(np.int64), len(problem.around.numbers)
+    behind = numbers - len(problem.bodies.bodies) * count
+    own, apart = behind >= 0, problem.bodies.pairs[0]
     links = apart[np.where(own, behind, 0)] if own.any() else np.zeros((len(numbers), 2), int)
     bodies = np.where(own, links[:, 1], numbers // count)
-    others = np.where(own, -2 - links[:, 0], task.around.numbers[numbers % count])
+    others = np.where(own, -2 - links[:, 0], problem.around.numbers[numbers % count])
     return read_only(bodies.astype(np.int32)), read_only(others.astype(np.int32))
 
 

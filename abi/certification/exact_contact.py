@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.certification.clearance_proof import MotionTask
+from abi.certification.clearance_proof import MotionProblem
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
 from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, depth, distance, touch
 
@@ -13,14 +13,14 @@ class ContactFinder:
     """Contacts of a motion's links at poses.
 
     Args:
-        task: the motion, the bodies and what they keep clear of.
+        problem: the motion, the bodies and what they keep clear of.
     """
 
-    def __init__(self, task: MotionTask) -> None:
+    def __init__(self, problem: MotionProblem) -> None:
         compile_kernels()
-        self._task = task
-        self._links = {one.link: one for one in task.bodies.chain.carried}
-        self._obstacles = [LinkSolids((shape,)) for shape in task.obstacles]
+        self._task = problem
+        self._links = {one.link: one for one in problem.bodies.chain.carried}
+        self._obstacles = [LinkSolids((shape,)) for shape in problem.obstacles]
 
     def touches(self, parameter: float, link: str, other: int | str) -> bool:
         """Decide whether a link touches an obstacle, another link, or the floor.

@@ -53,7 +53,7 @@ def repair(verdict: MotionVerdict, acceleration: float | None = None) -> Repaire
     Raises:
         MotionError: there is no such waypoint, or no way was found.
     """
-    motion = verdict.task.motion.motion
+    motion = verdict.problem.motion.motion
     space = _space(verdict)
     for wider in _WIDER:
         gaps = _gaps(verdict, wider)
@@ -77,19 +77,19 @@ def _space(verdict: MotionVerdict) -> JointSpace:
     settings = scene.arm
     stands = settings.base, settings.exact_axis, scene.unit, settings.base_wxyz
     arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper, settings.allowed)
-    names = verdict.task.motion.chain.names
+    names = verdict.problem.motion.chain.names
     if others := [name for name in names if name not in arm.joints]:
         raise MotionError(
             f"Only motions of the arm's own joints can be repaired; this one moves {others[0]}."
         )
     lowest = min(settings.base[2], scene.workspace.min[2])
-    around = chain_world(arm, verdict.task.obstacles, lowest, RowTable())
+    around = chain_world(arm, verdict.problem.obstacles, lowest, RowTable())
     return JointSpace(arm, around, settings.clearance)
 
 
 def _gaps(verdict: MotionVerdict, wider: int) -> list[tuple[int, int]]:
     """Numbers of the proven waypoints before and behind each part that is not proven."""
-    times = verdict.task.motion.motion.times
+    times = verdict.problem.motion.motion.times
     open_ = [one for one in verdict.stretches if one.state != "clear"]
     gaps = list[tuple[int, int]]()
     for one in open_:
@@ -116,7 +116,7 @@ def _positions(space: JointSpace, motion: Motion) -> FloatArray:
 
 def _way(space: JointSpace, verdict: MotionVerdict, gap: tuple[int, int]) -> FloatArray:
     """Another way between two waypoints, (k, n), [rad] or [unit]."""
-    motion = verdict.task.motion.motion
+    motion = verdict.problem.motion.motion
     ends = _positions(space, motion)[list(gap)]
     first, last = (verdict.at(float(motion.times[k])) for k in gap)
     if not space.is_within(ends):

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import ShortRepr
-from abi.certification.clearance_proof import MotionTask, Separation
+from abi.certification.clearance_proof import MotionProblem, Separation
 from abi.certification.joint_limits import LimitsKept
 from abi.length_text import format_proven
 from abi.scene.scene import Scene
@@ -77,7 +77,7 @@ class MotionVerdict(ShortRepr):
     Attributes:
         state: ``clear``: proven not to touch anything at any time; ``touches``; or ``undecided``.
         scene: the scene, with the robot.
-        task: the motion, the robot's bodies and what they keep clear of.
+        problem: the motion, the robot's bodies and what they keep clear of.
         clearance: distance from every obstacle that is proven where it is clear, else the least
             that was found, [unit]; inf without obstacles.
         nearest: link, obstacle and time [s] of the least distance that was found; None without
@@ -91,7 +91,7 @@ class MotionVerdict(ShortRepr):
 
     state: State
     scene: Scene
-    task: MotionTask
+    problem: MotionProblem
     clearance: float
     nearest: tuple[str, int, float] | None
     touches: tuple[Touch, ...]
@@ -103,7 +103,7 @@ class MotionVerdict(ShortRepr):
     @property
     def assumed(self) -> str:
         """How the joints are taken to move between waypoints, as the end of a sentence."""
-        return _ASSUMED[self.task.motion.motion.interpolation]
+        return _ASSUMED[self.problem.motion.motion.interpolation]
 
     @property
     def sentence(self) -> str:
@@ -134,7 +134,7 @@ class MotionVerdict(ShortRepr):
 
     def at(self, time: float) -> str:
         """A time as text."""
-        return f"{time:.4g} s" if self.task.motion.motion.timed else f"waypoint {time + 1:.4g}"
+        return f"{time:.4g} s" if self.problem.motion.motion.timed else f"waypoint {time + 1:.4g}"
 
     @property
     def _where(self) -> tuple[str | None, int | str | None, float | None]:
@@ -147,7 +147,7 @@ class MotionVerdict(ShortRepr):
 
     def to_dict(self) -> dict[str, Any]:
         """The verdict as plain data, with all that ``abi verify`` checks."""
-        motion, first = self.task.motion.motion, self.touches[0] if self.touches else None
+        motion, first = self.problem.motion.motion, self.touches[0] if self.touches else None
         link, obstacle, time = self._where
         return {
             "version": 1,
@@ -163,28 +163,28 @@ class MotionVerdict(ShortRepr):
             "undecided": [one._asdict() for one in self.doubts],
             "stretches": [one._asdict() for one in self.stretches],
             "limits": self.limits.to_dict(),
-            "allowed": [one._asdict() for one in self.task.bodies.allowed],
-            "notes": list(self.task.motion.notes),
+            "allowed": [one._asdict() for one in self.problem.bodies.allowed],
+            "notes": list(self.problem.motion.notes),
             "motion": motion.to_dict(),
             "scene": self.scene.to_dict(),
-            "certificate": None if self.proof is None else _certificate(self.task, self.proof),
+            "certificate": None if self.proof is None else _certificate(self.problem, self.proof),
         }
 
 
-def named(task: MotionTask, number: int) -> int | str:
+def named(problem: MotionProblem, number: int) -> int | str:
     """Number of an obstacle, or name of another link or of the floor."""
     if number >= 0:
         return number
-    return "floor" if number == FLOOR else task.bodies.bodies[-number - 2].link
+    return "floor" if number == FLOOR else problem.bodies.bodies[-number - 2].link
 
 
 def _words(obstacle: int | str) -> str:
     return f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else str(obstacle)
 
 
-def _certificate(task: MotionTask, proof: Separation) -> dict[str, Any]:
+def _certificate(problem: MotionProblem, proof: Separation) -> dict[str, Any]:
     """Bodies, pairs that keep apart, and directions."""
-    metres, numbers = task.bodies.metres, proof.others.tolist()
+    metres, numbers = problem.bodies.metres, proof.others.tolist()
     rows = zip(
         proof.pieces.tolist(),
         proof.poses.tolist(),
@@ -194,7 +194,7 @@ def _certificate(task: MotionTask, proof: Separation) -> dict[str, Any]:
         strict=True,
     )
     return {
-        "margin": proof.margin if len(task.obstacles) else None,
+        "margin": proof.margin if len(problem.obstacles) else None,
         "bodies": [
             {
                 "link": body.link,
@@ -202,13 +202,13 @@ def _certificate(task: MotionTask, proof: Separation) -> dict[str, Any]:
                 "radius": body.radius / metres,
                 "points": (body.points / metres).tolist(),
             }
-            for body in task.bodies.bodies
+            for body in problem.bodies.bodies
         ],
-        "pairs": task.bodies.pairs[0].tolist(),
+        "pairs": problem.bodies.pairs[0].tolist(),
         "planes": [
             {"t0": t0, "t1": t1, "at": at, "body": body, "direction": direction}
             | ({"other": -2 - other} if other < FLOOR else {})
-            | ({"obstacle": named(task, other)} if other >= FLOOR else {})
+            | ({"obstacle": named(problem, other)} if other >= FLOOR else {})
             for (t0, t1), at, body, other, direction in rows
         ],
     }

@@ -34,10 +34,10 @@ def limit_sentences(verdict: MotionVerdict) -> list[str]:
 
 def remarks(verdict: MotionVerdict) -> list[str]:
     """Sentences on what was assumed, how the file was read, limits, and links that may touch."""
-    others = [one for one in verdict.task.bodies.allowed if one.reason in ("srdf", "always")]
+    others = [one for one in verdict.problem.bodies.allowed if one.reason in ("srdf", "always")]
     return [
         f"Assumed: {verdict.assumed}.",
-        *verdict.task.motion.notes,
+        *verdict.problem.motion.notes,
         *limit_sentences(verdict),
         *(f"{one.link} and {one.other} may touch ({one.reason})." for one in others),
     ]
@@ -45,7 +45,7 @@ def remarks(verdict: MotionVerdict) -> list[str]:
 
 def _limit_sentence(one: LimitPassed, verdict: MotionVerdict) -> str:
     """Sentence on a limit that a joint passes."""
-    chain = verdict.task.motion.chain
+    chain = verdict.problem.motion.chain
     unit = _UNITS[one.quantity][chain.slides[chain.names.index(one.joint)]]
     return (
         f"{one.joint} passes its limit of {one.quantity}: {one.value:.4g} {unit} at "

@@ -13,12 +13,12 @@ from functools import partial
 from typing import NamedTuple
 
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.arm_planning.arm_model import ArmBranch, BranchTask
+from abi.arm_planning.arm_model import ArmBranch, BranchProblem
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.planner.branch import BranchRun
 from abi.planner.plan import Plan
-from abi.planner.planning_task import PlanningTask
+from abi.planner.planning_problem import PlanningProblem
 from abi.planner.stage_results import ShortestPath
 from abi.planner.whole_arm_branch import WholeArmBranch
 from abi.robot.urdf_arm import UrdfArm
@@ -57,11 +57,13 @@ class ArmAware:
         self._exclude: dict[str, ArmExclusionCache] = {}
         self.kept = ""
 
-    def __call__(self, task: PlanningTask, collision_world: CollisionWorld, tool: Plan) -> Plan:
+    def __call__(
+        self, problem: PlanningProblem, collision_world: CollisionWorld, tool: Plan
+    ) -> Plan:
         """The plan on a branch on which the whole arm is proven clear.
 
         Args:
-            task: what to plan; in haste the branch of the last plan will do if it has a motion.
+            problem: what to plan; in haste the branch of the last plan will do if it has a motion.
             collision_world: everything around the arm.
             tool: the plan for the tool alone, up to the curves.
 
@@ -69,18 +71,20 @@ class ArmAware:
             ArmNotClear: no branch has a motion; tells why.
         """
         assert tool.free is not None
-        slack = task.margin - task.scene.spline.clearance
-        asked = BranchTask(task.scene, task.obstacles, collision_world, tool.free.mesh, slack)
-        arm_branches = task.model.branches(asked)
-        on = partial(self._branch, task, collision_world, tool)
-        if task.hasty:
+        slack = problem.margin - problem.scene.spline.clearance
+        asked = BranchProblem(
+            problem.scene, problem.obstacles, collision_world, tool.free.mesh, slack
+        )
+        arm_branches = problem.model.branches(asked)
+        on = partial(self._branch, problem, collision_world, tool)
+        if problem.hasty:
             kept = [on(one, one.name) for one in arm_branches if one.name == self.kept]
             if (found := _shortest_motion(kept, tool)[0]) is not None:
                 return found.run.plan
         every = [on(one, one.name) for one in arm_branches]
         found, faults = _shortest_motion(every, tool)
         self.kept = ""
-        if found is not None and isinstance(task.model.arm, UrdfArm):
+        if found is not None and isinstance(problem.model.arm, UrdfArm):
             self.kept = arm_branches[found.number].name
         if found is None and all(fault.where in _NO_PATH for fault in faults.values()):
             # near the base axis, and along an obstacle, a proof may take more
@@ -90,7 +94,7 @@ class ArmAware:
             faults |= again
         if found is not None:
             return found.run.plan
-        others = task.model.other_branches(asked)
+        others = problem.model.other_branches(asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others.branches))
         of_name = {one.arm_branch.name: one for one in every}
         why = [of_name[name].explained(fault) for name, fault in faults.items()]
@@ -98,7 +102,7 @@ class ArmAware:
 
     def _branch(
         self,
-        task: PlanningTask,
+        problem: PlanningProblem,
         collision_world: CollisionWorld,
         tool: Plan,
         arm_branch: ArmBranch,
@@ -107,7 +111,7 @@ class ArmAware:
         """An arm's branch; what it excludes is kept in a ``memory`` of that name."""
         assert tool.free is not None
         exclude = self._exclude.setdefault(memory, ArmExclusionCache())
-        return WholeArmBranch(task, collision_world, tool.free, tool.taut, arm_branch, exclude)
+        return WholeArmBranch(problem, collision_world, tool.free, tool.taut, arm_branch, exclude)
 
 
 def _shortest_motion(

@@ -12,7 +12,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
-from abi.search.task import SearchTask
+from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace
 
 
@@ -50,8 +50,8 @@ class SearchComparison:
         }
 
 
-def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
-    """Make the task of a comparison from a plan's graph.
+def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchProblem:
+    """Make the problem of a comparison from a plan's graph.
 
     Args:
         plan: a plan with a graph.
@@ -65,7 +65,7 @@ def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
     if not 0 <= heuristic_weight <= 2:
         raise AbiError(f"heuristic_weight is {heuristic_weight}; expected a number from 0 to 2.")
     scene = plan.scene
-    return SearchTask(
+    return SearchProblem(
         graph=plan.graph,
         arcs=Arcs.of(plan.graph, scene.search.weight),
         weight=scene.search.weight,
@@ -75,14 +75,14 @@ def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
     )
 
 
-def compare(task: SearchTask) -> tuple[SearchComparison, ...]:
-    """Run every search that can take the task's arcs, one after the other."""
+def compare(problem: SearchProblem) -> tuple[SearchComparison, ...]:
+    """Run every search that can take the problem's arcs, one after the other."""
     found = []
     for name, search in COMPARED.items():
-        if task.arcs.negative is None or search.substitute is None:
+        if problem.arcs.negative is None or search.substitute is None:
             begin = time.thread_time()
-            trace = search.find(task)
+            trace = search.find(problem)
             ms = 1e3 * (time.thread_time() - begin)
-            weight = "length" if search.any_angle else task.weight
+            weight = "length" if search.any_angle else problem.weight
             found.append(SearchComparison(name, weight, trace, ms))
     return tuple(found)

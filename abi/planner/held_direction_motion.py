@@ -29,7 +29,7 @@ from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearch
 from abi.arm_planning.motion_law import motion_law
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.planning_task import sample_count
+from abi.planner.planning_problem import sample_count
 from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene

@@ -33,7 +33,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, rotation
 from abi.planner.held_direction_motion import move_holding
-from abi.planner.planning_task import sample_count
+from abi.planner.planning_problem import sample_count
 from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from abi.scene.arm_end import ENDS

@@ -121,7 +121,7 @@ class Planner:
         self._arm_aware_ms, self._arm_aware_interpreted = 0.0, False
         searches = (scene.search.algorithm,) if chosen_only else tuple(SEARCHES)
         tool = ToolBranch.of(scene, searches, self._stages, hasty)
-        run, fault = BranchRun(tool, Plan(scene, arm=tool.task.model.arm)), None
+        run, fault = BranchRun(tool, Plan(scene, arm=tool.problem.model.arm)), None
         try:
             run.plan = self._run(tool, run)
             refuse_slow(run.plan)
@@ -153,7 +153,7 @@ class Planner:
         Raises:
             StageError: there is no path or no curve for the tool, or no motion for the arm.
         """
-        scene = tool.task.scene
+        scene = tool.problem.scene
         if asks_for_joints(scene.arm):
             with suppress(StageError):  # what there is of the tool's own curve is shown, too
                 self._curve(tool, run)
@@ -196,10 +196,10 @@ class Planner:
         Raises:
             NoJointMotion: there is none.
         """
-        task = tool.task
-        assert isinstance(task.model.arm, UrdfArm)
+        problem = tool.problem
+        assert isinstance(problem.model.arm, UrdfArm)
         search, (profile, motion, clearance) = self._stages.joints(
-            task.scene, task.model.arm, task.obstacles, tool.collision_world, self._effort
+            problem.scene, problem.model.arm, problem.obstacles, tool.collision_world, self._effort
         )
         return replace(
             plan,
@@ -220,7 +220,7 @@ class Planner:
         progress.tell("avoiding with the whole arm")
         begin, before = time.perf_counter(), interpreted_calls()
         try:
-            return self._arm_aware(tool.task, tool.collision_world, plan)
+            return self._arm_aware(tool.problem, tool.collision_world, plan)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before

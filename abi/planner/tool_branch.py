@@ -23,7 +23,7 @@ from abi.errors import ClearanceNotHeld
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.joint_space_motion import move_joints
-from abi.planner.planning_task import PlanningTask, sample_count
+from abi.planner.planning_problem import PlanningProblem, sample_count
 from abi.planner.remembered_call import RememberedCall
 from abi.planner.shared_mesh import shared_mesh
 from abi.planner.stage_results import (
@@ -103,11 +103,11 @@ class ToolBranch:
     """The tool alone as a :class:`abi.planner.branch.Branch`: stages that remember their results.
 
     Attributes:
-        task: what to plan.
+        problem: what to plan.
         stages: the stages.
     """
 
-    task: PlanningTask
+    problem: PlanningProblem
     stages: ToolStages
 
     @classmethod
@@ -117,13 +117,13 @@ class ToolBranch:
         """The tool alone in a scene, the names of the searches to run, and whether it is hasty."""
         progress.tell("reading obstacles and arm")
         obstacles, model = stages.obstacles(scene.obstacles), stages.model(scene.arm, scene.unit)
-        return cls(PlanningTask(scene, obstacles, model, searches, hasty), stages)
+        return cls(PlanningProblem(scene, obstacles, model, searches, hasty), stages)
 
     def free_mesh(self) -> FreeMesh:
         """Stage 1: the mesh without the nodes and edges that the obstacles exclude."""
         progress.tell("making the mesh")
-        mesh = self.stages.mesh(self.task.scene.workspace, self.task.scene.mesh)
-        return self.stages.exclude(mesh, self.task.obstacles, self.task.margin)
+        mesh = self.stages.mesh(self.problem.scene.workspace, self.problem.scene.mesh)
+        return self.stages.exclude(mesh, self.problem.obstacles, self.problem.margin)
 
     def graph(self, free: FreeMesh) -> Graph:
         """Stage 2: start and goal joined to the mesh.
@@ -132,7 +132,7 @@ class ToolBranch:
             StageError: start or goal is blocked, or they are the same point.
         """
         progress.tell("testing the mesh's edges")
-        scene, obstacles, margin = self.task.scene, self.task.obstacles, self.task.margin
+        scene, obstacles, margin = self.problem.scene, self.problem.obstacles, self.problem.margin
         return self.stages.graph(
             free, obstacles, margin, scene.start, scene.goal, scene.spline.clearance
         )
@@ -144,49 +144,49 @@ class ToolBranch:
             NoPath: there is none.
         """
         progress.tell("searching")
-        chosen = self.task.scene.search
+        chosen = self.problem.scene.search
         path = self.stages.searches[chosen.algorithm](graph, chosen.weight)
         return ShortestPath(
-            graph, path, self.stages.path_clearance(self.task.obstacles, path.points)
+            graph, path, self.stages.path_clearance(self.problem.obstacles, path.points)
         )
 
     def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
         """Stage 3: all searches that are asked for."""
-        chosen, searches = self.task.scene.search, self.stages.searches
+        chosen, searches = self.problem.scene.search, self.stages.searches
         return tuple(
             shortest.path
             if name == chosen.algorithm
             else searches[name](shortest.graph, chosen.weight)
-            for name in self.task.searches
+            for name in self.problem.searches
         )
 
     def optimum(self) -> Bound:
         """Lower bound of the length of any curve."""
-        scene = self.task.scene
+        scene = self.problem.scene
         ends = scene.start, scene.goal
         return self.stages.optimum(
-            *ends, self.task.obstacles, scene.spline.clearance, scene.workspace
+            *ends, self.problem.obstacles, scene.spline.clearance, scene.workspace
         )
 
     def bspline(self, shortest: ShortestPath) -> SplineOnPath:
         """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it."""
-        task, stages, wanted = self.task, self.stages, self.task.scene.spline
+        problem, stages, wanted = self.problem, self.stages, self.problem.scene.spline
         graph, path, away = shortest
         points, taut = path.points, None
-        if task.scene.search.taut:
-            taut = stages.taut(graph, task.obstacles, task.margin, path)
+        if problem.scene.search.taut:
+            taut = stages.taut(graph, problem.obstacles, problem.margin, path)
             points, away = taut.points, taut.clearance
         progress.tell("fitting curves")
         fit = stages.bspline(
-            points, wanted.degree, task.obstacles, wanted.clearance, taut is not None, away
+            points, wanted.degree, problem.obstacles, wanted.clearance, taut is not None, away
         )
         return SplineOnPath(taut, fit, stages.bspline_arc(fit.curve))
 
     def quadratic(self, bspline: SplineOnPath) -> QuadraticOnSpline:
         """Stage 5: the quadratic nearest to the B-spline."""
-        scene, obstacles = self.task.scene, self.task.obstacles
+        scene, obstacles = self.problem.scene, self.problem.obstacles
         fit = self.stages.quadratic(
-            bspline.fit, bspline.arc, obstacles, scene.spline.clearance, self.task.quadratic_mode
+            bspline.fit, bspline.arc, obstacles, scene.spline.clearance, self.problem.quadratic_mode
         )
         return QuadraticOnSpline(fit, self.stages.quadratic_arc(fit.curve))
 
@@ -196,7 +196,7 @@ class ToolBranch:
         Raises:
             ClearanceNotHeld: the scene leaves the choice open and neither keeps the clearance.
         """
-        scene = self.task.scene
+        scene = self.problem.scene
         if scene.motion.curve != "auto":
             return scene.motion.curve
         if quadratic.fit.holds:
@@ -210,9 +210,13 @@ class ToolBranch:
 
         Only then need the motion along it not be sampled and measured, which takes longer.
         """
-        task, required, around = self.task, self.task.scene.arm.clearance, self.collision_world
-        asked = followed.fit.curve, followed.arc, task.obstacles, around, required
-        if task.model.is_refuted(*asked):
+        problem, required, around = (
+            self.problem,
+            self.problem.scene.arm.clearance,
+            self.collision_world,
+        )
+        asked = followed.fit.curve, followed.arc, problem.obstacles, around, required
+        if problem.model.is_refuted(*asked):
             self._skip(self.stages.joint_paths, *self.stages.along_joint_paths)
             return True
         joint_paths = self._joint_paths(followed)
@@ -241,34 +245,34 @@ class ToolBranch:
 
     def _moved(self, number: int, joint_path: JointPath, profile: PathProfile) -> TimedMotion:
         """The motion on one joint_path, with the memory of its number."""
-        stages, required = self.stages, self.task.scene.arm.clearance
-        asked = self.task.scene.motion
+        stages, required = self.stages, self.problem.scene.arm.clearance
+        asked = self.problem.scene.motion
         motion = stages.motions[number](joint_path.motion, profile, sample_count(profile, asked))
         clearance = stages.arm_clearances[number](
-            joint_path.clearance, motion, self.task.obstacles, self.collision_world, required
+            joint_path.clearance, motion, self.problem.obstacles, self.collision_world, required
         )
         return TimedMotion(profile, motion, clearance)
 
     @cached_property
     def collision_world(self) -> CollisionWorld:
         """Everything around the arm."""
-        lowest = self.task.scene.workspace.min[2]
+        lowest = self.problem.scene.workspace.min[2]
         return self.stages.collision_world(
-            self.task.model.collision_world, self.task.obstacles, lowest
+            self.problem.model.collision_world, self.problem.obstacles, lowest
         )
 
     def _joint_paths(self, followed: SplineOnPath | QuadraticOnSpline) -> Sequence[JointPath]:
         """Joint paths along the curve, one for each branch of the arm."""
         progress.tell("moving the arm")
-        task, curve = self.task, followed.fit.curve
+        problem, curve = self.problem, followed.fit.curve
         return self.stages.joint_paths(
-            *(task.model.joint_paths, curve, followed.arc, task.scene.arm, task.obstacles),
+            *(problem.model.joint_paths, curve, followed.arc, problem.scene.arm, problem.obstacles),
             self.collision_world,
         )
 
     def _profile(self, joint_paths: Sequence[JointPath], number: int) -> PathProfile:
         """Motion along one of the joint_paths."""
-        return self.stages.profiles(joint_paths, self.task.scene.motion)[number]
+        return self.stages.profiles(joint_paths, self.problem.scene.motion)[number]
 
 
 def _profiles(joint_paths: Sequence[JointPath], asked: MotionSettings) -> tuple[PathProfile, ...]:

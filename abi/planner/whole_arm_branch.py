@@ -22,7 +22,7 @@ from abi.curves import fit_quadratic
 from abi.curves.curve import arc_length
 from abi.curves.quadratic import Quadratic
 from abi.errors import NoPath
-from abi.planner.planning_task import PlanningTask, sample_count
+from abi.planner.planning_problem import PlanningProblem, sample_count
 from abi.planner.stage_results import (
     CurveName,
     QuadraticOnSpline,
@@ -53,7 +53,7 @@ class WholeArmBranch:
     """An arm on one of its branches as a :class:`abi.planner.branch.Branch`.
 
     Attributes:
-        task: what to plan.
+        problem: what to plan.
         collision_world: everything around the arm.
         of_tool: the mesh that the tool may use.
         taut_of_tool: the path of the tool alone pulled taut; None if the scene does not ask for it.
@@ -61,7 +61,7 @@ class WholeArmBranch:
         exclude: memory of what the arm excludes from the mesh.
     """
 
-    task: PlanningTask
+    problem: PlanningProblem
     collision_world: CollisionWorld
     of_tool: FreeMesh
     taut_of_tool: TautPath | None
@@ -74,16 +74,16 @@ class WholeArmBranch:
         Raises:
             ArmNotClear: it is not clear at start or goal.
         """
-        scene = self.task.scene
+        scene = self.problem.scene
         for which, point in (("start", scene.start), ("goal", scene.goal)):
             fault = self.arm_branch.polyline_refutation(np.array([point]))
             if fault is not None:
                 raise self._not_clear_at(which, np.array(point), fault)
-        return self.exclude(self.of_tool, self.arm_branch, self.task.obstacles)
+        return self.exclude(self.of_tool, self.arm_branch, self.problem.obstacles)
 
     def graph(self, free: FreeMesh) -> Graph:
         """Stage 2: start and goal joined to the mesh."""
-        scene, obstacles, margin = self.task.scene, self.task.obstacles, self.task.margin
+        scene, obstacles, margin = self.problem.scene, self.problem.obstacles, self.problem.margin
         return build_graph(free, obstacles, margin, scene.start, scene.goal, scene.spline.clearance)
 
     def least_cost(self, graph: Graph) -> float:
@@ -110,14 +110,14 @@ class WholeArmBranch:
         if found is None:
             raise self._not_clear("path")
         clear, path = found
-        return ShortestPath(clear, path, self.task.obstacles.polyline_clearance(path.points))
+        return ShortestPath(clear, path, self.problem.obstacles.polyline_clearance(path.points))
 
     def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
         """Stage 3: all searches that are asked for, on the edges that are left."""
-        chosen, graph = self.task.scene.search, shortest.graph
+        chosen, graph = self.problem.scene.search, shortest.graph
         return tuple(
             shortest.path if name == chosen.algorithm else search(name, graph, chosen.weight)
-            for name in self.task.searches
+            for name in self.problem.searches
         )
 
     def bspline(self, shortest: ShortestPath) -> SplineOnPath:
@@ -129,14 +129,14 @@ class WholeArmBranch:
         Raises:
             ArmNotClear: there is no curve.
         """
-        obstacles, wanted = self.task.obstacles, self.task.scene.spline
+        obstacles, wanted = self.problem.obstacles, self.problem.scene.spline
         for times in _SLACKS if self.taut_of_tool is not None else _SLACKS[:1]:
             points, away, taut = shortest.path.points, shortest.clearance, None
             if self.taut_of_tool is not None:
                 looser = self.arm_branch.scaled(slack=times)
                 taut = pull_clear(
-                    *(self.taut_of_tool, obstacles, self.task.margin, shortest.path, looser),
-                    rounds=_HASTY_ROUNDS if self.task.hasty else ROUNDS,
+                    *(self.taut_of_tool, obstacles, self.problem.margin, shortest.path, looser),
+                    rounds=_HASTY_ROUNDS if self.problem.hasty else ROUNDS,
                 )
                 points, away = taut.points, taut.clearance
             fit = fit_clear(
@@ -148,25 +148,25 @@ class WholeArmBranch:
 
     def quadratic(self, bspline: SplineOnPath) -> QuadraticOnSpline:
         """Stage 5: the quadratic nearest to the B-spline, if possible one that is clear."""
-        scene, obstacles = self.task.scene, self.task.obstacles
+        scene, obstacles = self.problem.scene, self.problem.obstacles
         fit = fit_quadratic.fit(
             *(
                 bspline.fit,
                 bspline.arc,
                 obstacles,
                 scene.spline.clearance,
-                self.task.quadratic_mode,
+                self.problem.quadratic_mode,
             ),
             self._is_clear_along,
         )
         fault = self._refutation(fit.curve) if fit.holds else None
         if fault is not None:
-            fit = replace(fit, note=_note(fault, self.task.model.arm))
+            fit = replace(fit, note=_note(fault, self.problem.model.arm))
         return QuadraticOnSpline(fit, arc_length(fit.curve))
 
     def followed(self, bspline: SplineOnPath, quadratic: QuadraticOnSpline) -> CurveName:
         """Name of the curve that the arm follows: the quadratic only if it is clear along it."""
-        asked = self.task.scene.motion.curve
+        asked = self.problem.scene.motion.curve
         if asked != "auto":
             return asked
         is_clear = quadratic.fit.holds and self._is_clear_along(quadratic.fit.curve)
@@ -178,12 +178,12 @@ class WholeArmBranch:
         Raises:
             ArmNotClear: the arm is not proven clear along it.
         """
-        scene = self.task.scene
+        scene = self.problem.scene
         joint_path = self.arm_branch.joint_path(followed.fit.curve, followed.arc)
         profile = _profile(joint_path, scene.motion)  # type: ignore[arg-type]  # all have a hash
         motion = joint_path.motion(profile, sample_count(profile, scene.motion))
         clearance = joint_path.clearance(
-            motion, self.task.obstacles, self.collision_world, scene.arm.clearance
+            motion, self.problem.obstacles, self.collision_world, scene.arm.clearance
         )
         moved = TimedMotion(profile, motion, clearance)
         if not moved.is_clear:
@@ -202,7 +202,7 @@ class WholeArmBranch:
     @cached_property
     def _search(self) -> Callable[[Graph], SearchResult]:
         """The search that the scene chooses; its last result is remembered."""
-        chosen = self.task.scene.search
+        chosen = self.problem.scene.search
         return lru_cache(maxsize=1)(partial(search, chosen.algorithm, weight=chosen.weight))
 
     def explained(self, fault: ArmNotClear) -> ArmNotClear:
@@ -212,15 +212,15 @@ class WholeArmBranch:
         """
         if fault.where not in ENDS or fault.obstacle is None:
             return fault
-        scene, where = self.task.scene, fault.where
+        scene, where = self.problem.scene, fault.where
         point = np.array(scene.start if where == "start" else scene.goal)
         pair = fault.link, fault.obstacle
-        contact = self.arm_branch.link_contact(point, pair, self.task.obstacles)
+        contact = self.arm_branch.link_contact(point, pair, self.problem.obstacles)
         return ArmNotClear(fault.branch, where, *pair, has_elbow=fault.has_elbow, contact=contact)
 
     def _not_clear_at(self, end: str, point: FloatArray, fault: ArmRefutation) -> ArmNotClear:
         """Error for a fault at start or goal, a point (3,)."""
-        arm, branch = self.task.model.arm, self.arm_branch.name
+        arm, branch = self.problem.model.arm, self.arm_branch.name
         link, obstacle = _named(fault, arm)
         if obstacle is None:
             unreached = self.arm_branch.unreached(point)
@@ -229,7 +229,7 @@ class WholeArmBranch:
         return ArmNotClear(branch, end, link, obstacle, has_elbow=arm.has_elbow)
 
     def _not_clear(self, where: str) -> ArmNotClear:
-        return ArmNotClear(self.arm_branch.name, where, has_elbow=self.task.model.arm.has_elbow)
+        return ArmNotClear(self.arm_branch.name, where, has_elbow=self.problem.model.arm.has_elbow)
 
 
 def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:

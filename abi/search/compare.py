@@ -1,7 +1,7 @@
 """Table of the searches that can be compared and stepped through, by name.
 
 Those of every plan come first; the others run on request. A new one of these is a function from a
-task to a trace, in a file beside this one unless it is as short as those here, and an entry.
+problem to a trace, in a file beside this one unless it is as short as those here, and an entry.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from abi.search.bellman_ford_rounds import bellman_ford_rounds
 from abi.search.heap_kernels import best_first_order, bidirectional_order
 from abi.search.lazy_theta_star import lazy_theta_star
 from abi.search.search import SEARCHES, PlannedSearch
-from abi.search.task import SearchTask
+from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace, trace_of
 
 
@@ -34,50 +34,50 @@ class ComparedSearch:
     """
 
     label: str
-    find: Callable[[SearchTask], SearchTrace]
+    find: Callable[[SearchProblem], SearchTrace]
     exact: bool
     substitute: str | None = None
     any_angle: bool = False
 
 
-def _best_first(factors: tuple[float, float], task: SearchTask) -> SearchTrace:
+def _best_first(factors: tuple[float, float], problem: SearchProblem) -> SearchTrace:
     """Minimise a g + b h, as in the textbook: no node is expanded twice.
 
     Greedy search, (0, 1), expands the node that seems nearest to the goal, whatever it cost;
     nothing bounds how much longer than the shortest its path may be.
     """
-    arcs = task.arcs
+    arcs = problem.arcs
     order = best_first_order(arcs.rows, arcs.estimates, (arcs.start, arcs.goal), factors)
     return trace_of(arcs, order, "best_first", factors)
 
 
-def _weighted_a_star(task: SearchTask) -> SearchTrace:
+def _weighted_a_star(problem: SearchProblem) -> SearchTrace:
     """Minimise (2 - w) g + w h (Pohl, 1970): Dijkstra at w = 0, A* at 1, greedy at 2.
 
     It trusts the heuristic more, for fewer nodes but a longer path. That costs at most
     max(w / (2 - w), 1) times the least (Likhachev, Gordon and Thrun, 2003), though no node is
     expanded twice, because the heuristic is consistent.
     """
-    w = task.heuristic_weight
-    return _best_first((2.0 - w, w), task)
+    w = problem.heuristic_weight
+    return _best_first((2.0 - w, w), problem)
 
 
-def _bidirectional_dijkstra(task: SearchTask) -> SearchTrace:
+def _bidirectional_dijkstra(problem: SearchProblem) -> SearchTrace:
     """Search from start and goal until their radii add up to the cost of the best path found.
 
     Two small balls instead of a large one.
     """
-    arcs = task.arcs
+    arcs = problem.arcs
     order = bidirectional_order(arcs.rows, (arcs.start, arcs.goal))
     return trace_of(arcs, order, "best_first", sides=2, reopens=True)
 
 
-def _as_planned(search: PlannedSearch, task: SearchTask) -> SearchTrace:
+def _as_planned(search: PlannedSearch, problem: SearchProblem) -> SearchTrace:
     """A search as every plan runs it, or the textbook version if a cost is negative."""
-    if task.arcs.negative is not None:
-        return _best_first(search.factors, task)
-    order = read_only(search.expand(task.graph, task.weight).order)
-    return trace_of(task.arcs, order, search.queue, search.factors, reopens=True)
+    if problem.arcs.negative is not None:
+        return _best_first(search.factors, problem)
+    order = read_only(search.expand(problem.graph, problem.weight).order)
+    return trace_of(problem.arcs, order, search.queue, search.factors, reopens=True)
 
 
 def _planned(search: PlannedSearch) -> ComparedSearch:

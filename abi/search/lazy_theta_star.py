@@ -8,11 +8,11 @@ import numpy as np
 
 from abi.arrays import flat, read_only
 from abi.search.label_kernels import lazy_theta_star_steps
-from abi.search.task import SearchTask
+from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace, finished_trace
 
 
-def lazy_theta_star(task: SearchTask) -> SearchTrace:
+def lazy_theta_star(problem: SearchProblem) -> SearchTrace:
     """Search by length; a node's parent may be any expanded node that sees it.
 
     A node takes over its neighbour's parent untested. Whether they see each other is tested when
@@ -20,9 +20,9 @@ def lazy_theta_star(task: SearchTask) -> SearchTrace:
     length counts, whatever the graph's edges cost, and h is the straight line. A triangle mesh
     blocks whatever its bounding box blocks.
     """
-    arcs = task.arcs
-    obstacles = task.obstacles.boxed
-    margins = read_only(np.full(len(obstacles.primitives), task.margin))
+    arcs = problem.arcs
+    obstacles = problem.obstacles.boxed
+    margins = read_only(np.full(len(obstacles.primitives), problem.margin))
     order, changes = lazy_theta_star_steps(
         arcs.rows.indptr,
         arcs.rows.indices,

@@ -15,7 +15,7 @@ from abi.arrays import FloatArray, IntArray
 from abi.errors import StageError
 from abi.search.bellman_ford_rounds import bellman_ford_rounds
 from abi.search.search_kernels import reconstruct_path
-from abi.search.task import SearchTask
+from abi.search.search_problem import SearchProblem
 from abi.search.trace import last_labels
 
 _HEADS = 8
@@ -43,59 +43,59 @@ class _Place(NamedTuple):
     way_back: float
 
 
-def with_negative_arc(task: SearchTask, cycle: bool) -> SearchTask:
+def with_negative_arc(problem: SearchProblem, cycle: bool) -> SearchProblem:
     """The problem with an additional arc, from a node expanded later to one of the path.
 
     Without a negative cycle the reward is half way between what makes the detour pay and what would
     make it pay to return; with one it is larger than the cost of returning.
 
     Args:
-        task: a task without such an arc that has a path.
+        problem: a problem without such an arc that has a path.
         cycle: whether the arc closes a negative cycle.
 
     Raises:
         StageError: there is no path, or no suitable pair of nodes.
     """
-    arcs = task.arcs
+    arcs = problem.arcs
     none = StageError(
         "search",
         "no_negative_arc",
         "There is no place for an edge of a negative cost here.",
         "Choose a scene with a path and a finer mesh.",
     )
-    cost, parent = _distances(task, arcs.start)
+    cost, parent = _distances(problem, arcs.start)
     if not np.isfinite(cost[arcs.goal]):
         raise none
     path = reconstruct_path(parent, arcs.goal)[1:-1].tolist()
-    places = [_place(task, cost, head) for head in path[:: max(len(path) // _HEADS, 1)]]
+    places = [_place(problem, cost, head) for head in path[:: max(len(path) // _HEADS, 1)]]
     if not places or max(places).room <= _TOO_LITTLE * float(arcs.rows.weights.max()):
         raise none
     place = max(places)
     reward = 1.5 * place.way_back if cycle else place.way_back - place.room / 2
-    return replace(task, arcs=arcs.with_arc(place.tail, place.head, -reward))
+    return replace(problem, arcs=arcs.with_arc(place.tail, place.head, -reward))
 
 
-def _place(task: SearchTask, cost: FloatArray, head: int) -> _Place:
+def _place(problem: SearchProblem, cost: FloatArray, head: int) -> _Place:
     """The best arc to a node of the path that goes through no obstacle."""
-    way_back, _ = _distances(task, head)
+    way_back, _ = _distances(problem, head)
     reached = np.where(np.isfinite(cost), cost, 0.0)
     least = reached - cost[head]  # a larger reward makes the detour pay
     room = np.where((least > 0) & np.isfinite(way_back), way_back - least, -np.inf)
     for tail in np.argsort(-room, kind="stable")[:_TAILS].tolist():
-        if np.isfinite(room[tail]) and _is_clear(task, tail, head):
+        if np.isfinite(room[tail]) and _is_clear(problem, tail, head):
             return _Place(float(room[tail]), tail, head, float(way_back[tail]))
     return _Place(-np.inf, head, head, 0.0)
 
 
-def _is_clear(task: SearchTask, tail: int, head: int) -> bool:
+def _is_clear(problem: SearchProblem, tail: int, head: int) -> bool:
     """Check whether the straight line between two nodes keeps its distance from the obstacles."""
-    ends = task.arcs.points[[tail, head]]
+    ends = problem.arcs.points[[tail, head]]
     parts = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
     line: FloatArray = ends[0] + parts * (ends[1] - ends[0])
-    return bool((task.obstacles.signed_distance(line) >= task.margin).all())
+    return bool((problem.obstacles.signed_distance(line) >= problem.margin).all())
 
 
-def _distances(task: SearchTask, node: int) -> tuple[FloatArray, IntArray]:
+def _distances(problem: SearchProblem, node: int) -> tuple[FloatArray, IntArray]:
     """Costs from a node, or to it, (n,), and parents."""
-    trace = bellman_ford_rounds(replace(task, arcs=replace(task.arcs, start=node)))
+    trace = bellman_ford_rounds(replace(problem, arcs=replace(problem.arcs, start=node)))
     return last_labels(trace, trace.steps)

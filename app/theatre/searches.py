@@ -11,7 +11,7 @@ from abi.planner.comparison import search_task
 from abi.planner.plan import Plan
 from abi.search.compare import COMPARED
 from abi.search.negative_arc import with_negative_arc
-from abi.search.task import SearchTask
+from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace, trace_of
 
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
@@ -25,7 +25,7 @@ class TheatreSearches:
 
     def __init__(self, plan: Plan | None = None) -> None:
         self._plan = plan
-        self._tasks: dict[str, SearchTask] = {}
+        self._tasks: dict[str, SearchProblem] = {}
         self._followed: dict[tuple[int, ...], SearchTrace] = {}
         self._traces: dict[tuple[str, str, float], SearchTrace] = {}
 
@@ -71,6 +71,6 @@ class TheatreSearches:
         if key not in self._traces:
             if len(self._traces) >= _MOST:
                 self._traces.clear()
-            task = replace(self._tasks[kind], heuristic_weight=w)
-            self._traces[key] = COMPARED[name].find(task)
+            problem = replace(self._tasks[kind], heuristic_weight=w)
+            self._traces[key] = COMPARED[name].find(problem)
         return self._traces[key]

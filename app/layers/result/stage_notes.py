@@ -51,7 +51,7 @@ class StageNotesLayer(Layer):
 
 def _checked_notes(verdict: MotionVerdict) -> dict[str, str]:
     """Notes on a motion from elsewhere, whose timing and limits are its own."""
-    duration = float(verdict.task.motion.motion.times[-1])
+    duration = float(verdict.problem.motion.motion.times[-1])
     told = html.escape(" ".join(remarks(verdict)))
     return {
         "motion": style.paragraph(f"A motion from elsewhere: {duration:.2f} s in all."),

@@ -163,7 +163,7 @@ class CheckMotionPanel:
 
     def card(self, verdict: MotionVerdict) -> str:
         """The verdict with its legend and buttons, as HTML over the scene."""
-        sign, motion = _SIGNS[verdict.state], verdict.task.motion.motion
+        sign, motion = _SIGNS[verdict.state], verdict.problem.motion.motion
         sentence = f"<b>{sign} {html.escape(verdict.sentence)}</b>"
         more = len(verdict.touches) + len(verdict.doubts) - 1
         words = [self._name, self._repaired]
@@ -196,7 +196,7 @@ class CheckMotionPanel:
         except MotionError as error:
             notices.notify_refusal(self._client, "Not repaired", _sentence(error))
             return
-        self._motion = found.verdict.task.motion.motion
+        self._motion = found.verdict.problem.motion.motion
         parts = [f"{verdict.at(first)} to {verdict.at(last)}" for first, last in found.stretches]
         longer = f"{100 * found.farther:+.0f} % of way in the joints"
         if self._motion.timed:

@@ -54,8 +54,10 @@ def verdict_of(scene: Scene, motion: dict[str, Any], **options: Any) -> MotionVe
 def tool_at(scene: Scene, share: float) -> FloatArray:
     """Place of the tool in the swing, [m]."""
     verdict = verdict_of(scene, swing())
-    chain = verdict.task.bodies.chain
-    return np.asarray(chain.poses(verdict.task.motion.positions_at(np.array([share])))[0, -1, :, 3])
+    chain = verdict.problem.bodies.chain
+    return np.asarray(
+        chain.poses(verdict.problem.motion.positions_at(np.array([share])))[0, -1, :, 3]
+    )
 
 
 @pytest.mark.parametrize("degree", [1, 3, 5])
@@ -73,8 +75,8 @@ def test_a_plate_that_a_thousand_samples_miss_is_found(degree: int) -> None:
     states = [one.state for one in verdict.stretches]
     assert "touches" in states
     assert states[0] == states[-1] == "clear"
-    finder = ContactFinder(verdict.task)
-    just, before = verdict.task.motion, first.time - 1e-4
+    finder = ContactFinder(verdict.problem)
+    just, before = verdict.problem.motion, first.time - 1e-4
     assert just.time_at(0.5) == 1.0
     assert finder.touches(first.time / 2 + 1e-7, first.link, 0)
     assert not finder.touches(before / 2, first.link, 0)
@@ -87,7 +89,7 @@ def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:
     verdict = verdict_of(scene, swing(5))
     assert verdict.state == "clear"
     assert verdict.clearance > 0
-    found = nearest(verdict.task, np.linspace(0, 1, 2001))
+    found = nearest(verdict.problem, np.linspace(0, 1, 2001))
     assert verdict.clearance <= found.distance
     data = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
     (proof,) = verify(data)
@@ -97,12 +99,12 @@ def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:
 def test_a_way_narrower_than_what_quick_bodies_leave_is_proven() -> None:
     motion = swing() | {"positions": np.array([UP, UP]) + np.outer([-0.001, 0.001], [1] + [0] * 5)}
     ceiling = {"shape": "box", "size": [2, 2, 0.1], "position": [0.0, 0.0, 3.0]}
-    task = verdict_of(scene_with([ceiling]), motion).task
+    problem = verdict_of(scene_with([ceiling]), motion).problem
     # as the shoulder turns about the vertical, no link gets higher than at first
     least = min(
-        ContactFinder(task).distance(0.0, one.link, 0)
-        for one in task.bodies.chain.carried
-        if one.frame > 0 and task.bodies.chain.robot.links[one.link].shapes
+        ContactFinder(problem).distance(0.0, one.link, 0)
+        for one in problem.bodies.chain.carried
+        if one.frame > 0 and problem.bodies.chain.robot.links[one.link].shapes
     )
     gap = 5e-4
     ceiling["position"] = [0.0, 0.0, 3.0 - least + gap]
@@ -199,7 +201,7 @@ def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
     verdict = verdict_of(scene, motion)
     assert verdict.state == "touches"
     assert verdict.touches[0].link == "held_object"
-    reasons = {one.reason for one in verdict.task.bodies.allowed if "held_object" in one}
+    reasons = {one.reason for one in verdict.problem.bodies.allowed if "held_object" in one}
     assert reasons == {"grasp"}
 
 

@@ -30,9 +30,9 @@ def swing(degree: int) -> Motion:
 
 def with_plate() -> Scene:
     """A thin plate in the way of the tool, halfway."""
-    task = certify_motion(swing(1), ALONE).task
-    chain, at = task.bodies.chain, np.array([(COUNT - 1) / 2 + 0.1])
-    place = chain.poses(task.motion.positions_at(at))[0, -1, :, 3].tolist()
+    problem = certify_motion(swing(1), ALONE).problem
+    chain, at = problem.bodies.chain, np.array([(COUNT - 1) / 2 + 0.1])
+    place = chain.poses(problem.motion.positions_at(at))[0, -1, :, 3].tolist()
     return ALONE.replace(
         obstacles=[{"shape": "box", "size": [0.15, 1e-4, 0.15], "position": place}]
     )
@@ -50,7 +50,7 @@ def test_a_repaired_motion_is_proven_and_as_before_elsewhere(degree: int) -> Non
     found = repair(before)
     assert found.verdict.state == "clear"
     assert checked_plan(found.verdict).is_arm_clear
-    old, new = swing(degree), found.verdict.task.motion.motion
+    old, new = swing(degree), found.verdict.problem.motion.motion
     ((first, last),) = found.stretches
     assert first < before.touches[0].time < last
     assert np.ptp(new.times) == pytest.approx(np.ptp(old.times) + found.longer)

@@ -11,7 +11,7 @@ import pytest
 
 from abi import compiling
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.arm_planning.arm_model import BranchTask, OtherBranches
+from abi.arm_planning.arm_model import BranchProblem, OtherBranches
 from abi.arm_planning.urdf_arm_model import UrdfArmModel
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
@@ -121,6 +121,6 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     collision_world = model.collision_world(obstacles, 0.0)
 
     assert len(model.arm.joints) <= 3
-    others = model.other_branches(BranchTask(scene, obstacles, collision_world, mesh, 0.01))
+    others = model.other_branches(BranchProblem(scene, obstacles, collision_world, mesh, 0.01))
     assert list(others.branches) == []
     assert others.note == ""

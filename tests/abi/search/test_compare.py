@@ -18,7 +18,7 @@ from abi.search.heuristic import Weight
 from abi.search.negative_arc import with_negative_arc
 from abi.search.replay import SearchState, replay
 from abi.search.search import SEARCHES
-from abi.search.task import SearchTask
+from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace, last_labels
 from tests.abi.graphs import random_graph, walled
 from tests.kernel_forms import compiled, plain
@@ -30,9 +30,9 @@ _DISTANT = (0, 1, 3, 4, 5, 6)
 WEIGHTS: tuple[Weight, ...] = ("length", "hops")
 
 
-def task_of(graph: Graph, weight: Weight = "length", w: float = 1.5) -> SearchTask:
+def problem_of(graph: Graph, weight: Weight = "length", w: float = 1.5) -> SearchProblem:
     # no obstacles: an any-angle leg then sees everything, edges or not
-    return SearchTask(graph, Arcs.of(graph, weight), weight, w, ObstacleSet(()), 0.0)
+    return SearchProblem(graph, Arcs.of(graph, weight), weight, w, ObstacleSet(()), 0.0)
 
 
 def digraph(arcs: Arcs) -> networkx.DiGraph:
@@ -50,11 +50,11 @@ def digraph(arcs: Arcs) -> networkx.DiGraph:
 @pytest.mark.parametrize("name", [name for name, one in COMPARED.items() if one.exact])
 def test_exact_searches_cost_what_networkx_says(name: str, weight: Weight) -> None:
     for seed in SEEDS:
-        task = task_of(random_graph(seed), weight)
-        oracle = digraph(task.arcs)
-        trace = COMPARED[name].find(task)
+        problem = problem_of(random_graph(seed), weight)
+        oracle = digraph(problem.arcs)
+        trace = COMPARED[name].find(problem)
         try:
-            least = networkx.dijkstra_path_length(oracle, task.arcs.start, task.arcs.goal)
+            least = networkx.dijkstra_path_length(oracle, problem.arcs.start, problem.arcs.goal)
         except networkx.NetworkXNoPath:
             assert trace.hops == -1
             assert trace.length == math.inf
@@ -62,15 +62,15 @@ def test_exact_searches_cost_what_networkx_says(name: str, weight: Weight) -> No
         assert trace.cost == pytest.approx(least, abs=1e-9)
         legs = [oracle.edges[leg]["weight"] for leg in pairwise(trace.vertices.tolist())]
         assert sum(legs) == pytest.approx(least, abs=1e-9)
-        assert (trace.vertices[0], trace.vertices[-1]) == (task.arcs.start, task.arcs.goal)
+        assert (trace.vertices[0], trace.vertices[-1]) == (problem.arcs.start, problem.arcs.goal)
 
 
 @pytest.mark.parametrize("w", [0.0, 0.5, 1.0, 1.2, 1.5, 1.8, 1.95])
 def test_weighted_a_star_is_within_its_bound(w: float) -> None:
     worse, bound = 0, max(w / (2 - w), 1.0)
     for seed in SEEDS:
-        task = task_of(random_graph(seed), w=w)
-        trace, best = (COMPARED[name].find(task) for name in ("weighted_a_star", "dijkstra"))
+        problem = problem_of(random_graph(seed), w=w)
+        trace, best = (COMPARED[name].find(problem) for name in ("weighted_a_star", "dijkstra"))
         assert best.cost - 1e-9 <= trace.cost <= bound * best.cost + 1e-9
         assert len(np.unique(trace.order)) == trace.steps
         worse += trace.cost > best.cost + 1e-9
@@ -82,17 +82,17 @@ def test_weights_of_the_heuristic_reach_from_dijkstra_by_a_star_to_greedy() -> N
         graph = random_graph(seed)
         ends = {0.0: "dijkstra", 2.0: "greedy_best_first"}
         for w, name in ends.items():
-            task = task_of(graph, w=w)
-            one, other = COMPARED["weighted_a_star"].find(task), COMPARED[name].find(task)
+            problem = problem_of(graph, w=w)
+            one, other = COMPARED["weighted_a_star"].find(problem), COMPARED[name].find(problem)
             assert one.cost == pytest.approx(other.cost)
             assert name == "dijkstra" or np.array_equal(one.order, other.order)
-        steps = [COMPARED["weighted_a_star"].find(task_of(graph, w=w)).steps for w in (0.0, 1.0)]
+        steps = [COMPARED["weighted_a_star"].find(problem_of(graph, w=w)).steps for w in (0.0, 1.0)]
         assert steps[1] <= steps[0]
 
 
 def test_greedy_goes_to_what_seems_nearest() -> None:
     for seed in SEEDS:
-        trace = COMPARED["greedy_best_first"].find(task_of(random_graph(seed)))
+        trace = COMPARED["greedy_best_first"].find(problem_of(random_graph(seed)))
         left = trace.arcs.estimates
         for step in range(trace.steps):
             state = replay(trace, step)
@@ -101,8 +101,8 @@ def test_greedy_goes_to_what_seems_nearest() -> None:
 
 def test_both_ends_expand_no_more_than_twice_what_they_must() -> None:
     for seed in SEEDS:
-        task = task_of(random_graph(seed))
-        trace, n = COMPARED["bidirectional_dijkstra"].find(task), len(task.arcs.points)
+        problem = problem_of(random_graph(seed))
+        trace, n = COMPARED["bidirectional_dijkstra"].find(problem), len(problem.arcs.points)
         if trace.hops < 0:
             continue
         cost, _ = last_labels(trace, trace.steps)
@@ -115,12 +115,12 @@ def test_both_ends_expand_no_more_than_twice_what_they_must() -> None:
 
 @pytest.mark.parametrize("seed", range(0, 30, 3))
 def test_after_k_rounds_walks_of_k_arcs_are_the_best(seed: int) -> None:
-    task = task_of(random_graph(seed))
-    trace = COMPARED["bellman_ford_rounds"].find(task)
-    indptr, indices, weights = task.arcs.rows
+    problem = problem_of(random_graph(seed))
+    trace = COMPARED["bellman_ford_rounds"].find(problem)
+    indptr, indices, weights = problem.arcs.rows
     tails = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
-    expected = np.full(len(task.arcs.points), np.inf)
-    expected[task.arcs.start] = 0.0
+    expected = np.full(len(problem.arcs.points), np.inf)
+    expected[problem.arcs.start] = 0.0
     for k in range(trace.steps + 2):
         state = replay(trace, min(k, trace.steps))
         assert state.cost == pytest.approx(expected, abs=1e-9)
@@ -133,7 +133,7 @@ def test_after_k_rounds_walks_of_k_arcs_are_the_best(seed: int) -> None:
 def test_lazy_theta_star_in_the_open_goes_straight() -> None:
     for seed in SEEDS:
         graph = random_graph(seed)
-        trace = COMPARED["lazy_theta_star"].find(task_of(graph))
+        trace = COMPARED["lazy_theta_star"].find(problem_of(graph))
         if trace.hops >= 0:
             straight = float(np.linalg.norm(np.subtract(*graph.points[[graph.start, graph.goal]])))
             assert trace.length == pytest.approx(straight)
@@ -146,12 +146,12 @@ def test_lazy_theta_star_is_clear_and_no_longer_than_the_graphs_path() -> None:
         plan = Planner(compile=False)(scattered(np.random.default_rng(seed)), chosen_only=True)
         if plan.path is None:
             continue
-        task = search_task(plan)
-        trace = COMPARED["lazy_theta_star"].find(task)
-        edges = set(map(tuple, np.sort(task.graph.edges, axis=1).tolist()))
+        problem = search_task(plan)
+        trace = COMPARED["lazy_theta_star"].find(problem)
+        edges = set(map(tuple, np.sort(problem.graph.edges, axis=1).tolist()))
         for a, b in pairwise(trace.vertices.tolist()):
-            ends = task.arcs.points[[a]], task.arcs.points[[b]]
-            blocked = task.obstacles.blocked(*ends, task.margin - 1e-9)[0]
+            ends = problem.arcs.points[[a]], problem.arcs.points[[b]]
+            blocked = problem.obstacles.blocked(*ends, problem.margin - 1e-9)[0]
             assert not blocked or (min(a, b), max(a, b)) in edges
         assert trace.cost == pytest.approx(trace.length)
         assert trace.length <= 1.02 * plan.path.length
@@ -161,12 +161,12 @@ def test_lazy_theta_star_is_clear_and_no_longer_than_the_graphs_path() -> None:
 
 @pytest.mark.parametrize("seed", _DISTANT)
 def test_a_negative_arc_deceives_dijkstra_and_not_bellman_ford(seed: int) -> None:
-    task = task_of(random_graph(seed))
-    assert COMPARED["dijkstra"].find(task).hops >= 2
-    changed = with_negative_arc(task, cycle=False)
+    problem = problem_of(random_graph(seed))
+    assert COMPARED["dijkstra"].find(problem).hops >= 2
+    changed = with_negative_arc(problem, cycle=False)
     assert changed.arcs.negative is not None
     oracle = digraph(changed.arcs)
-    least = networkx.bellman_ford_path_length(oracle, task.arcs.start, task.arcs.goal)
+    least = networkx.bellman_ford_path_length(oracle, problem.arcs.start, problem.arcs.goal)
     right, wrong = (COMPARED[name].find(changed) for name in ("bellman_ford_rounds", "dijkstra"))
     assert right.cost == pytest.approx(least, abs=1e-9)
     assert changed.arcs.negative in set(pairwise(right.vertices.tolist()))
@@ -178,17 +178,17 @@ def test_a_negative_arc_deceives_dijkstra_and_not_bellman_ford(seed: int) -> Non
 @pytest.mark.parametrize("cycle", [False, True])
 def test_a_negative_arc_goes_through_no_obstacle(name: str, cycle: bool) -> None:
     scene = load_scene(name).replace(arm={"avoid": False})
-    task = with_negative_arc(search_task(Planner()(scene)), cycle)
-    tail, head = task.arcs.points[list(task.arcs.negative or ())]
+    problem = with_negative_arc(search_task(Planner()(scene)), cycle)
+    tail, head = problem.arcs.points[list(problem.arcs.negative or ())]
     line = tail + np.linspace(0, 1, 1000)[:, None] * (head - tail)
     assert ObstacleSet(scene.obstacles).signed_distance(line).min() > 0
 
 
 @pytest.mark.parametrize("seed", _DISTANT)
 def test_a_negative_cycle_is_found(seed: int) -> None:
-    task = task_of(random_graph(seed))
-    assert COMPARED["dijkstra"].find(task).hops >= 2
-    changed = with_negative_arc(task, cycle=True)
+    problem = problem_of(random_graph(seed))
+    assert COMPARED["dijkstra"].find(problem).hops >= 2
+    changed = with_negative_arc(problem, cycle=True)
     trace = COMPARED["bellman_ford_rounds"].find(changed)
     cycle = trace.cycle.tolist()
     oracle = digraph(changed.arcs)
@@ -228,14 +228,14 @@ class Reference:
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("name", ["a_star", "dijkstra", "bellman_ford", "greedy_best_first"])
 def test_a_replay_is_what_a_plain_search_has_then(name: str, seed: int) -> None:
-    task = task_of(random_graph(seed))
-    trace = COMPARED[name].find(task)
+    problem = problem_of(random_graph(seed))
+    trace = COMPARED[name].find(problem)
     if name in SEARCHES and trace.hops >= 0:
-        result = SEARCHES[name](task.graph, "length")
+        result = SEARCHES[name](problem.graph, "length")
         assert np.array_equal(trace.order, result.order)
         assert (trace.relaxed, trace.hops) == (result.relaxed, result.hops)
         assert trace.length == pytest.approx(result.length)
-    reference = Reference(task.arcs, name in SEARCHES, in_turn=name == "bellman_ford")
+    reference = Reference(problem.arcs, name in SEARCHES, in_turn=name == "bellman_ford")
     for step in range(trace.steps + 1):
         state = replay(trace, step)
         check(state, reference)
@@ -259,7 +259,7 @@ def check(state: SearchState, reference: Reference) -> None:
 
 @pytest.mark.parametrize("name", COMPARED)
 def test_stepping_back_shows_what_was_there(name: str) -> None:
-    trace = COMPARED[name].find(task_of(random_graph(3)))
+    trace = COMPARED[name].find(problem_of(random_graph(3)))
     first = [replay(trace, step) for step in range(trace.steps + 1)]
     for step in reversed(range(trace.steps + 1)):
         again = replay(trace, step)
@@ -272,7 +272,7 @@ def test_stepping_back_shows_what_was_there(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["a_star", "dijkstra", "weighted_a_star", "lazy_theta_star"])
 def test_what_promises_most_comes_next_and_what_does_not_is_refused(name: str) -> None:
-    trace = COMPARED[name].find(task_of(random_graph(4)))
+    trace = COMPARED[name].find(problem_of(random_graph(4)))
     refused = 0
     for step in range(trace.steps):
         state = replay(trace, step)
@@ -286,7 +286,7 @@ def test_what_promises_most_comes_next_and_what_does_not_is_refused(name: str) -
 
 def test_who_waits_longest_is_next_in_a_first_in_queue() -> None:
     for seed in SEEDS:
-        trace = COMPARED["bellman_ford"].find(task_of(random_graph(seed)))
+        trace = COMPARED["bellman_ford"].find(problem_of(random_graph(seed)))
         for step in range(0, trace.steps, 7):
             state = replay(trace, step)
             queue = state.queue(len(state.open)).tolist()
@@ -296,7 +296,7 @@ def test_who_waits_longest_is_next_in_a_first_in_queue() -> None:
 
 @pytest.mark.parametrize("name", COMPARED)
 def test_no_path_is_no_error(name: str) -> None:
-    trace = COMPARED[name].find(task_of(walled()))
+    trace = COMPARED[name].find(problem_of(walled()))
     assert (trace.hops, trace.length) == (-1, math.inf)
     assert replay(trace, trace.steps).done
 
@@ -306,7 +306,7 @@ def test_compiled_and_plain_do_the_same(name: str) -> None:
     for seed in range(4):
         graph = random_graph(seed)
         one, other = (
-            form(lambda graph=graph: COMPARED[name].find(task_of(graph)))  # type: ignore[misc]
+            form(lambda graph=graph: COMPARED[name].find(problem_of(graph)))  # type: ignore[misc]
             for form in (compiled, plain)
         )
         assert same(one, other)

@@ -1,4 +1,4 @@
-"""Task of a search to compare: a graph, its costs and the settings."""
+"""Problem of a search to compare: a graph, its costs and the settings."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from abi.search.heuristic import Weight
 
 
 @dataclass(frozen=True, eq=False)
-class SearchTask:
+class SearchProblem:
     """A graph, and the settings of the searches that are compared on it.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""The task of a planner: a scene, and the objects that its settings describe."""
+"""The problem of a planner: a scene, and the objects that its settings describe."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SAMPLES = 401
 
 
 @dataclass(frozen=True, eq=False)
-class PlanningTask:
+class PlanningProblem:
     """A scene to plan, and what every branch makes use of.
 
     Attributes:
