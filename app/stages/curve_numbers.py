@@ -11,6 +11,7 @@ from app.ui.numbers import distance_to_show, format_excess, format_length, forma
 
 Number = tuple[str, str, str]
 """HTML of a number, its name, and what it means."""
+_ALONE = "tool tip only, arm ignored"
 
 
 def blocks(numbers: Sequence[Number]) -> str:
@@ -59,7 +60,8 @@ def curve_numbers(plan: Plan, curve: str) -> list[Number]:
     elif fit.holds and not plan.is_arm_clear:
         # no sign that all is well, while a link may go through something or cannot get there
         hint = "The tool tip's curve keeps it, but the whole arm is not proven clear."
-        numbers.append((shown, "tool tip only, arm ignored", hint))
+        name = "tool tip only, arm not clear" if plan.scene.arm.avoid else _ALONE
+        numbers.append((shown, name, hint))
     else:
         hint = (
             "Least distance of the tool tip's curve from the obstacles; proven if there is a ✓. "

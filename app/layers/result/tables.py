@@ -122,7 +122,7 @@ def _stages(plan: Plan) -> str:
         note = f"best possible: between {low} and {high} {unit}"
     longer = "longer than best" if exact else "longer by at most"
     head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
-    rows = _path_rows(plan, best) + _curve_rows(plan, best)
+    rows = [*_path_rows(plan, best), *_curve_rows(plan, best), _arm_row(plan)]
     return table(head, rows, note) + (_LEGEND if plan.scene.obstacles else "")
 
 
@@ -163,6 +163,15 @@ def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
         # the bound is on clear curves: one that is not has no gap to it
         rows.append(row if fit.holds else (*row[:2], "–", row[3]))
     return rows
+
+
+def _arm_row(plan: Plan) -> tuple[str, ...]:
+    """Row of the distance that the links keep; never red, as links that touch are in the scene."""
+    kept = plan.arm_clearance
+    if kept is None:
+        return "whole arm", *_NO_STAGE
+    clearance = _clearance(kept.distance, kept.required, kept.certified, alarming=False)
+    return "whole arm", "–", "–", clearance
 
 
 def _stage_row(
