@@ -34,6 +34,7 @@ class Toolbar:
         tour = button(self._tour.begin, "Tour", hint="Five steps through the page")
         hint = "Large letters, folded panels (L)"
         lecture = "" if self._lecture.on else button(self._lecture.toggle, "Lecture", hint=hint)
-        learn = button(self._learn, "Lessons", hint=f"In the {LEARN} tab")
-        content = f'<div class="abi-buttons">{undo}{redo}{about}{learn}{tour}{lecture}</div>'
+        # of a phone's sheet the tab is far down; elsewhere the row has to fit beside the message
+        learn = button(self._learn, "Lessons", kind="abi-phone", hint=f"In the {LEARN} tab")
+        content = f'<div class="abi-buttons">{undo}{redo}{about}{tour}{lecture}{learn}</div>'
         self._overlay.show("tools", content)

@@ -86,7 +86,7 @@ def _coefficients(plan: Plan) -> str:
         lines += [f"{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")]
     if len(pieces) > _PIECES_SHOWN:
         lines.append(f"… {len(pieces)} pieces in all")
-    if len(pieces) == 1 and not note:  # with a note there is no room
+    if len(pieces) == 1 and plan.quadratic.holds and not note:  # else there is no room
         lines.insert(0, f"t from {pieces[0][0]:.3g} to {pieces[0][1]:.3g}, which is no time:")
     css = "margin:0 12px 3px;font:12px/1.12 ui-monospace,monospace"
     first, last = plan.quadratic.curve.interval

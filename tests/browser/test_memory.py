@@ -25,7 +25,7 @@ def _edit(page: Page, session: Session, degree: int) -> abi.Scene:
     page.tick("arm", False)
     page.click("Result")
     page.set_number("degree", degree)
-    page.drag((640.0, 90.0), (690.0, 110.0))
+    page.drag((800.0, 560.0), (750.0, 540.0))
     page.until(lambda: session.plan.scene.spline.degree == degree, "the degree")  # type: ignore[union-attr]
     page.click("Pause")
     page.set_time(1.5)

@@ -89,7 +89,7 @@ def test_pressing_the_track_scrubs(page: Page, session: Session) -> None:
 
 def test_space_toggles_from_canvas_and_button(page: Page, session: Session) -> None:
     _plays(page)
-    pixel = (420.0, 90.0)
+    pixel = (400.0, 560.0)
     assert page.is_free(pixel)
     page.tab.mouse.click(*pixel)
     page.tab.keyboard.press("Space")

@@ -78,14 +78,14 @@ def test_a_verdict_is_shown_in_place_of_the_plan(
     fake.set(check.trajectory, "/other")
     until(lambda: session.frame.checked is not verdict and session.resting)
     assert session.frame.checked is not None
-    other = session.frame.checked.task.motion.motion
+    other = session.frame.checked.problem.motion.motion
     np.testing.assert_array_equal(other.positions, POSITIONS + 1)
     assert check.trajectory.visible
 
     (bag,) = sqlite(tmp_path / "bag").glob("*.db3")
     send_file(session, check.upload, "plan.db3", bag.read_bytes())
     until(lambda: not check.trajectory.visible and session.resting)
-    until(lambda: session.frame.checked.task.motion.motion.positions[0, 0] == POSITIONS[0, 0])
+    until(lambda: session.frame.checked.problem.motion.motion.positions[0, 0] == POSITIONS[0, 0])
 
     over = csv((0, -1, -1.2, 1.2, -1.2, -1.57, 0), (3, 3, -1.2, 1.2, -1.2, -1.57, 0))
     send_file(session, check.upload, "over.csv", over)
