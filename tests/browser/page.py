@@ -35,6 +35,7 @@ FLAGS = (
     "--no-first-run",
 )
 PATIENCE = 60.0  # [s]; the first frames in software GL compile shaders for seconds
+_CLICKS = 3
 # Pixels of the scene for one of the page: few, since each takes time. Fixed, since viser otherwise
 # resizes the canvas when drawing is slow.
 _RATIO = 0.05
@@ -360,8 +361,10 @@ class Page:
         self.drag(start, self.pixel(gizmo, grip), midway=midway)
 
     def choose_body(self, gizmo: str) -> None:
-        """Click what a gizmo moves, and wait for its arrows."""
-        if self.props(gizmo)["disable_axes"]:
+        """Click what a gizmo moves until it has arrows, as the camera may move under a click."""
+        for _ in range(_CLICKS):
+            if not self._lacks_arrows(gizmo):
+                return
             # anew each time: the camera may still be on its way
             self.until(lambda: self.is_free(self.pixel(gizmo)), f"{gizmo} not to be covered")
             self.tab.mouse.move(*self.pixel(gizmo))
@@ -369,8 +372,14 @@ class Page:
             self.tab.mouse.down()
             self.frames(2)
             self.tab.mouse.up()
-            self.until(lambda: not self.props(gizmo)["disable_axes"], f"the arrows of {gizmo}")
+            end = time.monotonic() + PATIENCE / _CLICKS
+            while self._lacks_arrows(gizmo) and time.monotonic() < end:
+                self.tab.wait_for_timeout(20)
             self.frames(3)
+        assert not self._lacks_arrows(gizmo), f"{gizmo} was clicked, and has no arrows"
+
+    def _lacks_arrows(self, gizmo: str) -> bool:
+        return bool(self.props(gizmo)["disable_axes"])
 
     def picture(self) -> NDArray[np.uint16]:
         """The scene's picture, drawn for once: the sum of red, green and blue for each pixel."""
