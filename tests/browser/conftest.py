@@ -120,11 +120,7 @@ class Tabs:
             page.click("Result")
         page.until(lambda: page.complaints() == [], "no complaint")
         page.until(lambda: drawn.shows(page, session.plan), "the first picture")
-        viewpoint = session._view.viewpoint
-        x, y, z = viewpoint._direction.tolist()
-        viewpoint.look_from((x, y, z))
         page.settle()
-        page.until(lambda: not viewpoint._is_moved(), "the camera where it was")
         return page
 
     def put_back(self, page: Page, *, passed: bool) -> None:
@@ -164,6 +160,7 @@ def _is_as_opened(session: Session) -> bool:
         and session.panels.stages.search.visited() == 0
         and not session.panels.theatre.on.value
         and session.playback.speed.value == "real time"
+        and not session._view.viewpoint._is_moved()
     )
 
 
