@@ -137,7 +137,7 @@ def test_one_of_several_robots_in_a_file_is_chosen_by_name(
     files: dict[str, str | bytes] = {"p/urdf/one.urdf": arm(), "p/urdf/two.urdf": other}
     upload(session, "package.zip", packed(files))
     model = panel(session).model
-    until(lambda: model.robot.visible)
+    until(lambda: model.robot.visible and len(model.robot.options) > 1)
     assert model.robot.options[1:] == ("p/urdf/one.urdf", "p/urdf/two.urdf")
     assert isinstance(planned_arm(session), PaperArm)
     for name in ("two", "one"):
