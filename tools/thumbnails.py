@@ -17,7 +17,7 @@ from PIL import Image, ImageDraw
 import abi
 from abi import assets
 from abi.arrays import FloatArray
-from abi.planner.comparison import search_task
+from abi.planner.comparison import search_problem
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene, scene_names
 from abi.search.compare import COMPARED
@@ -164,7 +164,7 @@ def _add_arm(drawing: Drawing, plan: Plan) -> None:
 
 
 def _add_search(drawing: Drawing, plan: Plan, step: int, algorithm: str) -> None:
-    trace = COMPARED[algorithm].find(search_task(plan))
+    trace = COMPARED[algorithm].find(search_problem(plan))
     state = replay(trace, min(step, trace.steps))
     points = trace.arcs.points
     for nodes, colour in ((state.closed, style.CLOSED), (state.open, style.WAITING[1])):

@@ -21,7 +21,6 @@ from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem
 from abi.planner.stage_results import ShortestPath
 from abi.planner.whole_arm_branch import WholeArmBranch
-from abi.robot.urdf_arm import UrdfArm
 
 _NO_PATH = ("start", "goal", "path")
 """Faults that there are before a path is found."""
@@ -49,8 +48,8 @@ class ArmAware:
     """Planner for the whole arm, which remembers what the arm excludes from the mesh.
 
     Attributes:
-        kept: name of a URDF arm's branch that led to the last plan, the only one that is tried in
-            haste; empty for none.
+        kept: name of the branch that led to the last plan, the only one that is tried in haste;
+            empty for none, and for an arm whose branches are the two sides of its elbow.
     """
 
     def __init__(self) -> None:
@@ -84,7 +83,7 @@ class ArmAware:
         every = [on(one, one.name) for one in arm_branches]
         found, faults = _shortest_motion(every, tool)
         self.kept = ""
-        if found is not None and isinstance(problem.model.arm, UrdfArm):
+        if found is not None and not problem.model.arm.has_elbow:
             self.kept = arm_branches[found.number].name
         if found is None and all(fault.where in _NO_PATH for fault in faults.values()):
             # near the base axis, and along an obstacle, a proof may take more

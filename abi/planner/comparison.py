@@ -50,7 +50,7 @@ class SearchComparison:
         }
 
 
-def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchProblem:
+def search_problem(plan: Plan, heuristic_weight: float = 1.0) -> SearchProblem:
     """Make the problem of a comparison from a plan's graph.
 
     Args:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from abi.arrays import read_only
-from abi.planner.comparison import search_task
+from abi.planner.comparison import search_problem
 from abi.planner.plan import Plan
 from abi.search.compare import COMPARED
 from abi.search.negative_arc import with_negative_arc
@@ -21,11 +21,11 @@ _MOST = 12
 
 
 class TheatreSearches:
-    """Tasks and traces by the kind of negative edge: none (empty), ``negative`` or ``cycle``."""
+    """Problems and traces by the kind of negative edge: none (empty), ``negative`` or ``cycle``."""
 
     def __init__(self, plan: Plan | None = None) -> None:
         self._plan = plan
-        self._tasks: dict[str, SearchProblem] = {}
+        self._problems: dict[str, SearchProblem] = {}
         self._followed: dict[tuple[int, ...], SearchTrace] = {}
         self._traces: dict[tuple[str, str, float], SearchTrace] = {}
 
@@ -45,17 +45,17 @@ class TheatreSearches:
             StageError: there is no place for one.
         """
         assert self._plan is not None
-        if "" not in self._tasks:
-            self._tasks[""] = search_task(self._plan)
-        if kind not in self._tasks:
-            self._tasks[kind] = with_negative_arc(self._tasks[""], kind == "cycle")
+        if "" not in self._problems:
+            self._problems[""] = search_problem(self._plan)
+        if kind not in self._problems:
+            self._problems[kind] = with_negative_arc(self._problems[""], kind == "cycle")
 
     def followed(self, order: tuple[int, ...]) -> SearchTrace:
         """Trace of a best-first search that expands nodes in a given order."""
         if order not in self._followed:
             self.prepare("")
             nodes = read_only(np.array(order, np.int32))
-            self._followed[order] = trace_of(self._tasks[""].arcs, nodes, "best_first")
+            self._followed[order] = trace_of(self._problems[""].arcs, nodes, "best_first")
         return self._followed[order]
 
     def trace(self, name: str, kind: str, weight: float) -> SearchTrace:
@@ -71,6 +71,6 @@ class TheatreSearches:
         if key not in self._traces:
             if len(self._traces) >= _MOST:
                 self._traces.clear()
-            problem = replace(self._tasks[kind], heuristic_weight=w)
+            problem = replace(self._problems[kind], heuristic_weight=w)
             self._traces[key] = COMPARED[name].find(problem)
         return self._traces[key]

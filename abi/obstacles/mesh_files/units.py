@@ -11,7 +11,7 @@ METRES: Mapping[str, float] = {
 }
 _OTHERS: Mapping[str, float] = {
     **{"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048, "feet": 0.3048},
-    **{"inche": 0.0254, "micrometer": 1e-6, "um": 1e-6, "yard": 0.9144, "kilometer": 1e3},
+    **{"inches": 0.0254, "micrometer": 1e-6, "um": 1e-6, "yard": 0.9144, "kilometer": 1e3},
 }
 _COMMENT = re.compile(
     r"\bunits?[ \t]*[=:][ \t]*([a-z]{1,20})[ \t\0]*$", re.IGNORECASE | re.MULTILINE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import viser
 
-from abi.planner.comparison import SearchComparison, compare, search_task
+from abi.planner.comparison import SearchComparison, compare, search_problem
 from abi.planner.plan import Plan
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
@@ -67,11 +67,11 @@ class ComparisonPanel:
         """Run the searches, and tell what they found."""
         if plan.graph is None:
             return _NO_GRAPH
-        task = search_task(plan, heuristic_weight=1.5)
-        found = compare(task)
+        problem = search_problem(plan, heuristic_weight=1.5)
+        found = compare(problem)
         self._ms = sum(one.ms for one in found)
-        mended = _mended(before, task.arcs, task.weight)
-        return _table(found, task.weight, plan.scene.unit) + _told(mended, found[0])
+        mended = _mended(before, problem.arcs, problem.weight)
+        return _table(found, problem.weight, plan.scene.unit) + _told(mended, found[0])
 
     def _show(self, text: str) -> None:
         self._text.content = text

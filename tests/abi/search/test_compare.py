@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.comparison import search_task
+from abi.planner.comparison import search_problem
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from abi.search.arcs import Arcs
@@ -146,7 +146,7 @@ def test_lazy_theta_star_is_clear_and_no_longer_than_the_graphs_path() -> None:
         plan = Planner(compile=False)(scattered(np.random.default_rng(seed)), chosen_only=True)
         if plan.path is None:
             continue
-        problem = search_task(plan)
+        problem = search_problem(plan)
         trace = COMPARED["lazy_theta_star"].find(problem)
         edges = set(map(tuple, np.sort(problem.graph.edges, axis=1).tolist()))
         for a, b in pairwise(trace.vertices.tolist()):
@@ -178,7 +178,7 @@ def test_a_negative_arc_deceives_dijkstra_and_not_bellman_ford(seed: int) -> Non
 @pytest.mark.parametrize("cycle", [False, True])
 def test_a_negative_arc_goes_through_no_obstacle(name: str, cycle: bool) -> None:
     scene = load_scene(name).replace(arm={"avoid": False})
-    problem = with_negative_arc(search_task(Planner()(scene)), cycle)
+    problem = with_negative_arc(search_problem(Planner()(scene)), cycle)
     tail, head = problem.arcs.points[list(problem.arcs.negative or ())]
     line = tail + np.linspace(0, 1, 1000)[:, None] * (head - tail)
     assert ObstacleSet(scene.obstacles).signed_distance(line).min() > 0

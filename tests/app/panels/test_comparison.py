@@ -7,7 +7,7 @@ import re
 import pytest
 
 from abi import load_scene, plan
-from abi.planner.comparison import compare, search_task
+from abi.planner.comparison import compare, search_problem
 from abi.search.arcs import Arcs
 from abi.search.lifelong_a_star import lifelong_a_star
 from app.panels.stages.comparison import _table
@@ -51,9 +51,9 @@ def test_the_search_before_is_mended(tab: tuple[FakeTab, Session]) -> None:
 def test_lengths_and_numbers_of_edges_are_not_compared() -> None:
     paper = load_scene("paper")
     for weight, gap in (("length", "−9.4 %"), ("hops", "–")):
-        task = search_task(plan(paper.replace(search={"weight": weight})))
-        found = compare(task)
-        rows = re.findall(r"<tr>(.*?)</tr>", _table(found, task.weight, "cm"))
+        problem = search_problem(plan(paper.replace(search={"weight": weight})))
+        found = compare(problem)
+        rows = re.findall(r"<tr>(.*?)</tr>", _table(found, problem.weight, "cm"))
         cells = [re.findall(r"<td>(?:<span[^>]*>)?(.*?)(?:</span>)?</td>", row) for row in rows]
         gaps = {row[0]: row[3] for row in cells if row}
         assert gaps["Lazy Theta*"] == gap

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from abi import load_scene, plan
-from abi.planner.comparison import search_task
+from abi.planner.comparison import search_problem
 from abi.search.compare import COMPARED
 from abi.search.replay import replay
 from app.theatre.compared import LETTERS, compared, lettered
@@ -16,7 +16,7 @@ PLAN = plan(load_scene("drag-a-box"))
 
 @pytest.mark.parametrize("name", COMPARED)
 def test_numbers_of_the_nodes_that_are_compared_tell_which_is_next(name: str) -> None:
-    trace = COMPARED[name].find(search_task(PLAN))
+    trace = COMPARED[name].find(search_problem(PLAN))
     if trace.queue == "rounds":
         assert not len(compared(replay(trace, 1)))
         return
@@ -38,7 +38,7 @@ def test_numbers_of_the_nodes_that_are_compared_tell_which_is_next(name: str) ->
 
 
 def test_who_is_asked_reads_letters_and_their_numbers_and_a_vote_reads_none() -> None:
-    state = replay(COMPARED["a_star"].find(search_task(PLAN)), 6)
+    state = replay(COMPARED["a_star"].find(search_problem(PLAN)), 6)
     asked = Theatre("a_star", state, asking=True)
     text = describe(asked, PLAN.scene)
     for letter, node in zip(LETTERS, lettered(asked).tolist(), strict=True):

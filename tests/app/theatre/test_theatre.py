@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from abi import load_scene, plan
-from abi.planner.comparison import search_task
+from abi.planner.comparison import search_problem
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState, replay
 from app.layers.race import RaceLayer
@@ -22,7 +22,7 @@ PLAN = plan(load_scene("paper"))
 
 
 def state_of(name: str, step: int, w: float = 1.0) -> SearchState:
-    return replay(COMPARED[name].find(search_task(PLAN, w)), step)
+    return replay(COMPARED[name].find(search_problem(PLAN, w)), step)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -80,7 +80,7 @@ def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
 @pytest.mark.parametrize("name", COMPARED)
 def test_nodes_that_may_be_next_are_the_least_of_what_orders_them(name: str) -> None:
     for step in (0, 1, 4, 9):
-        state = state_of(name, min(step, COMPARED[name].find(search_task(PLAN)).steps - 1))
+        state = state_of(name, min(step, COMPARED[name].find(search_problem(PLAN)).steps - 1))
         if state.trace.queue == "rounds":
             assert not Theatre(name, state).ringed.size
             continue
@@ -123,12 +123,12 @@ def test_on_the_grid_of_the_lesson_on_searches_no_two_nodes_tie() -> None:
     lesson, folder = load_lessons(None)["03-search"]
     setting = lesson.steps[0].set
     assert setting is not None
-    task = search_task(plan(scene_of(setting, PLAN.scene, folder)))
-    trace = COMPARED["a_star"].find(task)
+    problem = search_problem(plan(scene_of(setting, PLAN.scene, folder)))
+    trace = COMPARED["a_star"].find(problem)
     assert trace.steps > 15
     assert all(len(replay(trace, step).candidates()) == 1 for step in range(trace.steps))
     assert setting.search is not None
-    shown = replay(COMPARED["dijkstra"].find(task), setting.search.step or 0)
+    shown = replay(COMPARED["dijkstra"].find(problem), setting.search.step or 0)
     assert len(shown.candidates()) == 1
 
 
