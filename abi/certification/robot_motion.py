@@ -14,6 +14,7 @@ from abi.certification.motion import Motion
 from abi.errors import MotionError, SceneError, short
 from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.couplings import require_followed
 from abi.robot.urdf.held_joints import held_in_metres, planned_joints
 from abi.robot.urdf.robot import Joint, Robot
 from abi.robot.urdf.urdf_joints import some_of
@@ -113,6 +114,7 @@ def robot_motion(
     place = x * metres, y * metres, z * metres
     try:
         chain = Chain.moved_by(robot, motion.joints, place, scene.arm.base_wxyz, held)
+        require_followed(robot, chain.names, held)
     except SceneError as error:
         raise MotionError(error.message) from None
     _check_state(motion, chain, scene.arm.attached is not None)

@@ -21,6 +21,7 @@ from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.bodies.floor_contacts import FloorPiece, on_floor
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
+from abi.robot.urdf.couplings import require_followed
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_files import description_of, files_of
@@ -414,12 +415,14 @@ def urdf_arm(
         grasping: whether an object is taken or set down.
 
     Raises:
-        SceneError: there is no such tip, no joint moves it, or a joint cannot be held there.
+        SceneError: there is no such tip, no joint moves it, a joint cannot be held there, or links
+            move otherwise than they are posed.
     """
     metres = METRES[unit]
     x, y, z = base
     in_metres = held_in_metres(robot, held, metres)
     chain = Chain.of(robot, tip, (x * metres, y * metres, z * metres), axis, wxyz, in_metres)
+    require_followed(robot, chain.names, in_metres)
     scales = np.where(np.array(chain.slides), 1 / metres, 1.0)
     return UrdfArm(
         chain=chain,

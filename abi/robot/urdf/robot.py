@@ -199,6 +199,23 @@ class NamedState(NamedTuple):
     positions: Mapping[str, float]
 
 
+class Coupling(NamedTuple):
+    """A loop that an element for other programs closes, or a joint that it lets follow another.
+
+    Attributes:
+        name: of the joint that closes the loop or follows.
+        joints: names of the joints in the loop, or of follower and followed; empty where the file
+            does not tell.
+        closes: whether it closes a loop.
+        rests: whether it holds where all these joints are at 0.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    closes: bool
+    rests: bool
+
+
 class AttachedObject(NamedTuple):
     """An object held by a robot: a link that is in none of its files.
 
@@ -228,6 +245,7 @@ class Robot(ShortRepr):
         groups: names of joints that move together, by the names of groups in its SRDF.
         states: positions of joints that its SRDF gives a name.
         attached: the object that it holds.
+        couplings: loops and followers that ``<mimic>`` does not tell of.
     """
 
     name: str
@@ -240,6 +258,7 @@ class Robot(ShortRepr):
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     states: tuple[NamedState, ...] = ()
     attached: AttachedObject | None = None
+    couplings: tuple[Coupling, ...] = ()
 
     @property
     def _key(self) -> tuple[bytes, str, AttachedObject | None]:

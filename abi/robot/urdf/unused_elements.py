@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections import deque
-from collections.abc import Iterator, Mapping
-
-from lxml import etree
+from collections.abc import Mapping
 
 from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
@@ -38,7 +35,6 @@ _NAMED = 6
 def unused(root: XmlElement) -> tuple[str, ...]:
     """Sentences on what is not used of a robot, its links, their shapes and its joints, if any."""
     found: dict[str, None] = {}
-    coupled: dict[str, None] = {}
     waiting = deque([root.xml])
     while waiting:
         parent = waiting.popleft()
@@ -54,25 +50,4 @@ def unused(root: XmlElement) -> tuple[str, ...]:
                 continue
             else:
                 found[str(element.tag)] = None
-                coupled |= dict.fromkeys(_coupled(element))
-    notes = []
-    if found:
-        notes.append(f"Not used: {some_of([*found], _NAMED)}.")
-    if coupled:
-        notes.append(
-            f"Loops and couplings are followed from <mimic> alone, not: {some_of([*coupled])}."
-        )
-    return tuple(notes)
-
-
-def _coupled(element: etree._Element) -> Iterator[str]:
-    """Joints that an element for other programs closes a loop with, or has follow another."""
-    for one in element.iter(etree.Element):
-        tag, joint = re.sub(".*[}:]", "", str(one.tag)), one.get("name")
-        if tag == "mimicJoint":
-            joint = one.text
-        elif tag == "param" and joint == "mimic":
-            joint = one.getparent().get("name")
-        elif tag != "loop_joint" and not (tag == "joint" and "type" in one.attrib):
-            continue
-        yield f"joint {str(joint or '').strip() or 'without a name'}"
+    return (f"Not used: {some_of([*found], _NAMED)}.",) if found else ()

@@ -9,6 +9,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from abi.errors import Missing
+from abi.robot.urdf.couplings import coupling_notes, read_couplings
 from abi.robot.urdf.mimic import with_masters
 from abi.robot.urdf.robot import Link, Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
@@ -46,6 +47,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
     joints = [read_joint(element.called()) for element in root.all("joint")]
     ordered, base = in_order(root, links, joints)
+    couplings = read_couplings(root, ordered, base)
     ordered = with_masters(root, ordered)
     notes = [*add_visuals(root, links, meshes)]
     notes += [f"{note} {some_of(named)}." for note, named in root.told.items()]
@@ -53,7 +55,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         notes.append(f"No torques, as masses make no sense: {some_of(weightless)}.")
     if not any(link.shapes for link in links.values()):
         notes.append("No link has a shape: lines from joint to joint stand for them.")
-    notes += unused(root)
+    notes += [*unused(root), *coupling_notes(couplings)]
     add_colours(root, links)
     title = root.text("name", "robot")
-    return Robot(title, base, MappingProxyType(links), ordered, tuple(notes))
+    return Robot(title, base, MappingProxyType(links), ordered, tuple(notes), couplings=couplings)

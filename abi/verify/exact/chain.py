@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from abi.robot.urdf.held_joints import NOT_HELD
+from abi.robot.urdf.couplings import require_followed
+from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
 from abi.robot.urdf.robot import Joint, Robot, joints_to
 from abi.verify.exact.solids import Vec3, in_body, sqrt_bounds
 from abi.verify.fault import Fault
@@ -182,6 +183,7 @@ def exact_chain(
 
     Raises:
         Fault: a matrix is no rotation, or an axis no unit vector.
+        SceneError: links move otherwise than they are posed.
     """
     return _exact_tree(robot, _moving_joints(robot, tip), tip, (base, wxyz), units, held)
 
@@ -206,6 +208,7 @@ def exact_joints(
 
     Raises:
         Fault: a matrix is no rotation, or an axis no unit vector.
+        SceneError: links move otherwise than they are posed.
     """
     joints = tuple(
         joint for joint in robot.joints if joint.kind != "fixed" and joint.coordinate in names
@@ -224,6 +227,7 @@ def _exact_tree(
 ) -> ExactChain:
     (joints, names), (base, wxyz) = moving, stands
     by_name = {joint.name: joint for joint in robot.joints}
+    require_followed(robot, names, held_in_metres(robot, held, 1 / units))
     positions = _at_rest(robot, names, held, units)
     axes, zero = _fractions(np.eye(3)), _fractions(np.zeros(3))
     turned = np.array([in_body(axis, wxyz) for axis in axes])

@@ -143,25 +143,6 @@ def test_attributes_that_are_not_used_are_named_too() -> None:
     assert turned.notes == ("Not used: quat of <origin>, rpy of <axis>.",)
 
 
-@pytest.mark.parametrize(
-    ("element", "name"),
-    [
-        ('<gazebo><joint name="loop" type="revolute"/></gazebo>', "loop"),
-        ('<loop_joint name="loop" type="revolute"/>', "loop"),
-        ("<gazebo><plugin><joint>p</joint><mimicJoint>q</mimicJoint></plugin></gazebo>", "q"),
-        (
-            '<ros2_control><joint name="q"><param name="mimic">p</param></joint></ros2_control>',
-            "q",
-        ),
-    ],
-)
-def test_joints_that_other_programs_close_or_couple_are_named(element: str, name: str) -> None:
-    notes = read_of(arm(("</robot>", f"{element}</robot>"))).notes
-    assert notes[-1] == f"Loops and couplings are followed from <mimic> alone, not: joint {name}."
-    plain = '<transmission><joint name="p"/></transmission><gazebo reference="p"/></robot>'
-    assert read_of(arm(("</robot>", plain))).notes == ("Not used: transmission, gazebo.",)
-
-
 def test_a_unit_that_a_comment_names_is_told_of_and_does_not_count_in_an_arm() -> None:
     triangle = "# File units = inches\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     text = arm(('<box size="0.1 0.1 0.3"/>', '<mesh filename="a.obj"/>'))

@@ -1,0 +1,143 @@
+"""Loops and followers that a URDF has for other programs, in elements that planning does not use.
+
+A robot is posed from its tree of joints and their ``<mimic>``. Where Gazebo closes a loop, or
+ros2_control lets a joint follow another, links beside the planned joints may in truth move although
+they are posed as if they stood still. So no motion of such a robot is planned or certified, unless
+the coupling holds whatever is planned.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+from lxml import etree
+
+from abi.errors import SceneError
+from abi.robot.urdf.held_joints import positions_held
+from abi.robot.urdf.robot import Coupling, Joint, Robot
+from abi.robot.urdf.strict_xml import XmlElement
+from abi.robot.urdf.urdf_joints import some_of
+
+_WORLD = "world"
+
+
+def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tuple[Coupling, ...]:
+    """Loops and followers that the joints and their ``<mimic>`` do not tell of.
+
+    Args:
+        root: the robot's element.
+        joints: its joints, with the masters that the file gives them.
+        base: name of its root link.
+    """
+    found: dict[str, Coupling] = {}
+    by_name = {joint.name: joint for joint in joints}
+    above = {joint.child: joint for joint in joints}
+    for one in root.xml.iter(etree.Element):
+        tag, joint = re.sub(".*[}:]", "", str(one.tag)), one.get("name") or ""
+        told = one.getparent()
+        if tag == "mimicJoint":
+            fault = _following(by_name, str(one.text or "").strip(), told.findtext("joint"), told)
+        elif tag == "param" and joint == "mimic":
+            fault = _following(by_name, told.get("name") or "", one.text, told)
+        elif tag in ("loop_joint", "ball_constraint") or (
+            tag == "joint" and "type" in one.attrib and told is not root.xml
+        ):
+            fault = _closing(above, base, joint.strip(), [*_ends(one)])
+        elif tag == "mimic" and told is not None and told.getparent() is not root.xml:
+            fault = Coupling(told.get("name") or "", (), closes=False, rests=False)
+        else:
+            continue
+        if fault is not None:
+            found.setdefault(fault.name, fault)
+    return tuple(found.values())
+
+
+def _following(
+    by_name: Mapping[str, Joint], name: str, master: str | None, element: etree._Element
+) -> Coupling | None:
+    """A joint that follows another; None if it does so by the same ``<mimic>``."""
+    master = str(master or "").strip()
+    numbers = {"multiplier": 1.0, "offset": 0.0}
+    for one in element.iter(etree.Element):
+        key = one.get("name") if one.tag == "param" else str(one.tag)
+        if key in numbers:
+            try:
+                numbers[key] = float(one.text or "")
+            except ValueError:
+                return Coupling(name, (), closes=False, rests=False)
+    mimic = by_name[name].mimic if name in by_name else None
+    if mimic is not None and mimic == (master, numbers["multiplier"], numbers["offset"]):
+        return None
+    known = name in by_name and master in by_name
+    rests = known and numbers["offset"] == 0
+    return Coupling(name, (name, master) if known else (), closes=False, rests=rests)
+
+
+def _ends(element: etree._Element) -> Iterator[str]:
+    """Names of the links that a joint which closes a loop joins."""
+    for one in element.iter(etree.Element):
+        tag = re.sub(".*[}:]", "", str(one.tag))
+        if tag in ("parent", "child", "link1", "link2"):
+            yield (one.get("link") or one.text or "").strip().rpartition("::")[2]
+
+
+def _closing(
+    above: Mapping[str, Joint], base: str, name: str, ends: Sequence[str]
+) -> Coupling | None:
+    """A loop between two links; None if no joint of it can move."""
+    ends = [base if end == _WORLD and end not in above else end for end in ends]
+    if len(ends) != 2 or any(end != base and end not in above for end in ends):
+        return Coupling(name, (), closes=True, rests=False)
+    ways: list[dict[str, None]] = []
+    for end in ends:
+        way: dict[str, None] = {}
+        while end in above:
+            if above[end].kind != "fixed":
+                way[above[end].name] = None
+            end = above[end].parent
+        ways.append(way)
+    joints = tuple(one for one in {**ways[0], **ways[1]} if (one in ways[0]) != (one in ways[1]))
+    return Coupling(name, joints, closes=True, rests=True) if joints else None
+
+
+def coupling_notes(couplings: Sequence[Coupling]) -> list[str]:
+    """A sentence on loops and followers; none without any."""
+    if not couplings:
+        return []
+    names = [f"joint {one.name or 'without a name'}" for one in couplings]
+    return [f"Loops and couplings are followed from <mimic> alone, not: {some_of(names)}."]
+
+
+def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str, float]) -> None:
+    """Refuse a robot with links that a loop or a coupling moves otherwise than they are posed.
+
+    They are posed right where no joint of it moves and all are at 0, at which the file closes it;
+    and, in a loop, where ``<mimic>`` tells how its other joints follow those that are planned.
+
+    Args:
+        robot: the robot.
+        planned: names of the joints that move.
+        wanted: positions of joints that are held, [rad] or [m].
+
+    Raises:
+        SceneError: there is such a loop or coupling; names it and what would work.
+    """
+    if not robot.couplings:
+        return
+    joints = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
+    held = positions_held(robot, planned, wanted)
+    for one in robot.couplings:
+        there = [joints[name] for name in one.joints if name in joints]
+        rests = one.rests and all(held.get(joint.name) == 0 for joint in there)
+        all_move = bool(there) and all(joint.coordinate in planned for joint in there)
+        told = one.closes and all_move and any(joint.mimic is not None for joint in there)
+        if not rests and not told:
+            does = "closes a loop" if one.closes else "follows another"
+            name = one.name or "without a name"
+            raise SceneError(
+                "arm.urdf",
+                f"joint {name}, which {does} for other programs alone",
+                "a <mimic> for each joint that moves with the planned ones, as links that move "
+                "otherwise than they are drawn cannot be proven clear",
+            )

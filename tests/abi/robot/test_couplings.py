@@ -1,0 +1,110 @@
+"""A robot is planned only where loops and couplings of other programs leave its links in place."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.certification.motion import Motion
+from abi.certification.robot_motion import robot_motion
+from abi.errors import MotionError, SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot_files import load_robot
+from abi.robot.urdf_arm import urdf_arm
+from abi.scene.scene import Scene
+from abi.verify.exact.chain import exact_chain, exact_joints
+from tests.abi.robot.robots import joint, link, urdf
+
+_LIMIT = '<limit lower="-2" upper="2" velocity="1" effort="9"/>'
+_MIMIC = f'<mimic joint="p" multiplier="-1"/>{_LIMIT}'
+_LOOP = (
+    '<gazebo><joint name="loop" type="revolute"><parent>{}</parent><child>{}</child></joint>'
+    "</gazebo>"
+)
+_PLUGIN = "<gazebo><plugin><joint>{}</joint><mimicJoint>{}</mimicJoint>{}</plugin></gazebo>"
+_CONTROL = (
+    '<ros2_control><joint name="{1}"><param name="mimic">{0}</param>'
+    '<param name="multiplier">{2}</param></joint></ros2_control>'
+)
+
+
+def text_of(*more: str, crank: str = _LIMIT, rod: str = _LIMIT) -> bytes:
+    """An arm a-b-c-d by joints p, q, s, with a crank e and a rod f by joints u and v beside it."""
+    parts = [
+        *map(link, "abcdef"),
+        *(joint("p", "a", "b"), joint("q", "b", "c"), joint("s", "c", "d")),
+        *(joint("u", "a", "e", extra=crank), joint("v", "e", "f", extra=rod)),
+    ]
+    return urdf(*parts, *more).encode()
+
+
+def read_of(*more: str, **joints: str) -> Robot:
+    """The robot of this text."""
+    return load_robot("r.urdf", MeshSource({"r.urdf": text_of(*more, **joints)}))
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        _LOOP.format("f", "c"),  # of a crank and a rod that stand still, to the arm
+        _LOOP.format("e", "d"),
+        _LOOP.format("nowhere", "c"),
+        '<gazebo><joint name="loop" type="ball"/></gazebo>',
+        '<loop_joint name="loop" type="revolute"><link1 link="c"/><link2 link="f"/></loop_joint>',
+        _LOOP.format("world", "d"),  # what the arm could not move in
+        _PLUGIN.format("p", "u", ""),
+        _PLUGIN.format("u", "v", "<offset>0.1</offset>"),
+        _PLUGIN.format("u", "p", ""),
+        _CONTROL.format("q", "v", 1),
+    ],
+)
+def test_no_motion_is_planned_certified_or_verified_of_links_posed_otherwise(element: str) -> None:
+    robot = read_of(element)
+    assert robot.notes[-1].startswith("Loops and couplings are followed from <mimic> alone, not: ")
+    with pytest.raises(SceneError, match="for other programs alone"):
+        urdf_arm(robot, "d", (0, 0, 0))
+    with pytest.raises(SceneError, match="for other programs alone"):
+        exact_chain(robot, "d", (0, 0, 0), 1)
+    with pytest.raises(SceneError, match="for other programs alone"):
+        exact_joints(robot, ("p", "q", "s"), (0, 0, 0), 1)
+
+    settings = {"model": "urdf", "urdf": "r.urdf", "tip": "d"}
+    scene = Scene.from_dict(
+        {"version": 1, "unit": "m", "arm": settings}, MeshSource({"r.urdf": text_of(element)})
+    )
+    motion = Motion(("p", "q", "s"), np.arange(2.0), np.zeros((2, 3)))
+    with pytest.raises(MotionError, match="for other programs alone"):
+        robot_motion(motion, scene)
+
+
+@pytest.mark.parametrize(
+    ("element", "crank"),
+    [
+        (_LOOP.format("f", "e"), _LIMIT),  # of joints that all rest where the file closes it
+        (_LOOP.format("f", "b"), _MIMIC + "{v}"),  # all of whose joints follow
+        (_LOOP.format("world", "a"), _LIMIT),
+        (_PLUGIN.format("u", "v", "<multiplier>-2</multiplier>"), _LIMIT),  # both rest
+        (_PLUGIN.format("p", "u", "<multiplier>-1</multiplier>"), _MIMIC),  # as by <mimic>
+        (_CONTROL.format("p", "u", -1), _MIMIC),
+        ('<transmission><joint name="p"/></transmission><gazebo reference="p"/>', _LIMIT),
+    ],
+)
+def test_a_robot_is_planned_whose_links_are_where_they_are_posed(element: str, crank: str) -> None:
+    follows = crank.endswith("{v}")
+    robot = read_of(element, crank=crank.removesuffix("{v}"), rod=_MIMIC if follows else _LIMIT)
+    assert urdf_arm(robot, "d", (0, 0, 0)).joints == ("p", "q", "s")
+    assert exact_chain(robot, "d", (0, 0, 0), 1).coordinates == ("p", "q", "s")
+
+
+def test_a_loop_is_not_held_where_one_of_its_joints_is_not_where_the_file_closes_it() -> None:
+    robot = read_of(_LOOP.format("f", "e"))
+    with pytest.raises(SceneError, match="joint loop, which closes a loop"):
+        urdf_arm(robot, "d", (0, 0, 0), held={"v": 0.1})
+
+
+def test_a_follower_that_the_same_mimic_tells_of_is_not_noted() -> None:
+    (note,) = read_of(_CONTROL.format("p", "u", -1), crank=_MIMIC).notes
+    assert note == "Not used: ros2_control."
+    *_, other = read_of(_CONTROL.format("p", "u", 2), crank=_MIMIC).notes
+    assert other == "Loops and couplings are followed from <mimic> alone, not: joint u."
