@@ -4,13 +4,17 @@
 
 A tab plans a shipped scene with a mesh so fine that it takes seconds. At a random moment of that
 another scene or arm is chosen in the page. Measured is the time from there, the page's way to the
-server included, until the plan has ended, or until that of what was chosen begins.
+server included, until the plan has ended, or until that of what was chosen begins. On a busy
+machine that also has the time for which others compute; the processor time between two places
+where a plan asks whether it is still wanted has not.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
+import os
 import random
 import sys
 import time
@@ -23,6 +27,7 @@ from abi.scene.scene import load_scene
 from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
+from app.tab.plan_watch import PlanWatch
 from app.tab.session import Session
 from app.ui import page as functions
 from benchmarks.browser import chromium
@@ -34,6 +39,39 @@ _LONGEST = 2.0
 """Seconds that the plan is under way when something else is chosen, at most."""
 _PATIENCE = 300.0
 _SEND = "([uuid, value]) => abi.send(uuid, value)"
+
+
+class Gaps:
+    """The processor time between two questions of plans whether they are still wanted.
+
+    Attributes:
+        longest: the longest so far, [s].
+    """
+
+    def __init__(self, watch: PlanWatch) -> None:
+        """Note when the plans under this watch ask."""
+        self.longest = 0.0
+        self._last = math.inf
+        self._begins, self._asks, self._tells = watch.begin, watch.cancelled, watch.told
+        watch.begin, watch.cancelled, watch.told = (  # type: ignore[method-assign]
+            self._begin,
+            self._ask,
+            self._tell,
+        )
+
+    def _begin(self) -> None:
+        self._last = time.thread_time()
+        self._begins()
+
+    def _ask(self) -> bool:
+        self.longest = max(self.longest, time.thread_time() - self._last)
+        answer = self._asks()
+        self._last = time.thread_time()  # what is drawn meanwhile is no part of the plan
+        return answer
+
+    def _tell(self, doing: str) -> None:
+        self._tells(doing)
+        self._last = time.thread_time()
 
 
 class Chooser:
@@ -92,7 +130,13 @@ class Chooser:
 
 
 def measure(browser: Browser, times: int, seed: int = 0) -> dict[str, Any]:
-    """Interrupt plans: the ``cancelled`` ones, and ``median_s`` and ``worst_s`` of them."""
+    """Interrupt plans.
+
+    Returns:
+        The number of ``cancelled`` ones; ``median_s``, ``worst_s`` and ``worst_scene`` of the times
+        until they ended; ``gap_s``, the longest processor time between two questions of a plan; and
+        ``load``, the mean number of processes that ran or waited in the last minute.
+    """
     abi.compile()
     server = start(Address(port=0), scene="two-boxes", look=PLAIN)
     page = Page(browser, server.url)
@@ -100,7 +144,7 @@ def measure(browser: Browser, times: int, seed: int = 0) -> dict[str, Any]:
     try:
         page.until(lambda: any(one.plans for one in server.sessions.values()), "a session")
         (session,) = server.sessions.values()
-        chooser = Chooser(page, session)
+        chooser, gaps = Chooser(page, session), Gaps(session._watch)
         for _ in range(times):
             scene = chance.choice(list(_SLOW))
             arm = chance.choice(("", "", "xArm7"))
@@ -118,6 +162,8 @@ def measure(browser: Browser, times: int, seed: int = 0) -> dict[str, Any]:
         "median_s": took[len(took) // 2],
         "worst_s": took[-1],
         "worst_scene": worst,
+        "gap_s": gaps.longest,
+        "load": os.getloadavg()[0],
     }
 
 

@@ -25,7 +25,7 @@ from abi.arm_planning.world.collision_world_kernels import (
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
-from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
+from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, NEW_IDS, compiled
 from abi.curves.clearance.separation_kernels import CERTIFIED
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH, between_segments
 from abi.obstacles.vector_kernels import dot, sub, vec3_at
@@ -37,6 +37,8 @@ from abi.robot.kinematics.follow_path_kernels import NO_DRIFT, Drift, reach_poin
 _MOST_ITERATIONS = 15
 _TRIES = 3
 """Neighbours from which a node is tried."""
+_AT_ONCE = 2000
+"""Nodes that are gone on from in one call, about 20 ms."""
 
 
 class Nodes(NamedTuple):
@@ -68,17 +70,22 @@ class SpreadLimits(NamedTuple):
 _NODES, _LIMITS = Nodes(FLOATS, IDS, IDS), SpreadLimits(0.0, 1.0)
 
 
-@compiled(example=(TABLE, _NODES, 0, NO_DRIFT, _LIMITS, NEW_FLOATS, NEW_FLAGS), fallback=False)
+_SPREAD = (TABLE, _NODES, NO_DRIFT, _LIMITS, (0, 0), NEW_FLOATS, NEW_FLAGS, NEW_IDS, NEW_IDS)
+
+
+@compiled(example=_SPREAD, fallback=False)
 def spread(
     chain: ChainTable,
     nodes: Nodes,
-    first: int,
     drift: Drift,
     limits: SpreadLimits,
+    counts: tuple[int, int],
     configurations: FloatArray,
     reached: BoolArray,
-) -> None:
-    """Spread inverse kinematics over a mesh, breadth first, each node from a neighbour.
+    queue: IntArray,
+    tries: IntArray,
+) -> tuple[int, int]:
+    """Spread inverse kinematics some way on over a mesh, breadth first, each node from a neighbour.
 
     A node whose configuration is far from its neighbour's belongs to another sheet and is not
     reached from there: no motion runs between them.
@@ -86,27 +93,35 @@ def spread(
     Args:
         chain: the chain and its task.
         nodes: of the mesh.
-        first: node to begin with.
         drift: of joints to spare.
         limits: what counts as reached.
+        counts: of the nodes in the queue, those that were gone on from, and all; 0 and 0 at first.
         configurations: coordinates at each node reached, flat (n m,); written. Those of the first
             node are what it is reached from.
         reached: (n,), False at first; written.
+        queue: nodes in the order in which they are reached, (n,); at first that to begin with;
+            written.
+        tries: how often each was tried, (n,), 0 at first; written.
+
+    Returns:
+        The counts; they are equal once all that can be reached is.
     """
     points, indptr, indices = nodes
     allowed, longest = limits
-    count, total = len(drift.home), len(reached)
-    room = room_of(chain, count)
-    q = configurations[first * count : (first + 1) * count].copy()
-    queue, tries = np.empty(total, np.int32), np.zeros(total, np.int32)
-    still = Drift(drift.home, -1.0)
-    if reach_point(chain, q, still, points, first, 4 * _MOST_ITERATIONS, room) > allowed:
-        return
-    for j in range(count):
-        configurations[first * count + j] = q[j]
-    queue[0], reached[first] = first, True
-    done, found = 0, 1
-    while done < found:
+    count = len(drift.home)
+    room, q = room_of(chain, count), np.empty(count)
+    done, found = counts
+    if found == 0:
+        first, still = queue[0], Drift(drift.home, -1.0)
+        for j in range(count):
+            q[j] = configurations[first * count + j]
+        if reach_point(chain, q, still, points, first, 4 * _MOST_ITERATIONS, room) > allowed:
+            return 0, 0
+        for j in range(count):
+            configurations[first * count + j] = q[j]
+        reached[first], found = True, 1
+    end = done + _AT_ONCE
+    while done < min(found, end):
         node = queue[done]
         done += 1
         for place in range(indptr[node], indptr[node + 1]):
@@ -127,6 +142,7 @@ def spread(
                 configurations[to * count + j] = q[j]
             queue[found], reached[to] = to, True
             found += 1
+    return done, found
 
 
 @jitable

@@ -9,10 +9,12 @@ import numpy as np
 import scipy
 
 from abi import arguments
-from abi.arm_planning.exclusion import node_configuration_kernels
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     ConfigurationTree,
+    Nodes,
+    SpreadLimits,
     bound_configurations,
+    spread,
 )
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.robot.kinematics.chain import PULL
@@ -113,14 +115,12 @@ def spread_over(
     reached = np.zeros(len(mesh.points), dtype=np.bool_)
     nearest = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
     configurations[nearest] = first / arm.scales
-    node_configuration_kernels.spread(
-        arm.chain.table,
-        node_configuration_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
-        nearest,
-        Drift(flat(home / arm.scales), PULL),
-        node_configuration_kernels.SpreadLimits(REACHED, _LONGEST),
-        configurations.reshape(-1),
-        reached,
-    )
+    queue, tries = np.full(len(reached), nearest, np.int32), np.zeros(len(reached), np.int32)
+    nodes = Nodes(flat(mesh.points * arm.metres), indptr, indices)
+    drift, limits = Drift(flat(home / arm.scales), PULL), SpreadLimits(REACHED, _LONGEST)
+    task = arm.chain.table, nodes, drift, limits
+    counts = spread(*task, (0, 0), configurations.reshape(-1), reached, queue, tries)
+    while counts[0] < counts[1]:  # the result may become unwanted between two calls
+        counts = spread(*task, counts, configurations.reshape(-1), reached, queue, tries)
     positions = read_only(configurations * arm.scales)
     return NodeConfigurations(arm, mesh, start, first, home, positions, read_only(reached))

@@ -23,6 +23,8 @@ from abi.robot.urdf.held_joints import NOT_HELD, planned_joints, positions_held
 from abi.robot.urdf.robot import Joint, Robot, joints_to
 
 _MOST_ITERATIONS = 40
+_PART = 250
+"""Points of a path that are followed in one call, at most 20 ms."""
 PULL = 3.0
 """Fraction of the way back to the start pose that redundant joints go per reach of the tip."""
 
@@ -278,7 +280,10 @@ class Chain(ShortRepr):
             limits = table.limits.reshape(-1, 2).copy()
             limits[arguments.integer("still", still, 0, count - 1)] = start[still]
             table = table._replace(limits=flat(limits))
-        follow_path(table, flat(start), drift, flat(targets), _MOST_ITERATIONS, joints, errors)
+        along = table, flat(start), drift, flat(targets)
+        for first in range(0, len(targets), _PART):  # a result may become unwanted between two
+            part = first, min(first + _PART, len(targets))
+            follow_path(*along, part, _MOST_ITERATIONS, joints, errors)
         return joints.reshape(-1, count), errors
 
 

@@ -215,12 +215,13 @@ def reach_point(
     return _error(chain, room.poses, targets, sample, room.error)
 
 
-@compiled(example=(TABLE, FLOATS, NO_DRIFT, FLOATS, 0, NEW_FLOATS, NEW_FLOATS))
+@compiled(example=(TABLE, FLOATS, NO_DRIFT, FLOATS, (0, 0), 0, NEW_FLOATS, NEW_FLOATS))
 def follow_path(
     chain: ChainTable,
     start: FloatArray,
     drift: Drift,
     targets: FloatArray,
+    part: tuple[int, int],
     most: int,
     joints: FloatArray,
     errors: FloatArray,
@@ -232,6 +233,8 @@ def follow_path(
         start: coordinates to begin with, (n,).
         drift: of joints to spare.
         targets: k points, flat (3 k,), [m], world.
+        part: the first point to lead it to, and the one after the last; it is led to those before
+            already.
         most: iterations for a point, at most.
         joints: coordinates at each point, flat (k n,); written.
         errors: what each lacks, over the reach or in [rad], (k,); written.
@@ -239,7 +242,11 @@ def follow_path(
     count = len(start)
     room, q = room_of(chain, count), start.copy()
     still = Drift(drift.home, -1.0)
-    for sample in range(len(errors)):
+    first, end = part
+    if first > 0:
+        for j in range(count):
+            q[j] = joints[(first - 1) * count + j]
+    for sample in range(first, end):
         pulled = drift if sample > 0 else still
         errors[sample] = reach_point(chain, q, pulled, targets, sample, most, room)
         for j in range(count):

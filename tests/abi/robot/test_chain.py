@@ -188,6 +188,18 @@ def test_following_is_the_same_compiled_and_plain() -> None:
     np.testing.assert_allclose(first[1], second[1], atol=1e-14)
 
 
+@pytest.mark.parametrize("part", [1, 7, 250])
+def test_following_in_parts_is_following_at_once(monkeypatch: pytest.MonkeyPatch, part: int) -> None:
+    one = chain("panda")
+    start = np.array([0.1, 0.2, -0.1, -1.8, 0.1, 2.0, 0.3])
+    targets = path(one, start, start + 0.4)
+    monkeypatch.setattr("abi.robot.kinematics.chain._PART", len(targets))
+    at_once = one.follow(start, targets, home=start - 0.3)
+    monkeypatch.setattr("abi.robot.kinematics.chain._PART", part)
+    for found, expected in zip(one.follow(start, targets, home=start - 0.3), at_once, strict=True):
+        np.testing.assert_array_equal(found, expected)
+
+
 def test_a_tip_that_nothing_moves_is_refused() -> None:
     robot = load_robot("ur5e", MeshSource())
 
