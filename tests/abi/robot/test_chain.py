@@ -189,7 +189,7 @@ def test_following_is_the_same_compiled_and_plain() -> None:
 
 
 @pytest.mark.parametrize("part", [1, 7, 250])
-def test_following_in_parts_is_following_at_once(monkeypatch: pytest.MonkeyPatch, part: int) -> None:
+def test_following_by_parts_is_the_same(monkeypatch: pytest.MonkeyPatch, part: int) -> None:
     one = chain("panda")
     start = np.array([0.1, 0.2, -0.1, -1.8, 0.1, 2.0, 0.3])
     targets = path(one, start, start + 0.4)
