@@ -138,22 +138,18 @@ def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: Exact
 def are_joined(robot: Robot, chain: ExactChain, link: str, other: str) -> bool:
     """Check whether two links do not move relative to each other, or are joined by one joint.
 
-    It joins no object that is held, and no links between which there is one with a shape.
+    It joins no object that is held, no links between which there is one with a shape, and none that
+    a third link carries.
     """
     between = {*chain.above(chain.frames[link])} ^ {*chain.above(chain.frames[other])}
     if len(between) != 1 or _is_held(robot, {link, other}):
         return not between
-    beside: dict[str, set[str]] = {name: set() for name in robot.links}
-    for joint in robot.joints:
-        beside[joint.parent].add(joint.child)
-        beside[joint.child].add(joint.parent)
-    reached, waiting = {link}, [link]
-    while waiting:
-        for one in beside[waiting.pop()] - reached:
-            reached.add(one)
-            if not robot.links[one].shapes:
-                waiting.append(one)
-    return other in reached
+    parents: dict[str, list[str]] = {joint.child: [joint.parent] for joint in robot.joints}
+    reached = {link: [*parents.get(link, ())], other: [*parents.get(other, ())]}
+    for way in reached.values():
+        while way and way[-1] in parents and not robot.links[way[-1]].shapes:
+            way += parents[way[-1]]
+    return other in reached[link] or link in reached[other]
 
 
 def _is_held(robot: Robot, pair: set[str]) -> bool:

@@ -311,15 +311,20 @@ def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
 
 
 def meet(robot: Robot, first: str, second: str) -> bool:
-    """Check whether there are only links without collision shapes between two links of the tree."""
+    """Check whether one of two links carries the other, by links without collision shapes alone.
+
+    Links that a third one carries do not meet, whether or not that has a shape: a post that stands
+    beside a rail is as far from the carriage as its author puts it.
+    """
     above = {joint.child: joint.parent for joint in robot.joints}
-    ways = [[first], [second]]
-    for way in ways:
-        while way[-1] in above:
-            way.append(above[way[-1]])
-    fork = next(link for link in ways[0] if link in ways[1])
-    between = ({*ways[0]} ^ {*ways[1]} | {fork}) - {first, second}
-    return not any(robot.links[link].shapes for link in between)
+    for link, other in ((first, second), (second, first)):
+        while link in above:
+            link = above[link]
+            if link == other:
+                return True
+            if robot.links[link].shapes:
+                break
+    return False
 
 
 def bases_to(robot: Robot, tip: str) -> tuple[str, ...]:

@@ -219,6 +219,15 @@ def test_what_is_fixed_beside_a_joint_is_no_neighbour_of_what_it_moves() -> None
     assert reason("post", "carriage") is reason("post", "lamp") is None
 
 
+def test_a_link_without_a_shape_makes_no_neighbours_of_what_it_carries() -> None:
+    text = RAIL.replace(link("base"), '<link name="base"/>')
+    arm = urdf_arm(robot_from_archive(packed({"a.urdf": text})), "carriage", (0.0, 0.0, 0.0))
+    links = [one.link for one in arm.capsules]
+    kept = {frozenset((links[i], links[j])) for i, j in arm.pairs.tolist()}
+    assert frozenset(("post", "carriage")) in kept
+    assert not any({one.link, one.other} == {"post", "carriage"} for one in arm.allowed)
+
+
 PLATE = (
     '<link name="{0}"><collision><geometry><box size="0.4 0.4 0.1"/></geometry></collision></link>'
 )
