@@ -34,7 +34,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run install test check quick coverage test-wheel test-lowest test-newest kernels lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
+.PHONY: run install test check quick coverage test-wheel test-lowest test-newest kernels modules lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -54,15 +54,17 @@ run: $(RUN)
 
 install: $(DEV)
 
-# the compiler has the processor that mypy leaves idle
+# the compiler has the processor that mypy leaves idle, and the modules whichever is idle first
+READY := $(MAKE) --jobs=2 lint kernels $(if $(ARGS),,modules)
+
 test: $(DEV)
-	$(MAKE) --jobs=2 lint kernels
+	$(READY)
 	tools/chromium
 	tools/nginx
 	$(PYTEST) $(ARGS)
 
 check: $(DEV)
-	$(MAKE) --jobs=2 lint kernels
+	$(READY)
 	$(PYTEST) -m "not browser" $(ARGS)
 
 # one file is done before the workers have started
@@ -92,6 +94,10 @@ thumbnails: $(DEV)
 
 kernels: $(DEV)
 	$(BIN)/python -c "import abi; abi.compile(spare=1)"
+
+# once, instead of in each worker at the same time: the tests' modules, and those they import
+modules: $(DEV)
+	@$(BIN)/pytest --quiet --quiet --collect-only >/dev/null
 
 lint: $(DEV)
 	$(BIN)/ruff format --check

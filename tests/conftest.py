@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import abi
 from app.process.scratch import ScratchFolder, remove_abandoned
 
 _EXAMPLES = Path(__file__).parent / "examples"
+_GIVES_WAY = pytest.StashKey[bool]()
 
 # How long an example takes says more of the machine than of the code. What stays on is the check
 # that most examples are not filtered out: a property that assumes what it is about must meet it.
@@ -34,10 +36,24 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: item.path.parent != _EXAMPLES)
 
 
+def pytest_collection_finish() -> None:
+    """Leave what was imported out of the searches for garbage, which would read all of it again."""
+    gc.freeze()
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """One worker a processor, and one more where workers have browsers and mostly wait."""
-    return (os.cpu_count() or 1) + ("not browser" not in config.option.markexpr)
+    """One worker a processor, and two more where two of them have browsers and mostly wait."""
+    return (os.cpu_count() or 1) + 2 * ("not browser" not in config.option.markexpr)
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Let workers that compute give way to those with a browser, which draws for a person's eye."""
+    if not hasattr(item.config, "workerinput") or item.get_closest_marker("browser") is not None:
+        return
+    if not item.config.stash.get(_GIVES_WAY, False):
+        item.config.stash[_GIVES_WAY] = True
+        os.nice(5)
 
 
 def pytest_configure(config: pytest.Config) -> None:

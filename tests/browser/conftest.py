@@ -21,7 +21,7 @@ from tests.browser.page import FLAGS, Page
 PAPER = load_scene("paper")
 
 _HERE = Path(__file__).parent
-_MIDDLE = "test_m"
+_MIDDLE = "test_le"
 """First name of the files of the second browser: both take about as long."""
 _PASSED = pytest.StashKey[bool]()
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
