@@ -20,6 +20,7 @@ import numpy as np
 from abi import progress
 from abi.arrays import read_only
 from abi.compilation.callees import code_size
+from abi.compilation.plain import as_lists
 
 if TYPE_CHECKING:
     from abi.compilation.dispatcher import Dispatcher
@@ -156,7 +157,7 @@ class Kernel(Generic[_P, _R]):
         """Run the function as Python, on lists, which it reads faster than arrays."""
         _of_thread.interpreted += 1
         self._begun = begun = time.perf_counter()
-        plain = tuple(map(_plain, arguments))
+        plain = tuple(map(as_lists, arguments))
         with np.errstate(all="ignore"):  # as compiled
             result = self.py_func(*plain)  # type: ignore[call-arg]
         for array, values in zip(arguments, plain, strict=True):
@@ -208,13 +209,3 @@ def keeps() -> bool:
         from abi.compilation.kernel_cache import kernel_folder
 
         return kernel_folder() is not None
-
-
-def _plain(value: Any) -> Any:
-    """The value with arrays as lists, in tuples too; not those that others than Python read."""
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, tuple) and not hasattr(value, "stays_arrays"):
-        inner = map(_plain, value)
-        return type(value)(*inner) if hasattr(value, "_fields") else tuple(inner)
-    return value

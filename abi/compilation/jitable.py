@@ -44,10 +44,7 @@ def jitable(function: _F | None = None, **options: Any) -> _F | Callable[[_F], _
 
 
 def called_as(form: _F) -> Callable[[_F], _F]:
-    """Have Python call another form of a function than the one that kernels are compiled with.
-
-    For what takes long as Python: the other form asks a kernel that does the same.
-    """
+    """Have Python call another form of a function than the one that kernels are compiled with."""
     return cast(Callable[[_F], _F], partial(update_wrapper, form))
 
 

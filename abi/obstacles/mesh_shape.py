@@ -134,7 +134,7 @@ class MeshShape(Posed):
 
         Otherwise the first query of a distance, or of the bounds, waits for it.
         """
-        body_frame(self.surface)
+        body_frame(self.surface).prepare()
         self.bounds()
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -217,9 +217,8 @@ class MeshShape(Posed):
     ) -> None:
         """Ask the kernel about segments, from ``starts`` (n, 3) to ``ends`` (n, 3)."""
         segments, room = (flat(starts), flat(ends)), new_room()
-        kernels.measure(
-            *(*self.placed, question, segments, found, found if more is None else more, room)
-        )
+        more = np.empty(0) if more is None else more
+        kernels.measure(*(*self.placed, question, segments, found, more, room))
 
     @property
     def placed(self) -> tuple[SurfaceTables, Placement]:

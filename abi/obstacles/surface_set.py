@@ -17,7 +17,7 @@ from abi.arrays import FloatArray, read_only
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.per_shape import PerShape
-from abi.obstacles.triangle_mesh.signed_distance import body_frame
+from abi.obstacles.triangle_mesh.signed_distance import body_frame, is_fine_quick
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_kernels import NO_SURFACES, SurfaceSet
 
@@ -31,7 +31,8 @@ def surface_set(meshes: Sequence[MeshShape], bounds: FloatArray) -> SurfaceSet:
     number = {surface: k for k, surface in enumerate(surfaces)}
     whose = np.array([number[surface] for surface, _ in placed], dtype=np.int32)
     poses = read_only(np.concatenate([pose for _, pose in placed]))
-    return _joined(surfaces)._replace(whose=read_only(whose), poses=poses, bounds=bounds)
+    joined = _joined(surfaces, is_fine_quick())
+    return joined._replace(whose=read_only(whose), poses=poses, bounds=bounds)
 
 
 @PerShape
@@ -42,9 +43,9 @@ def _placed(mesh: MeshShape) -> tuple[Surface, FloatArray]:
 
 
 @lru_cache(maxsize=2)
-def _joined(surfaces: tuple[Surface, ...]) -> SurfaceSet:
-    """Join the tables of the surfaces, without poses yet."""
-    all_tables = [body_frame(surface).tables for surface in surfaces]
+def _joined(surfaces: tuple[Surface, ...], fine: bool) -> SurfaceSet:
+    """Join the tables of the surfaces, with fine grids or coarse ones, without poses yet."""
+    all_tables = [body_frame(surface).with_grid(fine) for surface in surfaces]
     at = np.zeros(4, dtype=np.int64)
     begins, numbers = [], []
     for tree, far_field, grid, closed, extent, error in all_tables:

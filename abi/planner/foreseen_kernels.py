@@ -17,12 +17,11 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
 )
 from abi.compiled import Kernel
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.triangle_mesh.surface_kernels import measure
 from abi.obstacles.triangle_mesh.surface_tables_kernels import grid_values
 from abi.robot.kinematics.follow_path_kernels import follow_path
 from abi.scene.scene import Scene
 
-_NEAR_MESHES: tuple[Kernel[..., Any], ...] = (measure, grid_values)
+_NEAR_MESHES: tuple[Kernel[..., Any], ...] = (grid_values,)
 _OF_URDF_ARMS: tuple[Kernel[..., Any], ...] = (
     spread,
     configurations_touching,

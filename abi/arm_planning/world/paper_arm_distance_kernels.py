@@ -20,11 +20,10 @@ from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
-from abi.obstacles.triangle_mesh.surface_distance_kernels import bounds_along
+from abi.obstacles.triangle_mesh.surface_distance_kernels import bounds_along, least_distance
 from abi.obstacles.triangle_mesh.surface_kernels import (
     NO_SURFACES,
     SurfaceSet,
-    least_along,
     meshes_met,
     most_to_mesh,
     nearest_mesh_to_segment,
@@ -251,7 +250,7 @@ def _deepest(
     while bounds[i] < least:
         k = first + i * stride
         p, q = _on_surface(placement, ends, k)
-        away = least_along(tables, p, q, least, room)
+        away = least_distance(tables, p, q, least, room)
         if away < least:
             deepest, least = k, away
         bounds[i] = math.inf

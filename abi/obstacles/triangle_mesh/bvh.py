@@ -19,7 +19,7 @@ from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
 _LEAF = 4  # triangles that a leaf has, at least, in the mean: fewer cost memory, more cost tests
 
-_MANY = 2_000
+_MANY = 10_000
 """Triangles with which Python would take longer than the compiler."""
 
 

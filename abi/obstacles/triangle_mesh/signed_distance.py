@@ -7,6 +7,8 @@ number is an integer, so an approximation decides.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
@@ -22,7 +24,10 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     grid_values,
 )
 
-_NODES = 60_000
+_NODES, _FEW_NODES = 60_000, 1_000
+"""Nodes of the grid around a surface, about; and while that is filled as Python, in half a second.
+"""
+
 _BORDER = 0.1
 """Width of the grid around the surface on each side, over the surface's longest side."""
 
@@ -39,19 +44,47 @@ class BodyFrame:
     Attributes:
         centre: its origin in the file (3,).
         scale: body frame's units per unit of the file.
-        tables: the surface in the format of the kernels.
     """
 
     def __init__(self, surface: Surface) -> None:
         low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
         self.centre: FloatArray = read_only((low + high) / 2)
         self.scale = float(2.0 ** -np.round(np.log2(surface.extent)))
-        tree = moved(tree_of(surface), self.centre, self.scale)
-        far_field = dipoles(tree)
+        self._closed, self._extent = surface.closed, surface.extent * self.scale
+        self._tree = moved(tree_of(surface), self.centre, self.scale)
+        self._far_field = dipoles(self._tree)
+
+    @property
+    def tables(self) -> SurfaceTables:
+        """The surface in the format of the kernels, with the finest grid that is quickly had."""
+        return self.with_grid(is_fine_quick())
+
+    def prepare(self) -> None:
+        """Fill the grid; otherwise the first question waits for it."""
+        self.with_grid(is_fine_quick())
+
+    def with_grid(self, fine: bool) -> SurfaceTables:
+        """The surface in the format of the kernels, with a fine grid or a coarse one."""
+        return self._with_fine_grid if fine else self._with_coarse_grid
+
+    @cached_property
+    def _with_fine_grid(self) -> SurfaceTables:
+        return self._with_nodes(_NODES)
+
+    @cached_property
+    def _with_coarse_grid(self) -> SurfaceTables:
+        return self._with_nodes(_FEW_NODES)
+
+    def _with_nodes(self, nodes: int) -> SurfaceTables:
+        tree, far_field, closed, extent = self._tree, self._far_field, self._closed, self._extent
         error = error_of_distances(tree.corners.reshape(-1, 3, 3))
-        extent = surface.extent * self.scale
-        grid = _grid(tree, far_field, surface.closed, error[0] + 4 * extent * error[1])
-        self.tables = SurfaceTables(tree, far_field, grid, surface.closed, extent, error)
+        grid = _grid(tree, far_field, closed, nodes, error[0] + 4 * extent * error[1])
+        return SurfaceTables(tree, far_field, grid, closed, extent, error)
+
+
+def is_fine_quick() -> bool:
+    """Check whether fine grids are filled by compiled code, in less than a second."""
+    return grid_values.compiled
 
 
 def placement(frame: BodyFrame, position: Vec3, wxyz: Quaternion, factor: float) -> Placement:
@@ -69,12 +102,14 @@ def placement(frame: BodyFrame, position: Vec3, wxyz: Quaternion, factor: float)
     return Placement((x, y, z), (a, b, c), factor / frame.scale)
 
 
-def _grid(tree: TriangleTree, far_field: Dipoles, closed: bool, error: float) -> DistanceGrid:
-    """Sample the distance around the surface, given a bound of the error."""
+def _grid(
+    tree: TriangleTree, far_field: Dipoles, closed: bool, nodes: int, error: float
+) -> DistanceGrid:
+    """Sample the distance around the surface at some nodes, given a bound of the error."""
     box = tree.boxes[:6].reshape(2, 3)
     border = _BORDER * float(np.ptp(box, axis=0).max())
     size = np.ptp(box, axis=0) + 2 * border
-    step = float(np.prod(size) / _NODES) ** (1 / 3)
+    step = float(np.prod(size) / nodes) ** (1 / 3)
     nx, ny, nz = (np.ceil(size / step).astype(int) + 1).tolist()
     first = box.mean(axis=0) - (np.array([nx, ny, nz]) - 1) * step / 2
     x, y, z = first.tolist()

@@ -7,12 +7,12 @@ bounding boxes (``primitive_tree_kernels``).
 from __future__ import annotations
 
 import math
+from inspect import unwrap
 from typing import NamedTuple
 
-import numpy as np
-
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import called_as, jitable
+from abi.compilation.plain import kept_lists
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import in_world
 from abi.obstacles.primitive_tree_kernels import next_near, next_near_segment
@@ -103,8 +103,7 @@ DISTANCES, GRADIENTS, LEAST, BLOCKED, BOUNDS = range(5)
 
 
 @compiled(
-    example=(NO_TABLES, NO_PLACEMENT, 0, (FLOATS, FLOATS), NEW_FLOATS, NEW_FLOATS, new_room()),
-    fallback=False,
+    example=(NO_TABLES, NO_PLACEMENT, 0, (FLOATS, FLOATS), NEW_FLOATS, NEW_FLOATS, new_room())
 )
 def measure(
     tables: SurfaceTables,
@@ -156,66 +155,6 @@ def measure(
                 more[3 * i], more[3 * i + 1], more[3 * i + 2] = gradient
 
 
-def _ask(
-    tables: SurfaceTables, question: int, p: Vec3, q: Vec3, limit: float, room: DescentWorkspace
-) -> float:
-    """Answer of the kernel, for a segment of the body frame."""
-    found = np.array([limit])
-    segment = read_only(np.array(p)), read_only(np.array(q))
-    measure(tables, NO_PLACEMENT, question, segment, found, found, room)
-    return float(found[0])
-
-
-def _nearest_by_kernel(tables: SurfaceTables, x: Vec3, room: DescentWorkspace) -> tuple[float, int]:
-    measure.compile()
-    if not measure.compiled:
-        return signed_distance_at(tables, x, room)
-    return _ask(tables, DISTANCES, x, x, 0.0, room), int(room.nearest[0])
-
-
-def _least_by_kernel(
-    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
-) -> float:
-    measure.compile()
-    if not measure.compiled:
-        return least_distance(tables, p, q, most, room)
-    return _ask(tables, LEAST, p, q, most, room)
-
-
-def _blocked_by_kernel(
-    tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: DescentWorkspace
-) -> bool:
-    measure.compile()
-    if not measure.compiled:
-        return is_blocked(tables, p, q, margin, room)
-    return _ask(tables, BLOCKED, p, q, margin, room) == 1.0
-
-
-@jitable
-@called_as(_nearest_by_kernel)
-def nearest_place(tables: SurfaceTables, x: Vec3, room: DescentWorkspace) -> tuple[float, int]:
-    """Signed distance of a point in the body frame, and the place of the nearest triangle."""
-    return signed_distance_at(tables, x, room)
-
-
-@jitable
-@called_as(_least_by_kernel)
-def least_along(
-    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: DescentWorkspace
-) -> float:
-    """Least signed distance along a segment of the body frame; ``most`` where that is less."""
-    return least_distance(tables, p, q, most, room)
-
-
-@jitable
-@called_as(_blocked_by_kernel)
-def comes_nearer(
-    tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: DescentWorkspace
-) -> bool:
-    """Check if a segment of the body frame comes nearer to a surface than a margin, or touches."""
-    return is_blocked(tables, p, q, margin, room)
-
-
 WIDER = 1e-9
 """Distance, [unit] and part, by which meshes are looked for farther: rounding leaves none out."""
 
@@ -254,26 +193,34 @@ class SurfaceSet(NamedTuple):
     poses: FloatArray
     bounds: FloatArray
 
-    @property
-    def stays_arrays(self) -> bool:
-        """True: kernels that run as Python pass the arrays on to others, which are compiled."""
-        return True
+    def plain(self) -> SurfaceSet:
+        """The set with what is of each mesh as lists; :func:`tables_at` has those of a surface."""
+        begins, numbers, whose, poses, bounds = (array.tolist() for array in self[9:])
+        return self._replace(
+            begins=begins, numbers=numbers, whose=whose, poses=poses, bounds=bounds
+        )
 
 
 NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
 """The empty set: for scenes without meshes, and as an example to compile with."""
 
 
+def _kept_tables(surfaces: SurfaceSet, number: int) -> SurfaceTables:
+    tables: SurfaceTables = unwrap(tables_at)(surfaces, number)
+    return kept_lists(surfaces.values, number, tables)
+
+
 @jitable
-def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
-    """One mesh of the set, and its pose."""
+@called_as(_kept_tables)
+def tables_at(surfaces: SurfaceSet, number: int) -> SurfaceTables:
+    """One surface of the set; as Python, of lists that are kept as long as the set's arrays."""
     boxes, leaves, corners, slabs, centres, radii, normals, areas, values = surfaces[:9]
-    begins, numbers, poses = surfaces.begins, surfaces.numbers, surfaces.poses
-    k = _IDS * surfaces.whose[mesh]
+    begins, numbers = surfaces.begins, surfaces.numbers
+    k = _IDS * number
     a, b, c, d = begins[k], begins[k + 1], begins[k + 2], begins[k + 3]
     e, f = begins[k + _IDS], begins[k + _IDS + 1]
     g, h = begins[k + _IDS + 2], begins[k + _IDS + 3]
-    n = _NUMBERS * surfaces.whose[mesh]
+    n = _NUMBERS * number
     tree = TriangleTree(
         *(boxes[6 * a : 6 * e], leaves[b:f], corners[9 * c : 9 * g], slabs[5 * a : 5 * e]),
         numbers[n],
@@ -286,10 +233,16 @@ def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placemen
     )
     error = (numbers[n + 13], numbers[n + 14])
     closed = begins[k + 7] == 1
-    tables = SurfaceTables(tree, far_field, grid, closed, numbers[n + 12], error)
-    p = _POSE * mesh
+    return SurfaceTables(tree, far_field, grid, closed, numbers[n + 12], error)
+
+
+@jitable
+def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
+    """One mesh of the set, and its pose."""
+    poses, p = surfaces.poses, _POSE * mesh
     axes = (vec3_at(poses, p + 3), vec3_at(poses, p + 6), vec3_at(poses, p + 9))
-    return tables, Placement(vec3_at(poses, p), axes, poses[p + 12])
+    placement = Placement(vec3_at(poses, p), axes, poses[p + 12])
+    return tables_at(surfaces, surfaces.whose[mesh]), placement
 
 
 @jitable
@@ -319,7 +272,7 @@ def nearest_mesh(
         p = to_surface(placement, x)
         lower = distance_bounds(tables.grid, p)[0] * placement.factor
         if lower < min(enough, least):
-            away, number = nearest_place(tables, p, room)
+            away, number = signed_distance_at(tables, p, room)
             lower = away * placement.factor
             if lower < best:
                 best, whose, triangle = lower, s, number
@@ -367,7 +320,7 @@ def nearest_mesh_to_segment(
         if lower * placement.factor - half < wide:
             # in the surface's lengths: back in the world's, rounding would make it nearer
             limit = best / placement.factor
-            away = least_along(tables, p, q, limit, room)
+            away = least_distance(tables, p, q, limit, room)
             if away < limit:
                 best, whose = away * placement.factor, s
                 wide = widened(max(best, 0.0))
@@ -389,7 +342,7 @@ def meshes_met(
     while s >= 0 and met < most:
         tables, placement = surface_at(surfaces, s)
         p, q = to_surface(placement, a), to_surface(placement, b)
-        if comes_nearer(tables, p, q, margin / placement.factor, room):
+        if is_blocked(tables, p, q, margin / placement.factor, room):
             met, whose = met + 1, s
         s = next_near_segment(bounds, s, wide, a, b)
     return met, whose

@@ -14,6 +14,7 @@ import numpy as np
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
+from abi.compilation.plain import kept_lists
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.primitive_kernels import Axes, in_body
 from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
@@ -184,7 +185,7 @@ def side_of(grid: DistanceGrid, tree: TriangleTree, x: Vec3, waiting: IntArray) 
     return -1
 
 
-@compiled(example=(NO_TREE, NO_DIPOLES, True, (2, 2, 2), (0.0, 0.0, 0.0), 1.0, 0.0), fallback=False)
+@compiled(example=(NO_TREE, NO_DIPOLES, True, (2, 2, 2), (0.0, 0.0, 0.0), 1.0, 0.0))
 def grid_values(
     tree: TriangleTree,
     dipoles: Dipoles,
@@ -257,6 +258,10 @@ class SurfaceTables(NamedTuple):
     closed: bool
     extent: float
     error: tuple[float, float]
+
+    def plain(self) -> SurfaceTables:
+        """The same with lists, which are kept as long as the grid."""
+        return kept_lists(self.grid.values, 0, self)
 
 
 class Placement(NamedTuple):

@@ -40,7 +40,7 @@ def read(content: bytes, dealing: UploadJob[SceneFile]) -> SceneFile:
         if isinstance(file, Surface):
             dealing.step(f"preparing {shown_name(name)}", 0.75)
             drawn_triangles(file)
-            body_frame(file)  # planning would wait for it
+            body_frame(file).prepare()  # planning would wait for it
     return found
 
 

@@ -12,14 +12,16 @@ from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 from abi import Planner, Scene, load_scene
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, flat
 from abi.curves.fit_bspline import fit
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape, suggest_unit
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
 from abi.obstacles.primitives import Box, Sphere
+from abi.obstacles.triangle_mesh import surface_kernels as kernels
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.signed_distance import body_frame
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_distance_kernels import bounds_along
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room, to_surface
@@ -159,6 +161,37 @@ def test_bounds_of_the_grid_hold_the_distance(name: str, seed: int) -> None:
     exact = shape.signed_distance(points)
     assert (lower <= exact).all()
     assert (exact <= upper).all()
+
+
+@settings(max_examples=15)
+@given(names, seeds)
+def test_python_answers_by_a_coarse_grid_what_the_kernel_does_by_a_fine_one(
+    name: str, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    shape, empty = MeshShape.of(SURFACES[name], **pose(rng)), np.empty(0)
+    frame = body_frame(shape.surface)
+    coarse, fine, on = frame.with_grid(False), frame.with_grid(True), shape.placed[1]
+    assert len(coarse.grid.values) < len(fine.grid.values) / 10
+    p = around(shape, rng, 3)
+    q = p + rng.normal(size=p.shape) * size(shape) * 10.0 ** rng.uniform(-3, 0, (len(p), 1))
+    ends, count, tolerance = (flat(p), flat(q)), len(p), 1e-8 * size(shape)
+
+    exact, found, upper = shape.signed_distance(p), np.empty(count), np.empty(count)
+    kernels.measure.interpret(coarse, on, kernels.BOUNDS, ends, found, upper, new_room())
+    assert (found <= exact + tolerance).all()
+    assert (exact <= upper + tolerance).all()
+    kernels.measure.interpret(coarse, on, kernels.DISTANCES, ends, found, empty, new_room())
+    np.testing.assert_allclose(found, exact, atol=tolerance)
+    # inside, either is a lower bound and off by at most a 64th of the length
+    least = np.full(count, np.inf)
+    kernels.measure.interpret(coarse, on, kernels.LEAST, ends, least, empty, new_room())
+    off = np.where(least < 0, np.linalg.norm(q - p, axis=1) / 64, 0.0) + tolerance
+    assert (np.abs(least - shape.segment_distance(p, q)) <= off).all()
+    margins = np.abs(exact) * rng.uniform(0, 2, count)
+    blocked, sure = margins.copy(), np.abs(least - margins) > off
+    kernels.measure.interpret(coarse, on, kernels.BLOCKED, ends, blocked, empty, new_room())
+    assert (blocked == shape.blocks(p, q, margins))[sure].all()
 
 
 @settings(max_examples=20)
