@@ -241,8 +241,8 @@ class ArmModel(Protocol):
             required: clearance that the links are to keep from obstacles, [unit].
         """
 
-    def branches(self, problem: BranchProblem) -> Sequence[ArmBranch]:
-        """The allowed branches."""
+    def branches(self, problem: BranchProblem, only: str = "") -> Sequence[ArmBranch]:
+        """The allowed branches; if one is named, it alone or none."""
 
     def other_branches(self, problem: BranchProblem) -> OtherBranches:
         """Further branches, tried if none of the first leads to a motion."""

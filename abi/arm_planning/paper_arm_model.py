@@ -59,8 +59,8 @@ class PaperArmModel:
         """False: its joints follow from formulas, and testing them along the curve is as quick."""
         return False
 
-    def branches(self, problem: BranchProblem) -> tuple[ElbowBranch, ...]:
-        """One branch for each allowed elbow."""
+    def branches(self, problem: BranchProblem, only: str = "") -> tuple[ElbowBranch, ...]:
+        """One branch for each allowed elbow, whichever is named: they are made at once."""
         settings, around = problem.scene.arm, problem.collision_world
         extensions, clearance = _extensions(problem.scene), settings.clearance
         return tuple(

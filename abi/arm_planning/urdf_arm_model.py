@@ -93,11 +93,20 @@ class UrdfArmModel:
             return False
         return touches_from_all(curve, arc, self.arm, collision_world, required)
 
-    def branches(self, problem: BranchProblem) -> tuple[ChainBranch, ...]:
+    def branches(self, problem: BranchProblem, only: str = "") -> tuple[ChainBranch, ...]:
         """One branch for each of a few start poses, clear ones if there are any."""
         self._remember(problem)
-        clear = self._clear(self._poses_at(problem.scene.start)[:TRIED], problem)
-        return tuple(self._branch(PosePair(number, None), problem) for number in _first_ones(clear))
+        poses = self._poses_at(problem.scene.start)[:TRIED]
+        pairs = [PosePair(number, None) for number in range(len(poses))]
+        if only:  # whether others are clear is not asked
+            kept = (pair for pair in pairs if _name_of(pair) == only)
+            return tuple(
+                self._branch(pair, problem)
+                for pair in kept
+                if self._is_clear(problem, poses[pair.first])
+            )
+        clear = self._clear(poses, problem)
+        return tuple(self._branch(pairs[number], problem) for number in _first_ones(clear))
 
     def other_branches(self, problem: BranchProblem) -> OtherBranches:
         """One branch for each of a few clear pairs of a start pose and a pose at the goal.
@@ -158,14 +167,11 @@ class UrdfArmModel:
         return chain_refutation(self.arm, joints, around, margin, with_itself=with_itself)
 
     def _branch(self, pair: PosePair, problem: BranchProblem) -> ChainBranch:
-        branch = f"From pose {pair.first + 1} at the start"
-        if pair.home is not None:
-            branch += f" drawn to pose {pair.home + 1} at the goal"
         configurations, memory = self._spread(pair, problem)
         memory.enter(problem.obstacles.obstacles, problem.collision_world)
         clearance = problem.scene.arm.clearance
         around = problem.collision_world, configurations, clearance, problem.slack
-        return ChainBranch(self.arm, branch, *around, memory=memory)
+        return ChainBranch(self.arm, _name_of(pair), *around, memory=memory)
 
     def _spread(self, pair: PosePair, problem: BranchProblem) -> _Spread:
         """Configurations on the mesh from a first pose, drawn to a home."""
@@ -178,6 +184,12 @@ class UrdfArmModel:
                 self._configurations.pop(next(iter(self._configurations)))
             self._configurations[pair] = _Spread(found, SegmentMemory())
         return self._configurations[pair]
+
+
+def _name_of(pair: PosePair) -> str:
+    """Name of the branch from a first pose, drawn to a home."""
+    name = f"From pose {pair.first + 1} at the start"
+    return name if pair.home is None else f"{name} drawn to pose {pair.home + 1} at the goal"
 
 
 def _first_ones(clear: Mapping[int, FloatArray]) -> list[int]:

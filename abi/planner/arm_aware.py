@@ -74,12 +74,12 @@ class ArmAware:
         asked = BranchProblem(
             problem.scene, problem.obstacles, collision_world, tool.free.mesh, slack
         )
-        arm_branches = problem.model.branches(asked)
         on = partial(self._branch, problem, collision_world, tool)
-        if problem.hasty:
-            kept = [on(one, one.name) for one in arm_branches if one.name == self.kept]
+        if problem.hasty and self.kept:
+            kept = [on(one, one.name) for one in problem.model.branches(asked, self.kept)]
             if (found := _shortest_motion(kept, tool)[0]) is not None:
                 return found.run.plan
+        arm_branches = problem.model.branches(asked)
         every = [on(one, one.name) for one in arm_branches]
         found, faults = _shortest_motion(every, tool)
         self.kept = ""

@@ -207,7 +207,10 @@ class UrdfArm(ShortRepr):
     def place(self, positions: FloatArray) -> FloatArray:
         """Ends of the capsules' segments at joint positions (k, n), shape (k, c, 2, 3), [unit]."""
         positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
-        poses = self.chain.poses(positions / self.scales)
+        return self.placed_at(self.chain.poses(positions / self.scales))
+
+    def placed_at(self, poses: FloatArray) -> FloatArray:
+        """Ends (k, c, 2, 3), [unit], of the capsules' segments at frames (k, m + 1, 3, 4), [m]."""
         return place(self.capsules, poses) / self.metres
 
     def first_corners(self, pose: FloatArray) -> FloatArray:

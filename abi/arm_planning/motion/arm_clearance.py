@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
 from typing import NamedTuple
@@ -105,6 +105,10 @@ class ArmClearance(ShortRepr):
         """Whether at a sample the links are nearer to an obstacle than required."""
         return bool(self.distances.min(initial=math.inf) < self.required)
 
+    def with_contacts(self, others: Sequence[Contact]) -> ArmClearance:
+        """A copy with further contacts."""
+        return replace(self, contacts=_deepest_first((*self.contacts, *others)))
+
     def touching(self, time: float) -> frozenset[str]:
         """Names of the links that touch something, or each other, at a time [s]."""
         now = [one for one in self.contacts if one.first <= time <= one.last]
@@ -182,9 +186,13 @@ def proven_clearance(
         time=float(motion.time[sample]),
         link=arm.capsules[capsule].link if obstacle >= 0 else "",
         obstacle=obstacle,
-        contacts=tuple(sorted(contacts, key=attrgetter("depth"), reverse=True)),
+        contacts=_deepest_first(contacts),
         certificate=proof,
     )
+
+
+def _deepest_first(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+    return tuple(sorted(contacts, key=attrgetter("depth"), reverse=True))
 
 
 def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:

@@ -2,7 +2,8 @@
 
 While an obstacle is dragged that is not in the way, the motion stays, and with it the directions
 that separate the arm from itself, from the floor and from the obstacles that stand where they
-stood. So only those from what has moved are sought anew.
+stood. So only those from what has moved are sought anew. Those that separate it from itself and
+from the floor are the same whatever distance from the obstacles is to be proven.
 """
 
 from __future__ import annotations
@@ -18,11 +19,14 @@ from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRef
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.world_change import Change, World, world_change
-from abi.arrays import FloatArray, read_only
+from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.obstacle_set import Obstacle
 from abi.robot.urdf_arm import UrdfArm
 
 _Number = TypeVar("_Number", bound=np.generic)
+
+_ALL = slice(None)
+"""All rows."""
 
 
 class _Proof(NamedTuple):
@@ -33,12 +37,21 @@ class _Proof(NamedTuple):
     world: World
 
 
+class _OfItself(NamedTuple):
+    """What is proven of an arm, its floor and what may touch, without obstacles."""
+
+    found: ArmCertificate | ArmRefutation
+    positions: FloatArray
+    world: World
+
+
 class ProofMemory:
     """Proofs for an arm, of which the last is cached."""
 
     def __init__(self, arm: UrdfArm) -> None:
         self._arm = arm
         self._last: _Proof | None = None
+        self._of_itself: _OfItself | None = None
 
     def certify(
         self,
@@ -58,12 +71,31 @@ class ProofMemory:
         world, known = World.of(obstacles, around), self._known(positions, margin)
         change = None if known is None else world_change(known.world, world, around)
         if known is None or change is None:
-            found = certify_chain(self._arm, positions, around, margin)
+            found = self._anew(positions, world, around, margin)
         else:
             found = self._updated(known.certificate, change, margin)
         if isinstance(found, ArmCertificate):
             self._last = _Proof(found, margin, world)
         return found
+
+    def _anew(
+        self, positions: FloatArray, world: World, around: CollisionWorld, margin: float
+    ) -> ArmCertificate | ArmRefutation:
+        """A proof at joint positions (k, n) of which at most the arm's own part is known."""
+        last = self._of_itself
+        if (
+            last is None
+            or last.positions is not positions
+            or (last.world.floor, last.world.allowed) != (world.floor, world.allowed)
+        ):
+            alone = around.only(around.numbers < 0)
+            last = _OfItself(certify_chain(self._arm, positions, alone, 0.0), positions, world)
+            self._of_itself = last
+        if isinstance(last.found, ArmRefutation):
+            return last.found
+        solids = around.only(around.numbers >= 0)
+        new = certify_chain(self._arm, positions, solids, margin, with_itself=False)
+        return new if isinstance(new, ArmRefutation) else _both(last.found, new, new.margin)
 
     def _known(self, positions: FloatArray, margin: float) -> _Proof | None:
         """The last proof, if it was for these positions and this distance."""
@@ -82,18 +114,29 @@ class ProofMemory:
         new = certify_chain(self._arm, known.positions, change.around, margin, with_itself=False)
         if isinstance(new, ArmRefutation):
             return new
-        assert known.closer is not None
-        assert new.closer is not None
-        return ArmCertificate(
-            margin=new.margin if change.moved else known.margin if change.stays else math.inf,
-            pieces=_joined(known.pieces[stays], new.pieces),
-            poses=_joined(known.poses[stays], new.poses),
-            capsule=_joined(known.capsule[stays], new.capsule),
-            obstacle=_joined(known.obstacle[stays], new.obstacle),
-            directions=_joined(known.directions[stays], new.directions),
-            positions=known.positions,
-            closer=_joined(known.closer[stays], new.closer),
-        )
+        margin = new.margin if change.moved else known.margin if change.stays else math.inf
+        return _both(known, new, margin, stays)
+
+
+def _both(
+    known: ArmCertificate,
+    new: ArmCertificate,
+    margin: float,
+    stays: BoolArray | slice = _ALL,
+) -> ArmCertificate:
+    """What remains of a proof, the rows flagged in ``stays``, followed by a new one."""
+    assert known.closer is not None
+    assert new.closer is not None
+    return ArmCertificate(
+        margin=margin,
+        pieces=_joined(known.pieces[stays], new.pieces),
+        poses=_joined(known.poses[stays], new.poses),
+        capsule=_joined(known.capsule[stays], new.capsule),
+        obstacle=_joined(known.obstacle[stays], new.obstacle),
+        directions=_joined(known.directions[stays], new.directions),
+        positions=known.positions,
+        closer=_joined(known.closer[stays], new.closer),
+    )
 
 
 def _joined(before: NDArray[_Number], new: NDArray[_Number]) -> NDArray[_Number]:

@@ -162,17 +162,19 @@ class ChainJointPath:
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
         arm, allowed = self.arm, collision_world.allowed
-        poses, contacts = _alone(arm, motion, collision_world.floor)
+        poses = _poses(arm, motion)
         of_capsules = obstacle_distances(arm, obstacles, poses.ends, allowed=allowed)
         least = float(of_capsules[0].min(initial=math.inf))
         below = max(required, least) + _CLOSER * arm.reach
         measured = Measured(*hull_distances_to(arm, poses, collision_world, of_capsules, below))
         measured = _without_touchable(arm, measured)
-        contacts = (*contacts_of(motion.time, measured, range(len(arm.capsules)), arm), *contacts)
+        contacts = contacts_of(motion.time, measured, range(len(arm.capsules)), arm)
         around = motion.positions, obstacles.obstacles, collision_world
         certify = partial(self._proofs.certify, *around)
         rows = collision_world.solids.in_use
         found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
+        if found.certificate is None:  # else it touches neither itself nor the floor
+            found = found.with_contacts(_own_contacts(arm, motion, collision_world.floor))
         deepest = [
             _decided(arm, motion, obstacles, collision_world, one) for one in found.contacts[:1]
         ]
@@ -181,12 +183,18 @@ class ChainJointPath:
 
 
 @lru_cache(maxsize=4)
-def _alone(arm: UrdfArm, motion: ArmMotion, floor: float) -> tuple[Poses, tuple[Contact, ...]]:
-    """Poses of an arm in a motion, and its contacts with itself and the floor."""
-    poses = Poses.of(arm, motion.positions)
+def _poses(arm: UrdfArm, motion: ArmMotion) -> Poses:
+    """Poses of an arm in a motion."""
+    return Poses.of(arm, motion.positions)
+
+
+@lru_cache(maxsize=4)
+def _own_contacts(arm: UrdfArm, motion: ArmMotion, floor: float) -> tuple[Contact, ...]:
+    """Contacts of an arm in a motion with itself and the floor."""
+    poses = _poses(arm, motion)
     own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses))
     below = _against(FLOOR, floor_distances(arm, floor, poses))
-    return poses, (
+    return (
         *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
         *contacts_of(motion.time, below, range(len(arm.capsules)), arm),
     )

@@ -118,7 +118,8 @@ class Poses(NamedTuple):
     @classmethod
     def of(cls, arm: UrdfArm, positions: FloatArray) -> Self:
         """Poses at joint positions (k, n)."""
-        return cls(positions, arm.place(positions), arm.chain.packed_poses(positions / arm.scales))
+        packed = arm.chain.packed_poses(positions / arm.scales)
+        return cls(positions, arm.placed_at(arm.chain.unpacked(packed)), packed)
 
 
 def hull_distances_to(

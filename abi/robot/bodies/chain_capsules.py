@@ -81,12 +81,17 @@ def _from_origin(place: FloatArray) -> FloatArray:
 def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
     """Ends (k, c, 2, 3) of capsules in frames with poses (k, m + 1, 3, 4), [m]."""
     ends = np.empty((len(poses), len(capsules), 2, 3))
+    numbers: dict[int, list[int]] = {}
     for k, capsule in enumerate(capsules):
-        if capsule.frame < 0:
-            ends[:, k] = capsule.ends
-        else:
-            turn, origin = poses[:, capsule.frame, :, :3], poses[:, capsule.frame, :, 3]
-            ends[:, k] = np.einsum("kij,ej->kei", turn, capsule.ends) + origin[:, None]
+        numbers.setdefault(capsule.frame, []).append(k)
+    for frame, of_frame in numbers.items():
+        points = np.concatenate([capsules[k].ends for k in of_frame])
+        if frame >= 0:
+            pose = poses[:, frame]
+            # one product for all poses: many small ones take far longer
+            turned = (pose[..., :3].reshape(-1, 3) @ points.T).reshape(len(poses), 3, -1)
+            points = (turned + pose[..., 3:]).swapaxes(1, 2)
+        ends[:, of_frame] = points.reshape(-1, len(of_frame), 2, 3)
     return ends
 
 

@@ -239,7 +239,11 @@ class Chain(ShortRepr):
         Returns:
             Shape (k, m + 1, 3, 4), [m].
         """
-        packed = self.packed_poses(positions).reshape(len(positions), -1, POSE)
+        return self.unpacked(self.packed_poses(positions))
+
+    def unpacked(self, packed: FloatArray) -> FloatArray:
+        """Poses (k, m + 1, 3, 4), [m], in the format of the kernels (12 (m + 1) k,)."""
+        packed = packed.reshape(-1, len(self.joints) + 1, POSE)
         turns = packed[..., :9].reshape(*packed.shape[:2], 3, 3)
         return np.concatenate([turns, packed[..., 9:, None]], axis=-1)
 

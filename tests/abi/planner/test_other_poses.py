@@ -124,3 +124,16 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     others = model.other_branches(BranchProblem(scene, obstacles, collision_world, mesh, 0.01))
     assert list(others.branches) == []
     assert others.note == ""
+
+
+def test_a_branch_that_is_named_is_the_one_among_all() -> None:
+    name, axis, ends, obstacles = CASES[0]
+    scene = scene_of(name, axis, ends, obstacles)
+    model = UrdfArmModel(scene.arm, scene.unit)
+    mesh, solids = tetrahedralise(scene.workspace, scene.mesh), ObstacleSet(scene.obstacles)
+    asked = BranchProblem(scene, solids, model.collision_world(solids, 0.0), mesh, 0.01)
+
+    for one in model.branches(asked):
+        (alone,) = model.branches(asked, one.name)
+        assert alone.configurations is one.configurations
+    assert model.branches(asked, "From pose 99 at the start") == ()
