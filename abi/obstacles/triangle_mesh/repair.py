@@ -14,7 +14,9 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh.distinct_rows import in_rows
+from abi.obstacles.mesh_files.words import counted
+from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, in_rows
+from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
 from abi.obstacles.triangle_mesh.shells import Shells, areas_of, shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.union import united
@@ -33,6 +35,11 @@ surface."""
 
 _CANCELLED = "has no holes, but its triangles bound no solid, as where a surface crosses itself"
 
+_CLOSED_GAPS = (
+    "Small gaps between its triangles were closed.",
+    "Where that moved corners, the triangles count as they were, too.",
+)
+
 _MOST = 500_000
 """Most triangles of a united surface, so that its file can be read again."""
 
@@ -40,7 +47,8 @@ _MOST = 500_000
 def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     """Repair triangles as far as that is unambiguous, and note each repair.
 
-    Equal corners are welded; triangles without area and duplicates are dropped. In each shell whose
+    Equal corners are welded; duplicates are dropped, and so are triangles without area, with a note
+    where no other triangle has their line. In each shell whose
     edges all have two sides, all triangles are made to face outward. Overlapping, touching and
     nested shells are united, which fills cavities, since nothing could get into them. What stays
     open, such as a fin at a solid, counts as a thin sheet that nothing may cross, without an
@@ -57,26 +65,38 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     """
     vertices = arguments.points("vertices", vertices)
     faces = arguments.ids("faces", faces, (-1, 3), len(vertices))
+    lines = uncovered_lines(vertices, faces)
     vertices, faces = weld(vertices, faces, 0.0)
     size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
     if size == 0 or not areas_of(vertices, faces).any():
         raise SceneError("file", name, "a mesh, but none of its triangles has an area")
-    vertices, shells, notes = _split(vertices, faces, size)
+    vertices, shells, notes, moved = _split(vertices, faces, size)
+    if lines:
+        notes = (
+            *notes,
+            f"{counted(lines, 'triangle')} left out: without area, and along no other.",
+        )
     is_solid = shells.is_solid
     faces, sheets = shells.faces[is_solid], shells.faces[~is_solid]
+    most = _MOST if shells.closed.any() else 0
     if (parts := int(shells.closed.sum())) > 1:
         merged = united(vertices, faces, shells.label[is_solid])
         if merged is not None:
             notes = (*notes, f"Its {parts} parts count as one solid.")
             corners, faces = in_order(*merged)
-            faces, sheets = faces_in_order(faces), sheets + len(corners)
+            faces, before = faces_in_order(faces), np.int32(len(corners))
+            sheets, moved = sheets + before, moved + before
             vertices = np.concatenate([corners, vertices])
-    sheets, _ = without_duplicates(sheets)
-    if len(sheets) and len(faces) + 2 * len(sheets) <= _MOST * (parts > 0):
-        count = "1 triangle is" if len(sheets) == 1 else f"{len(sheets):,} triangles are"
-        notes = (*notes, f"{count} no part of a solid: a thin shell, without an inside.")
+    sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
+    moved = moved[areas_of(vertices, moved) > 0]
+    if len(sheets) + len(moved) and len(faces) + 2 * (len(sheets) + len(moved)) <= most:
+        if len(sheets):
+            count = counted(len(sheets), "triangle")
+            notes = (*notes, f"{count} no part of a solid: a thin shell, without an inside.")
+        sheets = np.concatenate([sheets, moved])
         faces = faces_in_order(np.concatenate([faces, sheets, sheets[:, ::-1]]))
-    elif len(sheets):
+    elif len(sheets) + len(moved):
+        sheets = np.concatenate([sheets, moved])
         why = "has holes" if shells.has_border.any() else _CANCELLED
         whole = f"The surface {why}: it is treated as a thin shell, without an inside."
         faces, parts, notes = np.concatenate([faces, sheets]), 0, (*notes, whole)
@@ -85,22 +105,45 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
 
 
 class _Split(NamedTuple):
-    """A mesh in shells, and notes on its repair."""
+    """A mesh in shells, notes on its repair, and triangles as they were before corners moved."""
 
     vertices: FloatArray
     shells: Shells
     notes: tuple[str, ...]
+    moved: IntArray
 
 
 def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
-    """Split a mesh into shells, joining nearby corners if more of it bounds solids then."""
+    """Split a mesh into shells, joining nearby corners if more of it bounds solids then.
+
+    Corners of what bounds a solid already stay where they are. Triangles whose corners moved are
+    there as they were, too, so that nothing of the surface is lost, be it thinner than the gap.
+    """
     split = _split_as_it_is(vertices, faces)
-    if split.shells.closed.all():
+    solid = split.shells.is_solid
+    if solid.all():
         return split
-    joined = _split_as_it_is(*weld_nearby(vertices, faces, _WELD * size))
-    if joined.shells.is_solid.sum() <= split.shells.is_solid.sum():
+    kept = split.shells.faces
+    # sheets, as this repair leaves them, have both sides, and stay sheets when they are read again
+    both = np.sort(without_duplicates(faces)[1], axis=1)
+    stays = solid | in_rows(np.sort(kept, axis=1), both)
+    if stays.all():
         return split
-    return joined._replace(notes=("Small gaps between its triangles were closed.", *joined.notes))
+    near = weld_nearby(vertices, kept[~stays], _WELD * size)
+    count = np.int32(len(near.vertices))
+    corners, ids = np.concatenate([near.vertices, vertices]), kept[stays] + count
+    joined = _split_as_it_is(*weld(corners, np.concatenate([ids, near.faces]), 0.0))
+    if joined.shells.is_solid.sum() <= solid.sum():
+        return split
+    notes = _CLOSED_GAPS[: 1 + (len(near.moved) > 0)]
+    every = np.concatenate([joined.vertices, near.vertices]) + 0.0
+    first, ids = distinct_rows(every)
+    return _Split(
+        vertices=every[first],
+        shells=replace(joined.shells, faces=ids[joined.shells.faces]),
+        notes=(" ".join(notes), *joined.notes),
+        moved=ids[near.moved + np.int32(len(joined.vertices))],
+    )
 
 
 def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> _Split:
@@ -120,4 +163,4 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> _Split:
         shells = replace(ordered, notes=turned.notes)
     dropped = len(faces) - len(kept)
     twice = (f"{dropped} triangles were there twice and count once.",) if dropped else ()
-    return _Split(vertices, shells, (*twice, *shells.notes))
+    return _Split(vertices, shells, (*twice, *shells.notes), faces[:0])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
@@ -18,9 +20,24 @@ def weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray
     return compact(vertices[first], welded.astype(np.int32))
 
 
-def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
+class NearbyWelded(NamedTuple):
+    """A surface whose nearby corners are joined.
+
+    Attributes:
+        vertices: (n, 3), those of the surface before behind its own.
+        faces: (m, 3) of the surface.
+        moved: (k, 3) faces as they were before a corner of theirs moved.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    moved: IntArray
+
+
+def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> NearbyWelded:
     """Join vertices in the same cube, but not those of faces that would vanish untraceably."""
-    _, ids = distinct_rows(np.round(vertices / size) + 0.0)
+    first, ids = distinct_rows(np.round(vertices / size) + 0.0)
+    moved = (vertices[first][ids] != vertices).any(axis=1)[faces].any(axis=1)
     corners = ids[faces].astype(np.int64)
     sides = np.sort(np.stack([corners, corners[:, [1, 2, 0]]], axis=-1), axis=-1)
     keys = sides[..., 0] * (len(vertices) + 1) + sides[..., 1]
@@ -32,7 +49,9 @@ def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> tuple[Flo
     lost = ~stays & ~seen.all(axis=1)
     welded, kept = weld(vertices, faces[~lost], size)
     both = np.concatenate([kept, faces[lost] + np.int32(len(welded))])
-    return weld(np.concatenate([welded, vertices]), both, 0.0)
+    welded, both = weld(np.concatenate([welded, vertices]), both, 0.0)
+    before = faces[moved & ~lost] + np.int32(len(welded))
+    return NearbyWelded(np.concatenate([welded, vertices]), both, before)
 
 
 def without_duplicates(faces: IntArray) -> tuple[IntArray, IntArray]:

@@ -201,6 +201,38 @@ def test_corners_that_nearly_meet_are_joined_where_that_closes_it() -> None:
     assert not clean(torn, faces).closed
 
 
+@pytest.mark.parametrize("gap", [1e-9, 2e-7])
+@pytest.mark.parametrize("apart", [False, True])
+def test_nothing_of_a_surface_is_lost_where_its_gaps_are_closed(gap: float, apart: bool) -> None:
+    """Be it a plate that is thinner than the gap, or a needle."""
+    cracked = BOX[0][BOX[1]].reshape(-1, 3)
+    cracked[0] += gap
+    thin = meshes.box((0.4, 0.4, 3e-7), at=(0, 0, 2 if apart else 1))
+    soup = thin[0][thin[1]].reshape(-1, 3)
+    needle = np.array([[0.5, 0.5, 2], [0.9, 0.9, 2], [0.9 + 1e-8, 0.9, 2]])
+    vertices = np.concatenate([cracked, soup, needle])
+    faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
+    surface = clean(vertices, faces)
+
+    assert inside(surface, np.zeros((1, 3))).all()
+    assert surface.notes[0].startswith("Small gaps between its triangles were closed.")
+    weights = RNG.dirichlet(np.ones(3), 20)
+    points = (weights @ vertices[faces]).reshape(-1, 3)
+    assert MeshShape.of(surface).signed_distance(points).max() < 1e-15
+
+
+def test_a_triangle_without_area_is_told_of_only_where_no_other_has_its_line() -> None:
+    vertices, faces = BOX
+    ends = vertices[faces[0, :2]]
+    vertices = np.concatenate([vertices, [ends.mean(axis=0)]])
+    along = [[*faces[0, :2], 8], [faces[0, 0]] * 3]
+    assert clean(vertices, np.concatenate([faces, along]).astype(np.int32)).notes == ()
+    beyond = np.concatenate([vertices, [ends[0] + 2 * (ends[1] - ends[0])]])
+    loose = np.concatenate([faces, [[*faces[0, :2], 9]]]).astype(np.int32)
+    (note,) = clean(beyond, loose).notes
+    assert note == "1 triangle is left out: without area, and along no other."
+
+
 def test_boxes_that_share_an_edge_stay_closed() -> None:
     mesh = meshes.joined(meshes.box(), meshes.box(at=(1, 1, 0)))
     surface = clean(*mesh)
@@ -214,6 +246,7 @@ def test_needles_and_points_are_left_out() -> None:
     needles = np.array([[8, 9, 10], [8, 8, 9], [0, 0, 0]], dtype=np.int32)
     surface = clean(vertices, np.concatenate([BOX[1], needles]))
     assert len(surface.faces) == 12
+    assert surface.notes == ("2 triangles are left out: without area, and along no other.",)
     with pytest.raises(SceneError, match="area"):
         clean(vertices, needles)
 
