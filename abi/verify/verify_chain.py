@@ -75,13 +75,6 @@ class _Capsule(NamedTuple):
         """Points whose hull contains it with a radius: of the segment, or of the closer hull."""
         return (self.points, self.rounding) if closer else (self.ends, self.radius)
 
-    def placed(self, frames: list[ExactFrame], closer: bool) -> list[tuple[Vec3, Fraction]]:
-        """These points in the world, each with a bound of its error along each axis."""
-        points = self.corners(closer)[0]
-        if self.frame < 0:
-            return [(point, Fraction(0)) for point in points]
-        return [frames[self.frame].place(point) for point in points]
-
 
 @dataclass(frozen=True, eq=False)
 class _JointMotion:
@@ -311,7 +304,9 @@ def _check_outside(
     """Raise if a capsule, clear of all triangles, is inside a closed mesh."""
     frames = motion.chain.place(motion.rows[0])
     for capsule in capsules:
-        point, _ = capsule.placed(frames, True)[0]
+        point = capsule.points[0]
+        if capsule.frame >= 0:
+            point, _ = frames[capsule.frame].place(point)
         for k, obstacle in enumerate(obstacles):
             if (capsule.link, k) in allowed:
                 continue
@@ -323,12 +318,11 @@ def _range(
     frames: list[ExactFrame], capsule: _Capsule, plane: CertifiedPlane
 ) -> tuple[Fraction, Fraction]:
     """Bounds of the products of a plane's direction with a capsule's corners at a pose."""
-    low, high, normal = [], [], plane.normal
-    for place, error in capsule.placed(frames, plane.closer):
-        product, slack = dot(normal, place), error * sum(map(abs, normal))
-        low.append(product - slack)
-        high.append(product + slack)
-    return min(low), max(high)
+    points = capsule.corners(plane.closer)[0]
+    if capsule.frame >= 0:
+        return frames[capsule.frame].products(points, plane.normal)
+    products = [dot(plane.normal, point) for point in points]
+    return min(products), max(products)
 
 
 def _least(motion: _JointMotion, capsule: _Capsule, plane: CertifiedPlane) -> Fraction:

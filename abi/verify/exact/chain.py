@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,12 +50,24 @@ class ExactFrame(NamedTuple):
 
     def place(self, point: Vec3) -> tuple[Vec3, Fraction]:
         """A point of the frame in the world, and a bound of its error along each axis."""
-        whole = _wholes(np.array(point, dtype=object))
-        size = max(abs(whole)) + 1
-        placed = (self.turn @ whole >> _BITS) + self.origin
-        x, y, z = (Fraction(number, _ONE) for number in placed)
-        error = 3 * (size * self.turn_error // _ONE + 1) + 6 + 1 + self.origin_error
-        return (x, y, z), Fraction(error, _ONE)
+        ((x, y, z),), (error,) = self._placed([point])
+        return (Fraction(x, _ONE), Fraction(y, _ONE), Fraction(z, _ONE)), Fraction(error, _ONE)
+
+    def products(self, points: Sequence[Vec3], direction: Vec3) -> tuple[Fraction, Fraction]:
+        """Bounds of the products of a direction in the world with points of the frame."""
+        placed, errors = self._placed(points)
+        scale = math.lcm(*(part.denominator for part in direction))
+        along = np.array([int(part * scale) for part in direction], dtype=object)
+        products, slack = placed @ along, errors * abs(along).sum()
+        low, high = (products - slack).min(), (products + slack).max()
+        return Fraction(low, scale * _ONE), Fraction(high, scale * _ONE)
+
+    def _placed(self, points: Sequence[Vec3]) -> tuple[Exact, Exact]:
+        """Points (n, 3) of the frame in the world, and bounds of their errors (n,), in 2^-200."""
+        wholes = _wholes(np.array(points, dtype=object))
+        sizes = abs(wholes).max(axis=1) + 1
+        placed = (wholes @ self.turn.T >> _BITS) + self.origin
+        return placed, 3 * (sizes * self.turn_error // _ONE + 1) + 6 + 1 + self.origin_error
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,9 +102,9 @@ class ExactChain:
         still, unmoved = _ONE * np.eye(3, dtype=object), np.zeros(3, dtype=object)
         world = ExactFrame(still, unmoved, 0, 0)
         found: list[ExactFrame] = []
-        for joint, before, origin in zip(self.joints, self.before, self.origins, strict=False):
+        for joint, before, origin in zip(self.joints, self.before, self._wholes, strict=False):
             frame = found[before] if before >= 0 else world
-            frame = _behind(frame, _wholes(origin.turn), _wholes(origin.origin), 1)
+            frame = _behind(frame, *origin, 1)
             value = self.value(joint, positions)
             if joint.kind == "prismatic":
                 frame = _behind(frame, still, _wholes(_fractions(joint.axis) * value), 1)
@@ -99,8 +112,12 @@ class ExactChain:
                 turn, error = _turned(joint, value)
                 frame = _behind(frame, turn, unmoved, error)
             found.append(frame)
-        turn, place = map(_wholes, self.origins[-1])
-        return [*found, _behind(found[self.before[-1]], turn, place, 1)]
+        return [*found, _behind(found[self.before[-1]], *self._wholes[-1], 1)]
+
+    @cached_property
+    def _wholes(self) -> list[tuple[Exact, Exact]]:
+        """Rotation and origin of each pose of ``origins``, in 2^-200."""
+        return [(_wholes(turn), _wholes(origin)) for turn, origin in self.origins]
 
     def within(self, limits: tuple[tuple[Fraction, Fraction], ...]) -> ExactChain:
         """The chain with other limits of its coordinates, [rad] or [unit]."""
@@ -330,11 +347,13 @@ def _turned(joint: Joint, angle: Fraction) -> tuple[Exact, int]:
     if abs(angle) > _LARGEST_ANGLE:
         raise Fault(f"{joint.name} turns by more than {_LARGEST_ANGLE} rad")
     sine, cosine, error = sine_and_cosine(angle)
-    x, y, z = axis = _fractions(joint.axis)
-    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=object)
-    turn = (_ONE - cosine) * np.outer(axis, axis) + sine * across
+    # in whole numbers: a fraction for each entry would take ten times as long
+    scale = math.lcm(*(part.denominator for part in _fractions(joint.axis)))
+    x, y, z = axis = np.array([int(part * scale) for part in _fractions(joint.axis)], dtype=object)
+    across = scale * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=object)
+    turn = ((_ONE - cosine) * np.outer(axis, axis) + sine * across) // scale**2
     turn[np.diag_indices(3)] += cosine
-    return _floors(turn), 4 * error + 1
+    return turn, 4 * error + 1
 
 
 def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
@@ -372,7 +391,6 @@ def _whole(number: Fraction) -> int:
     return number.numerator * _ONE // number.denominator
 
 
-_floors: Callable[[Exact], Exact] = np.frompyfunc(math.floor, 1, 1)
 _wholes: Callable[[Exact], Exact] = np.frompyfunc(_whole, 1, 1)
 _fractions: Callable[[NDArray[Any]], Exact] = np.frompyfunc(Fraction, 1, 1)
 _rounded: Callable[[Exact], Exact] = np.frompyfunc(_nearest_float, 1, 1)

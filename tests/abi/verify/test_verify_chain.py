@@ -22,7 +22,7 @@ from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import Scene, load_scene
 from abi.verify.exact.chain import exact_chain, sine_and_cosine
-from abi.verify.exact.solids import Vec3, vector
+from abi.verify.exact.solids import Vec3, dot, vector
 from abi.verify.verify import Verdict, verify
 from tests.abi.robot.robots import OWN, packed
 
@@ -75,6 +75,14 @@ def test_frames_and_levers_are_those_of_the_chain(name: str, wxyz: Quaternion) -
             assert error < Fraction(1, 1 << 80)
             expected = pose[:, :3] @ point + 100 * pose[:, 3]
             np.testing.assert_allclose([float(part) for part in found], expected, atol=1e-11)
+            direction = vector(random.normal(size=3).tolist())
+            points = [vector(end.tolist()) for end in (point, -point)]
+            products = [
+                dot(direction, place) + sign * wrong * sum(map(abs, direction))
+                for place, wrong in map(frame.place, points)
+                for sign in (-1, 1)
+            ]
+            assert frame.products(points, direction) == (min(products), max(products))
     for capsule, levers in zip(one.capsules, one.levers, strict=True):
         ends: list[Vec3] = [vector(end) for end in (capsule.ends * 100).tolist()]
         of_exact = [float(lever) for lever in exact.levers(ends, capsule.frame, -1)]
