@@ -45,8 +45,13 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
             return replace(_trajectory(found), start=start)
         if "joints" in found and "positions" in found:
             return _plain(found)
-        if isinstance(found.get("arm"), dict) and isinstance(found.get("scene"), dict):
-            return _planned(found, slides)
+        if isinstance(found.get("scene"), dict):
+            motion = found.get("arm")
+            if "legs" in found:
+                _check_legs(found["scene"].get("tasks"))
+                motion = found.get("trajectory")
+            if isinstance(motion, dict):
+                return _planned(motion, found["scene"], slides)
         found = next((found[name] for name in _INSIDE if name in found), None)
     raise MotionError(
         "The file holds no motion.",
@@ -112,14 +117,30 @@ def _plain(data: dict[str, Any]) -> Motion:
     return Motion(names, _table("times", [times])[0], positions, rates[0], rates[1], timed=timed)
 
 
-def _planned(plan: dict[str, Any], slides: Sequence[str]) -> Motion:
+def _check_legs(tasks: object) -> None:
+    """Raise where the legs of a plan change what the robot holds, or its gripper."""
+    for number, task in enumerate(tasks if isinstance(tasks, list) else (), start=1):
+        named = task if isinstance(task, dict) else {}
+        changed = [name for name in ("attach", "release", "gripper") if _is_set(named.get(name))]
+        if changed:
+            raise MotionError(
+                f"Leg {number} has {changed[0]}, which the samples of all legs do not say.",
+                "Check the plan by abi verify, or certify one of its legs by itself.",
+            )
+
+
+def _is_set(value: object) -> bool:
+    return value is not None and value is not False
+
+
+def _planned(motion: dict[str, Any], scene: dict[str, Any], slides: Sequence[str]) -> Motion:
     """Motion of a plan, whose slides are in its scene's unit; straight between its samples."""
-    arm, unit = plan["arm"], plan["scene"].get("unit", "cm")
+    unit = scene.get("unit", "cm")
     if unit not in METRES:
         raise MotionError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
-    motion = _plain({name: arm.get(name, []) for name in ("joints", "time", "positions")})
-    scale = [METRES[unit] if name in slides else 1.0 for name in motion.joints]
-    return Motion(motion.joints, motion.times, motion.positions * np.array(scale))
+    plain = _plain({name: motion.get(name, []) for name in ("joints", "time", "positions")})
+    scale = [METRES[unit] if name in slides else 1.0 for name in plain.joints]
+    return Motion(plain.joints, plain.times, plain.positions * np.array(scale))
 
 
 def _names(value: object) -> tuple[str, ...]:

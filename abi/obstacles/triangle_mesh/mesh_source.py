@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
@@ -10,6 +11,9 @@ from abi.errors import SceneError, short
 from abi.obstacles.triangle_mesh.file_names import same_name, same_path
 from abi.obstacles.triangle_mesh.mesh_reader import MAX_BYTES, SUFFIXES, read_surface
 from abi.obstacles.triangle_mesh.surface import Surface
+
+_MOST_NAMED = 100
+"""Most files of one name that are looked at in a folder."""
 
 
 class MeshSource:
@@ -62,6 +66,25 @@ class MeshSource:
         _check_name(name)
         content = self._given(name)
         return content if isinstance(content, bytes) else self._content(name)
+
+    def named(self, name: str, beside: PurePosixPath) -> dict[str, bytes]:
+        """Content of the files of a name, by path: in the folders above a path, or one below these.
+
+        Args:
+            name: of the files.
+            beside: a folder inside this source.
+        """
+        paths = [path for path in self.files if PurePosixPath(path).name == name]
+        if self.folder is not None:
+            for above in (beside, *beside.parents):
+                inside = self.folder / above
+                found = [*inside.glob(name), *sorted(inside.glob(f"*/{name}"))[:_MOST_NAMED]]
+                paths += [path.relative_to(self.folder).as_posix() for path in found]
+        contents = {}
+        for path in dict.fromkeys(paths):
+            with contextlib.suppress(SceneError):
+                contents[path] = self.content(path)
+        return contents
 
     def _given(self, name: str) -> bytes | Surface | None:
         """File given under a name, up to Unicode normalisation."""

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
 from abi.errors import SceneError
 from abi.obstacles.mesh_files import stl
 from abi.obstacles.mesh_files.parts import Parts
+from abi.obstacles.mesh_files.words import counted
 from abi.obstacles.triangle_mesh import mesh_reader
-from abi.robot.urdf.mesh_places import alike, length, places
+from abi.robot.urdf.mesh_places import (
+    alike,
+    guesses,
+    length,
+    other_folder,
+    package_of,
+    packages,
+    places,
+)
 
 MAX_TRIANGLES = 500_000
 """Most triangles of all shapes of a robot; a shape used twice counts twice."""
@@ -31,6 +41,7 @@ class MeshLookup:
 
     def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
         self._files, self._folder = files, folder
+        self._packages = packages(files)
         self._read: dict[str, Parts] = {}
         self._taken: set[str] = set()
         self._guessed: dict[str, str] = {}
@@ -75,16 +86,24 @@ class MeshLookup:
         Raises:
             SceneError: it is not there, or there are several.
         """
-        found = next((one for one in places(self._folder, name) if one in self._names), None)
-        if found is None:
-            found = self._most_alike(name)
-        return self._names[found]
+        exact = places(self._folder, name, self._packages)
+        found = next((one for one in exact if one in self._names), None)
+        if found is None and package_of(name) in self._packages:
+            expected = f"a file that came with the URDF, as {exact[0] if exact else name}"
+            raise SceneError("arm.urdf mesh", name, expected)
+        return self._names[self._alike(name) if found is None else found]
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Sentences on files that were used for others, and on what of them is left out."""
-        guessed = (f"Taken for {name}: {file}." for name, file in self._guessed.items())
-        return (*guessed, *self._left_out)
+        folders = {name: other_folder(name, file) for name, file in self._guessed.items()}
+        counts = Counter((package_of(name), found) for name, found in folders.items() if found)
+        others = (
+            f"Package {package} is not there: {counted(n, 'mesh', 'meshes')} taken from {found}."
+            for (package, found), n in counts.items()
+        )
+        single = (f"Taken for {k}: {file}." for k, file in self._guessed.items() if not folders[k])
+        return (*others, *single, *self._left_out)
 
     def _mesh(self, content: bytes, name: str) -> Parts:
         """A mesh in its file's axes and in metres, the default unit."""
@@ -104,9 +123,18 @@ class MeshLookup:
             self._left_out[f"{name}: {note}"] = None
         return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))
 
-    def _most_alike(self, name: str) -> str:
-        """The only file whose path shares the longest end with a name that no file has."""
+    def _alike(self, name: str) -> str:
+        """File for a name that none has where it says: one in its package's folder elsewhere.
+
+        Else, with a note, one in a folder above the URDF, or the only one whose path shares the
+        longest end with the name.
+        """
         files, count = alike(self._names, name)
+        near = next((one for one in guesses(self._folder, name) if one in self._names), None)
+        several = package_of(name) is None and len(files) > 1
+        if near is not None and (several or count < length(name)):
+            self._guessed[name] = near
+            return near
         if len(files) > 1:
             exact = [file for file in files if file.endswith(PurePosixPath(name).name)]
             files = tuple(exact) if len(exact) == 1 else files

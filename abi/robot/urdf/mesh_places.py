@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 
 PACKAGE = "package://"
+PACKAGE_FILE = "package.xml"
+"""Name of the file that names a package."""
+_NAME = re.compile(rb"<name>([^<]{1,200})</name>")
 _SCHEME = re.compile(r"\A(package|model)://")
 
 
@@ -31,26 +34,75 @@ def reference(text: str) -> str | None:
     return PACKAGE + inside.as_posix() if inside is not None and path != name else name
 
 
-def places(folder: PurePosixPath, name: str) -> tuple[str, ...]:
-    """Paths at which a mesh is looked for; the first that exists is used.
+def packages(files: Mapping[str, bytes]) -> dict[str, PurePosixPath]:
+    """Folders of the ROS packages among files, by the name that each ``package.xml`` gives.
 
-    That of a package ``package://NAME/REST`` is REST in the nearest folder above the URDF that is
-    called NAME, or in one of that name beside these, or else REST in any of them.
+    A name that several have is left out.
+    """
+    found: dict[str, PurePosixPath] = {}
+    several = set[str]()
+    for file, content in files.items():
+        path = PurePosixPath(file)
+        named = _NAME.search(content) if path.name == PACKAGE_FILE else None
+        if named is not None:
+            name = named[1].decode(errors="replace").strip()
+            several |= {name} & found.keys()
+            found[name] = path.parent
+    return {name: folder for name, folder in found.items() if name not in several}
+
+
+def package_of(name: str) -> str | None:
+    """Package of a mesh's name, as :func:`reference` gives it; None if it names none."""
+    path = name.removeprefix(PACKAGE)
+    return None if path == name else path.partition("/")[0]
+
+
+def places(folder: PurePosixPath, name: str, known: Mapping[str, PurePosixPath]) -> tuple[str, ...]:
+    """Paths at which a name says that a mesh is; the first that exists is used.
+
+    That of a package ``package://NAME/REST`` is REST in the folder whose ``package.xml`` gives this
+    name; if none does, in the nearest folder above the URDF that is called NAME, or in one of that
+    name beside these. Any other name is one beside the URDF.
 
     Args:
         folder: of the URDF.
         name: of the mesh, as :func:`reference` gives it.
+        known: folders of packages by their names, as :func:`packages` gives them.
+    """
+    package = package_of(name)
+    if package is None:
+        return _inside_all([folder / name])
+    path = name.removeprefix(PACKAGE)
+    rest = path.partition("/")[2]
+    if package in known:
+        return _inside_all([known[package] / rest])
+    above = (folder, *folder.parents)
+    paths = [one / rest for one in above if one.name == package]
+    return _inside_all(paths + [one / path for one in above])
+
+
+def guesses(folder: PurePosixPath, name: str) -> tuple[str, ...]:
+    """Paths at which a mesh may be that is not where its name says, the likeliest first.
+
+    They are in the folders above the URDF; arguments as for :func:`places`.
     """
     above = (folder, *folder.parents)
-    if name.startswith(PACKAGE):
-        path = name.removeprefix(PACKAGE)
-        package, _, rest = path.partition("/")
-        paths = [one / rest for one in above if one.name == package]
-        paths += [one / path for one in above] + [one / rest for one in above]
-    else:
-        paths = [one / name for one in above]
-    inside = [_inside(path) for path in paths]
-    return tuple(dict.fromkeys(path.as_posix() for path in inside if path is not None))
+    path = name.removeprefix(PACKAGE)
+    rest = path.partition("/")[2] if path != name else path
+    return _inside_all([one / rest for one in above])
+
+
+def other_folder(name: str, file: str) -> str | None:
+    """Folder that a file was taken from instead of its package's; None if more than that differs.
+
+    Args:
+        name: of the mesh, as :func:`reference` gives it.
+        file: that was taken.
+    """
+    rest = name.removeprefix(PACKAGE).partition("/")[2]
+    if package_of(name) is None or not f"/{file}".endswith(f"/{rest}"):
+        return None
+    return file.removesuffix(rest) or "./"
 
 
 def alike(files: Iterable[str], name: str) -> tuple[tuple[str, ...], int]:
@@ -62,8 +114,8 @@ def alike(files: Iterable[str], name: str) -> tuple[tuple[str, ...], int]:
 
 
 def length(name: str) -> int:
-    """Number of parts of a mesh's name in its package, or in the folder of the URDF."""
-    return len(_parts(name)) - name.startswith(PACKAGE)
+    """Number of parts of a mesh's name, its package included."""
+    return len(_parts(name))
 
 
 def _parts(name: str) -> list[str]:
@@ -77,6 +129,12 @@ def _common(first: list[str], second: list[str]) -> int:
     while count < min(len(first), len(second)) and first[-1 - count] == second[-1 - count]:
         count += 1
     return count
+
+
+def _inside_all(paths: Iterable[PurePosixPath]) -> tuple[str, ...]:
+    """Paths without ``..``, each once, except those that lead outside."""
+    inside = [_inside(path) for path in paths]
+    return tuple(dict.fromkeys(path.as_posix() for path in inside if path is not None))
 
 
 def _inside(path: PurePosixPath) -> PurePosixPath | None:

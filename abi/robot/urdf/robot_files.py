@@ -17,7 +17,7 @@ from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.mesh_lookup import MeshLookup, is_plain
-from abi.robot.urdf.mesh_places import places
+from abi.robot.urdf.mesh_places import PACKAGE_FILE, guesses, package_of, packages, places
 from abi.robot.urdf.robot import Robot, require_motion
 from abi.robot.urdf.srdf import read_srdf
 from abi.robot.urdf.urdf_joints import some_of
@@ -32,6 +32,8 @@ _ROOM = 0.9
 """Fraction of an archive's largest size up to which meshes for looks alone are included."""
 _INSIDE = ".zip/"
 _SRDF = ".srdf"
+_TEXTS = (".urdf", _SRDF, PACKAGE_FILE)
+"""Endings of the files beside the meshes that say what a robot is."""
 _ZIP = b"PK\x03\x04"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -207,7 +209,7 @@ def _read(files: Mapping[str, bytes]) -> tuple[Robot, dict[str, bytes]]:
     lookup = MeshLookup(files, PurePosixPath(found[0]).parent)
     robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
     robot = replace(robot, notes=(*robot.notes, *lookup.notes))
-    texts = {name: files[name] for name in files if name.lower().endswith((".urdf", ".srdf"))}
+    texts = {name: files[name] for name in files if name.lower().endswith(_TEXTS)}
     return _with_srdf(robot, files, PurePosixPath(found[0]).stem), texts | lookup.plain()
 
 
@@ -279,13 +281,14 @@ def _with_meshes(source: MeshSource, urdf: str) -> dict[str, bytes]:
     """
     text, folder = _content(source, urdf), PurePosixPath(urdf).parent
     needed, looks = mesh_names(text, PurePosixPath(urdf).name)
-    files = {urdf: text}
+    files = {urdf: text, **source.named(PACKAGE_FILE, folder)}
+    known = packages(files)
     for name in needed:
-        path, mesh = _mesh_of(source, folder, name)
+        path, mesh = _mesh_of(source, folder, name, known)
         files[path] = mesh
     for name in looks[: _MAX_FILES // 2]:
         with contextlib.suppress(SceneError):
-            path, mesh = _mesh_of(source, folder, name)
+            path, mesh = _mesh_of(source, folder, name, known)
             if sum(map(len, files.values())) + len(mesh) < _ROOM * _MAX_ARCHIVE:
                 files[path] = mesh
     with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
@@ -294,10 +297,15 @@ def _with_meshes(source: MeshSource, urdf: str) -> dict[str, bytes]:
     return files
 
 
-def _mesh_of(source: MeshSource, folder: PurePosixPath, name: str) -> tuple[str, bytes]:
+def _mesh_of(
+    source: MeshSource, folder: PurePosixPath, name: str, known: Mapping[str, PurePosixPath]
+) -> tuple[str, bytes]:
     """Path and content of a mesh that a URDF names, from the first place that has one."""
     fault = SceneError("arm.urdf mesh", name, "a file inside the scene's folder")
-    for number, path in enumerate(places(folder, name)):
+    paths = places(folder, name, known)
+    if package_of(name) not in known:
+        paths += guesses(folder, name)
+    for number, path in enumerate(paths):
         try:
             return path, source.content(path)
         except SceneError as error:

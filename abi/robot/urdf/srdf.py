@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from abi.robot.urdf.link_names import rename_links
 from abi.robot.urdf.robot import NamedState, Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
 
@@ -42,6 +43,7 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
         SceneError: it is no SRDF, it is truncated, or a state has a position that is no number.
     """
     root = XmlElement(parse(content, name), name, "robot")
+    rename_links(root.xml)
     groups: dict[str, tuple[str, ...]] = {}
     for group in root.all("group"):
         if group.text("name"):  # one inside another is a reference to one before

@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 from abi.errors import Missing
 from abi.robot.urdf.couplings import coupling_notes, read_couplings
+from abi.robot.urdf.link_names import rename_links
 from abi.robot.urdf.mimic import with_masters
 from abi.robot.urdf.robot import Link, Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
@@ -33,6 +34,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         SceneError: it is no URDF, truncated, not a single tree, or has a number without sense.
     """
     root = XmlElement(parse(content, name), name, "robot")
+    renamed = rename_links(root.xml)
     elements = [element.called() for element in root.all("link")]
     weightless = [one.text("name") for one in elements if not has_sense(one)]
     links: dict[str, Link] = {}
@@ -55,7 +57,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         notes.append(f"No torques, as masses make no sense: {some_of(weightless)}.")
     if not any(link.shapes for link in links.values()):
         notes.append("No link has a shape: lines from joint to joint stand for them.")
-    notes += [*unused(root), *coupling_notes(couplings)]
+    notes += [*renamed, *unused(root), *coupling_notes(couplings)]
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, MappingProxyType(links), ordered, tuple(notes), couplings=couplings)

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.certification.motion import Motion
+from abi.certification.read_message import read_message
 from abi.certification.read_motion import own_joints, read_motion
 from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
@@ -203,3 +204,23 @@ def test_a_unit_of_another_kind_than_the_joint_is_refused(joint: int, unit: str)
     content = "\n".join(["time," + ",".join(head), "0,0,0", "1,1,1"]).encode()
     with pytest.raises(MotionError, match=f"{names[joint]} is '{unit}'"):
         read_motion("a.csv", content, {"turns": False, "slides": True})
+
+
+def test_the_samples_of_all_legs_are_in_the_unit_of_their_scene() -> None:
+    motion = {
+        "joints": ["turn", "slide"],
+        "time": [0.0, 1.0],
+        "positions": [[0.1, 5.0], [0.2, 10.0]],
+    }
+    tasks: list[dict[str, Any]] = [{"goal": None}, {"goal": None, "release": False}]
+    scene = {"unit": "cm", "tasks": tasks}
+    for plan in (
+        {"scene": scene, "arm": motion},
+        {"scene": scene, "legs": [], "trajectory": motion},
+    ):
+        found = read_message(plan, ["slide"])
+        np.testing.assert_allclose(found.positions, [[0.1, 0.05], [0.2, 0.1]])
+    for changed in ({"attach": 2}, {"release": True}, {"gripper": {"finger": 0.0}}):
+        held = {**scene, "tasks": [tasks[0], changed]}
+        with pytest.raises(MotionError, match=f"Leg 2 has {next(iter(changed))}"):
+            read_message({"scene": held, "legs": [], "trajectory": motion}, ["slide"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import unicodedata
 import zipfile
 from collections.abc import Mapping
@@ -63,6 +64,10 @@ LAYOUTS: Mapping[str, tuple[str, str, str]] = {
     "without its folder": ("urdf/r.urdf", "meshes/a.stl", "package://pkg/meshes/a.stl"),
     "from the top": ("pkg/urdf/r.urdf", "pkg/meshes/a.stl", "meshes/a.stl"),
 }  # fmt: skip
+OTHER_FOLDERS: Mapping[str, tuple[str, ...]] = {
+    "renamed package": ("Package pkg is not there: 1 mesh is taken from pkg-2.1/.",),
+    "without its folder": ("Package pkg is not there: 1 mesh is taken from ./.",),
+}
 DECOYS = ("pkg/meshes/visual/a.stl", "b/a.stl", "pkg/urdf/other/a.stl")
 
 
@@ -75,10 +80,75 @@ def test_a_package_is_read_as_it_is_laid_out(tmp_path: Path, layout: str, decoys
         files |= {decoy: ball(3) for decoy in DECOYS}
     for robot in (from_zip(files), from_folder(files, tmp_path)):
         assert triangles(robot) == [7]
-        assert robot.notes == ()
+        assert robot.notes == OTHER_FOLDERS.get(layout, ())
         again = robot_from_archive(packed({**files_of(robot)}))
         assert triangles(again) == [7]
         assert description_of(robot) == using(name)
+
+
+PACKAGE_XML = "<package><name>{}</name></package>"
+OTHER_PACKAGES: Mapping[str, Files] = {
+    "a folder of its name": {"ws/src/g/meshes/a.stl": ball(7)},
+    "deeper": {"ws/src/grip/g/meshes/a.stl": ball(7)},
+    "named by its package.xml": {
+        "ws/src/gripper/package.xml": PACKAGE_XML.format("g"),
+        "ws/src/gripper/meshes/a.stl": ball(7),
+        "ws/src/robot/package.xml": PACKAGE_XML.format("robot"),
+    },
+}
+
+
+@pytest.mark.parametrize("layout", OTHER_PACKAGES)
+def test_a_mesh_of_another_package_is_not_taken_from_the_robots_own(
+    tmp_path: Path, layout: str
+) -> None:
+    own: Files = {
+        "ws/src/robot/urdf/r.urdf": using("package://g/meshes/a.stl"),
+        "ws/src/robot/meshes/a.stl": ball(3),
+    }
+    robots = [from_zip(own | OTHER_PACKAGES[layout])]
+    if layout != "deeper":
+        robots.append(from_folder(own | OTHER_PACKAGES[layout], tmp_path))
+    for robot in robots:
+        assert triangles(robot) == [7]
+        assert robot.notes == ()
+    alone = from_zip(own)
+    assert triangles(alone) == [3]
+    assert alone.notes == ("Package g is not there: 1 mesh is taken from ws/src/robot/.",)
+
+
+def test_a_mesh_that_its_known_package_lacks_is_refused(tmp_path: Path) -> None:
+    files: Files = {
+        "robot/r.urdf": using("package://g/meshes/a.stl"),
+        "robot/meshes/a.stl": ball(3),
+        "gripper/package.xml": PACKAGE_XML.format("g"),
+    }
+    with pytest.raises(SceneError, match=r"package://g/meshes/a\.stl.*as gripper/meshes/a\.stl"):
+        from_zip(files)
+    with pytest.raises(SceneError, match=r"gripper/meshes/a\.stl"):
+        from_folder(files, tmp_path)
+
+
+def test_a_link_called_as_a_part_of_the_world_is_renamed_wherever_it_is_named() -> None:
+    text = arm(*[(BOX, BOX)] * 3)
+    pairs = '<disable_collisions link1="a" link2="c" reason="Never"/>'
+    files: Files = {"r.urdf": text, "r.srdf": f'<robot name="r">{pairs}</robot>'}
+    plain = from_zip(files)
+    for name in ("floor", "obstacles"):
+        named = {path: re.sub(r'"a"', f'"{name}"', str(content)) for path, content in files.items()}
+        robot = from_zip(named)
+        assert (
+            robot.notes[0] == f"Link {name} is called {name}_link here, for {name} is the world's."
+        )
+        new = {"a": f"{name}_link"}
+        assert [*robot.links] == [new.get(link, link) for link in plain.links]
+        assert robot.may_touch == {frozenset((f"{name}_link", "c"))}
+        assert [(new.get(one.parent, one.parent), one.child) for one in plain.joints] == [
+            (one.parent, one.child) for one in robot.joints
+        ]
+        again = from_zip({**files_of(robot)})
+        assert [*again.links] == [*robot.links]
+        assert f'"{name}"' not in description_of(robot)
 
 
 def test_the_longest_common_end_of_the_path_decides_and_a_note_tells_of_it() -> None:
