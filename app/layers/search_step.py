@@ -14,9 +14,9 @@ from app.drawing.lines import NO_SEGMENTS, add_line, segments
 from app.layers.line_set import LineSet
 from app.layers.points import Points
 from app.state.frame import Frame, Layer
-from app.theatre.compared import LETTERS, lettered, lots
+from app.theatre.compared import LETTERS, asks_for_sums, letter_label, lettered, lots
 from app.theatre.text import describe
-from app.theatre.theatre import Theatre, formula, order_label, priorities
+from app.theatre.theatre import Theatre, formula, priorities
 from app.ui import page, style
 from app.ui.colour_scale import scale_colours
 from app.ui.layout import Layout
@@ -110,19 +110,19 @@ def _numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
     n = len(state.trace.arcs.points)
     kinds = {"closed": few(state.closed, n), "open": few(state.open, n)}
     both = {kind: np.stack([state.cost[k], state.to_go(k)], axis=1) for kind, k in kinds.items()}
-    best_first = state.trace.queue == "best_first"
+    tells_sums = state.trace.queue == "best_first" and not asks_for_sums(theatre)
     line = priorities(state)[np.isin(state.open, kinds["open"])]
     return {
         **{kind: _packed(table) for kind, table in both.items()},
         "ringed": np.flatnonzero(np.isin(kinds["open"], theatre.ringed)).tolist(),
         "size": 1.25 * _size(state),
-        "factors": state.trace.factors if best_first else None,
+        "factors": state.trace.factors if tells_sums else None,
         "formula": formula(state),
         "line": _packed(line) if state.trace.queue == "first_in" else None,
         "letters": [
             {
                 "letter": letter,
-                "number": order_label(state, node),
+                "number": letter_label(theatre, node),
                 "place": state.trace.arcs.points[node % n].tolist(),
             }
             for letter, node in zip(LETTERS, lettered(theatre).tolist(), strict=False)

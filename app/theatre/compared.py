@@ -7,11 +7,13 @@ import numpy as np
 from abi.arrays import IntArray, read_only
 from abi.search.replay import SearchState
 from abi.search.trace import NO_NODES
-from app.theatre.theatre import Theatre, priorities
+from app.theatre.theatre import Theatre, formula, labels, order_label, priorities
 
 LETTERS = "ABCDE"
 """Names of the nodes that are compared."""
 _MOST_EQUAL = 2
+_TOLD_APART = 0.004
+"""Difference of two sums g + h that is seen although g and h are rounded as they are told."""
 _MIX = np.uint64(2654435761)
 
 
@@ -23,6 +25,24 @@ def lettered(theatre: Theatre) -> IntArray:
     if not theatre.asking or theatre.voted:
         return NO_NODES
     return compared(theatre.state)
+
+
+def asks_for_sums(theatre: Theatre) -> bool:
+    """Whether who is asked adds g and h, which are told, for f, which is not.
+
+    Where f is one of them, or weighs them, it is told: then there is nothing to learn from adding.
+    """
+    best_first = theatre.state.trace.queue == "best_first"
+    return best_first and formula(theatre.state) == "g + h" and len(lettered(theatre)) > 1
+
+
+def letter_label(theatre: Theatre, node: int) -> str:
+    """What is told at the letter of a node: what orders it, or the sum that is to be added."""
+    state = theatre.state
+    if not asks_for_sums(theatre):
+        return order_label(state, node)
+    g, h, _ = labels(state, node)
+    return f"{g} + {h}"
 
 
 def compared(state: SearchState) -> IntArray:
@@ -38,7 +58,8 @@ def compared(state: SearchState) -> IntArray:
     nodes, order = state.open[turn], priorities(state)[turn]
     tied = np.isin(nodes, state.candidates())
     first = [state.following, *nodes[tied & (nodes != state.following)].tolist()]
-    others, order = nodes[~tied], order[~tied]
+    # of sums that a reader cannot tell apart one is right and the other is not
+    others, order = (part[~tied & (order > order.min() + _TOLD_APART)] for part in (nodes, order))
     if len(others) > most:
         least = np.argpartition(order, most)[:most]
         others, order = others[least], order[least]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
-from app.theatre.compared import LETTERS, lettered
+from app.theatre.compared import LETTERS, asks_for_sums, lettered
 from app.theatre.theatre import Theatre, formula, labels, order_label, priorities, where
 from app.ui import style
 from app.ui.numbers import format_count, format_length
@@ -45,7 +45,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     letters = list(zip(LETTERS, lettered(theatre).tolist(), strict=False))
     named += [(f"<b>{letter}</b>", node, "") for letter, node in letters]
     rows = [
-        (_at(state, node, f"{name} {where(state, node)}{side}"), *_numbers(state, node))
+        (_at(state, node, f"{name} {where(state, node)}{side}"), *_numbers(theatre, node))
         for name, node, side in named
         if node >= 0
     ]
@@ -58,7 +58,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
             (f"node at [{scene.unit}]", f"g so far [{cost}]", f"h to go [{cost}]", last), rows
         )
     if theatre.asking and not state.done:
-        text += style.paragraph(f"{question(theatre)} {_rule(state)}")
+        text += style.paragraph(f"{question(theatre)} {_rule(theatre)}")
     if theatre.answer.text:
         text += style.paragraph(theatre.answer.text)
     return text
@@ -72,20 +72,25 @@ def question(theatre: Theatre) -> str:
     return f"{asked} Compare {letters[0]} to {letters[-1]}, and click or tap one of them."
 
 
-def _rule(state: SearchState) -> str:
+def _rule(theatre: Theatre) -> str:
     """Which of those that wait is next, in words."""
+    state = theatre.state
     if state.trace.queue == "rounds":
         return "In a round all are."
     if state.trace.queue == "first_in":
         return (
             "It is the one that waits longest, with the least number in line: first in, first out."
         )
-    return f"It has the least {_ordering(state)} of all that wait; where several tie, any is right."
+    rule = f"It has the least {_ordering(state)} of all that wait; where several tie, any is right."
+    return f"{rule} Add g and h at each letter." if asks_for_sums(theatre) else rule
 
 
-def _numbers(state: SearchState, node: int) -> tuple[str, str, str]:
-    """g, h, and what orders those that wait, as text."""
+def _numbers(theatre: Theatre, node: int) -> tuple[str, str, str]:
+    """g, h, and what orders those that wait, as text, unless it is asked."""
+    state = theatre.state
     g, h, f = labels(state, node)
+    if asks_for_sums(theatre) and node in state.open and node != theatre.answer.node:
+        return g, h, "?"
     return g, h, f if state.trace.queue != "first_in" else order_label(state, node)
 
 

@@ -7,9 +7,9 @@ from abi import load_scene, plan
 from abi.planner.comparison import search_problem
 from abi.search.compare import COMPARED
 from abi.search.replay import replay
-from app.theatre.compared import LETTERS, compared, lettered
+from app.theatre.compared import LETTERS, asks_for_sums, compared, letter_label, lettered
 from app.theatre.text import describe, question
-from app.theatre.theatre import Theatre, priorities, where
+from app.theatre.theatre import Theatre, order_label, priorities, where
 
 PLAN = plan(load_scene("drag-a-box"))
 
@@ -48,3 +48,19 @@ def test_who_is_asked_reads_letters_and_their_numbers_and_a_vote_reads_none() ->
     voted = Theatre("a_star", state, asking=True, voted=True)
     assert not len(lettered(voted))
     assert "Compare" not in question(voted)
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_the_numbers_at_the_letters_are_added_and_tell_which_is_next(name: str) -> None:
+    trace = COMPARED[name].find(search_problem(PLAN))
+    for step in range(0, trace.steps, 3):
+        asked = Theatre(name, replay(trace, step), asking=True)
+        nodes, told = lettered(asked).tolist(), describe(asked, PLAN.scene).count("<td>?</td>")
+        if not asks_for_sums(asked):
+            assert not told
+            assert all(letter_label(asked, k) == order_label(asked.state, k) for k in nodes)
+            continue
+        assert told == len(nodes) > 1
+        numbers = [[float(x) for x in letter_label(asked, k).split(" + ")] for k in nodes]
+        sums = [round(g + h, 3) for g, h in numbers]
+        assert asked.state.may_follow(nodes[sums.index(min(sums))])
