@@ -15,6 +15,7 @@ from app.drawing.lines import add_line, parameters, points_at, segments
 from app.shared.once_a_plan import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
+from app.ui.arm_size import oversize
 from app.ui.layout import Layout
 from app.ui.numbers import distance_to_show, format_lower_bound
 
@@ -86,12 +87,16 @@ class NamesLayer(Layer):
         for label in (*self._labels.values(), self._distance):
             label.font_screen_scale = frame.label_scale
         named = {"path", *_CURVES} if _CURVES & frame.shown else set(self._labels)
+        # beside an arm that is far too large for it, all of the scene is as small as one name
+        large = bool(oversize(plan.scene))
+        if large:
+            named = set()
         if 0 < self._camera.image_width < _NARROW and plan.followed in frame.shown:
             named = {plan.followed}
         for name, label in self._labels.items():
             shown = name in named and _switch(plan, name) in frame.shown
             label.visible = on and shown and name in self._places
-        measured = on and self._measured and plan.followed in frame.shown
+        measured = on and self._measured and plan.followed in frame.shown and not large
         self._line.visible = self._distance.visible = measured
 
     def _draw(self, plan: Plan, interactive: bool, view: _View) -> None:

@@ -24,6 +24,7 @@ from app.panels.widgets import Wake, hidden_button, pressed
 from app.shared.puzzles import is_puzzle
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
+from app.state.plan_before import PlanBefore
 from app.theatre.text import question
 from app.ui import style
 from app.ui.arm_size import scene_size_note
@@ -63,6 +64,7 @@ class Messages:
         self.legs = LegsCard(gui, wake)
         self._reason: Reason | None = None
         self._tool_alone: Scene | None = None
+        self._before = PlanBefore()
         self._drawn: tuple[object, ...] = ()
 
     def draw(self, frame: Frame) -> None:
@@ -80,6 +82,7 @@ class Messages:
             frame.stage,
         )
         self.legs.see(frame)
+        before = self._before.follow(frame)
         state = *shown, *preview, *told, *self._base.state(frame), *self.legs.state()
         if state == self._drawn:
             return
@@ -102,7 +105,7 @@ class Messages:
             content = f'<div class="abi-card">{SHOWN_STAGES[frame.stage].sentence}</div>'
             contact = self.banner.html(frame.plan) if _ARM in frame.shown else ""
         else:
-            progress = f"{_progress(frame, still)} {self._remark(frame)}".strip()
+            progress = f"{_progress(frame, still)} {self._remark(frame, before)}".strip()
             content = f'<div class="abi-card">{progress}</div>' if progress else ""
             if not frame.lesson or (_ARM in frame.shown and not frame.asks):
                 contact = self.banner.html(frame.plan)
@@ -130,10 +133,17 @@ class Messages:
         asked = pressed(self.point_out)
         return self._reason.obstacle if asked and self._reason is not None else None
 
-    def _remark(self, frame: Frame) -> str:
-        """What is planned for the tool alone: said of the first such scene, until it changes."""
+    def _remark(self, frame: Frame, before: Plan | None) -> str:
+        """What may surprise: a longer path on a finer grid, or that the tool alone is planned.
+
+        The latter is said of the first such scene, until it changes.
+        """
         scene = frame.plan.scene
-        if scene.arm.avoid or frame.lesson or frame.theatre is not None or is_puzzle(scene):
+        if frame.lesson or frame.theatre is not None or is_puzzle(scene):
+            return ""
+        if before is not None and (longer := _longer_on_finer(before, frame.plan)):
+            return longer
+        if scene.arm.avoid:
             return ""
         self._tool_alone = self._tool_alone or scene
         return _TOOL_ALONE if scene is self._tool_alone else ""
@@ -199,6 +209,24 @@ def _progress(frame: Frame, still: bool = False) -> str:
     if frame.demonstrates:
         invitation = f"Demo: touch anything to take over. {invitation}"
     return f"<b>{invitation}</b> {did}"
+
+
+def _longer_on_finer(before: Plan, plan: Plan) -> str:
+    """Why a plan's path is longer than the one before, though its grid is finer; else empty."""
+    old, new, unit = before.path, plan.path, plan.scene.unit
+    if old is None or new is None or plan.scene.mesh.pitch >= before.scene.mesh.pitch:
+        return ""
+    same = before.scene.model_copy(update={"mesh": plan.scene.mesh}) == plan.scene
+    if not same or format_length(new.length) == format_length(old.length):
+        return ""
+    if new.length < old.length:
+        return ""
+    length = _whole(f"{format_length(new.length)} {unit}")
+    return (
+        f"The path along the edges is {length}, on the coarser grid it was "
+        f"{format_length(old.length)}: a path turns at nodes only, and those of a finer grid lie "
+        "elsewhere."
+    )
 
 
 def _replan_ms(plan: Plan) -> float:

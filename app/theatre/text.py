@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
@@ -23,13 +25,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     """
     state = theatre.state
     trace, n = state.trace, len(state.trace.arcs.points)
-    what = "round" if trace.queue == "rounds" else "step"
-    text = (
-        f"<b>{COMPARED[theatre.name].label}</b>, {what} {format_count(state.step)} of "
-        f"{format_count(trace.steps)}: "
-        f"{format_count(len(state.closed))} visited, {format_count(len(state.open))} waiting, "
-        f"{format_count(state.examined)} edges tried."
-    )
+    text = f"<b>{COMPARED[theatre.name].label}</b>, {_counts(state)}"
     if state.done:
         text += f" {_end(state, scene.unit)}"
     elif tied := _ties(theatre):
@@ -62,6 +58,21 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     if theatre.answer.text:
         text += style.paragraph(theatre.answer.text)
     return text
+
+
+def _counts(state: SearchState) -> str:
+    """The step, and what was visited, waits and was tried until then, as the tables count it."""
+    trace, tried = state.trace, f"{format_count(state.examined)} edges tried."
+    of = f"{format_count(state.step)} of {format_count(trace.steps)}"
+    waiting = format_count(len(state.open))
+    if trace.queue == "rounds":  # each goes over all nodes that are reached
+        reached = format_count(int(np.isfinite(state.cost).sum()))
+        return f"round {of}: {reached} nodes reached, {waiting} of them cheaper by it, {tried}"
+    again = state.step - len(np.unique(trace.order[: state.step]))
+    visited = f"{format_count(state.step)} visited"
+    if again:
+        visited += f", {format_count(again)} of them again"
+    return f"step {of}: {visited}, {waiting} waiting, {tried}"
 
 
 def question(theatre: Theatre) -> str:

@@ -55,11 +55,12 @@ class Layout:
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()
-        names = ("Result", "Search", PLOTS, "Scene", "Layers", LEARN)
+        # who is new finds the lessons beside what is open at first
+        names = ("Result", LEARN, "Search", PLOTS, "Scene", "Layers")
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
-        result, search, plots, scene, layers, learn = tabs
+        result, learn, search, plots, scene, layers = tabs
         overlay = Overlay(client)
         return cls(
             client, unit, folders, result, search, plots, scene, layers, learn, overlay, right

@@ -35,7 +35,8 @@ HINTS = {
     "best possible": "Length of the shortest path that keeps the distance asked for, found apart "
     "from the mesh.",
     "gap": "By how much the path costs more than the cheapest in the mesh.",
-    "visited": "Nodes from which the search went on to their neighbours.",
+    "visited": "Nodes from which the search went on to their neighbours; one that it visits again "
+    "counts again. Of a search in rounds, how many of these.",
     "g so far": "Cost of the best path to the node that was found so far.",
     "h to go": "Cost of the shortest path from the node to the goal in the mesh without any "
     "obstacle: an estimate of what is left, and never too large.",

@@ -347,11 +347,22 @@ window.abi = {
     if (target.closest?.("[role=tab]")) setTimeout(() => this.tellArea());
   },
 
-  // In a phone's sheet the tabs are below the stages, in one line first: what is chosen of them comes
-  // into sight, and stays there while it unfolds.
+  // A folder that is opened unfolds into sight, from its heading on if it is taller than its panel.
+  folderClicked({target}) {
+    const heading = target.closest?.(".mantine-Paper-root"), folder = heading?.parentElement;
+    if (heading?.style.cursor !== "pointer" || folder.firstElementChild !== heading) return;
+    folder.style.scrollMargin = "14px 0 6px";  // the heading stands on the folder's edge
+    const panel = folder.closest(".mantine-ScrollArea-viewport");
+    const show = () => folder.scrollIntoView({block: folder.offsetHeight + 20 > panel?.clientHeight ? "start" : "nearest"});
+    for (const delay of [250, 500, 1000]) setTimeout(show, delay);
+  },
+
+  // In a phone's sheet the tabs are below the stages, in one line first: what is chosen of them, or a
+  // lesson's page that is turned to, comes into sight, and stays there while it unfolds.
   sheetClicked({target, isTrusted}) {
     this.folded ||= isTrusted && target.closest?.(this.SHEET) !== null;
-    const chosen = target.closest?.("[role=tab]") || target.textContent?.startsWith("Result · ");
+    const turned = /^(Next|Back)/.test(target.closest?.("[role=tabpanel] button")?.textContent);
+    const chosen = target.closest?.("[role=tab], .abi-cards") || turned || target.textContent?.startsWith("Result · ");
     if (innerWidth > this.PHONE || !chosen) return;
     const show = () => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"});
     for (const delay of [300, 600, 1000, 2000]) setTimeout(show, delay);
@@ -531,7 +542,7 @@ window.abiListeners?.abort();
 window.abiListeners = new AbortController();
 for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
-  ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"],
+  ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"], ["click", "folderClicked"],
   ["mouseover", "hintSided"], ["mouseover", "nameHovered"], ["mouseout", "nameHovered"], ["keydown", "keyPressed"],
   ["mousedown", "besideClicked"], ["click", "boxTicked"], ["click", "cardPressed"],
 ]) {

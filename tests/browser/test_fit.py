@@ -27,7 +27,7 @@ _FONTS = {
     "wide": '"DejaVu Sans", Verdana, sans-serif',
     "narrow": '"Liberation Sans Narrow", "DejaVu Sans Condensed", "Arial Narrow", sans-serif',
 }
-_TABS = ("Search", "Plots", "Scene", "Layers", "Learn", "Result")
+_TABS = ("Learn", "Search", "Plots", "Scene", "Layers", "Result")
 # the first is also what is left of 1920x1080 at a zoom of 200 %
 _SMALL_SIZES = ((960, 540), (390, 844))
 _SIZES = (*_SMALL_SIZES, (1280, 720), (1920, 1080))
@@ -207,7 +207,7 @@ def test_everything_can_be_read(page: Page, size: tuple[int, int]) -> None:
             title = page.tab.get_by_text(TITLE, exact=True)
             page.until(lambda: title.bounding_box()["y"] > 780, "the sheet to fold")  # type: ignore[index]
             title.click()
-            page.tab.get_by_text("Result · Search ·").or_(page.tab.get_by_role("tab")).first.click()
+            page.tab.get_by_text("Result · Learn ·").or_(page.tab.get_by_role("tab")).first.click()
         elif size[0] < 1000:
             page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) > 0.85 * size[0], "them to fold")
             page.tab.get_by_text(TITLE, exact=True).click()

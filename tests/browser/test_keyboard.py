@@ -11,7 +11,7 @@ from playwright.sync_api import CDPSession
 from app.tab.session import Session
 from tests.browser.page import Page
 
-_TABS = ("Search", "Plots", "Scene", "Layers", "Learn", "Result")
+_TABS = ("Learn", "Search", "Plots", "Scene", "Layers", "Result")
 _USED = {"button", "checkbox", "combobox", "slider", "spinbutton", "tab", "textbox"}
 """Roles of what a hand uses."""
 _CAMERA = "window.__viserMutable.camera.position.toArray()"

@@ -47,17 +47,22 @@ def test_a_student_walks_through(name: str, student: Page, server: Server) -> No
     for number, step in enumerate(lesson.steps):
         page.reads(f"{number + 1} of {len(lesson.steps)}, ")
         _do(step, page, session)
-        page.click("Finish" if number + 1 == len(lesson.steps) else "Next")
+        if number + 1 < len(lesson.steps):
+            page.click("Next")
+    _end(page)
     page.until(lambda: panel.choice.value == "choose a lesson", "the end of the lesson")
+
+
+def _end(page: Page) -> None:
+    """End a lesson by the button over the scene, which the tab has, too."""
+    over = page.tab.locator("#abi-overlay")
+    over.get_by_role("button", name="End lesson", exact=True).click()
 
 
 def _do(step: Step, page: Page, session: Session) -> None:
     if step.question is not None:
-        assert (
-            page.tab.get_by_role("button", name="Next", exact=True)
-            .or_(page.tab.get_by_role("button", name="Finish", exact=True))
-            .is_disabled()
-        )
+        on = page.tab.get_by_role("button", name="Next", exact=True)
+        assert not on.count() or on.is_disabled()  # the last page has none
         for choice in sorted(step.question.choices, key=lambda choice: choice.right):
             page.click(choice.text)
             page.reads("✓ Right." if choice.right else "✗ No.")

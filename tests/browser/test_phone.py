@@ -107,7 +107,7 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(phone: Page) -> None:
     for corner in ([0.0, 0.0, 0.0], [6.0, 6.0, 6.0], [6.0, 0.0, 6.0], [0.0, 6.0, 0.0]):
         # the camera follows what the server hears of the sheet
         phone.until(lambda: phone.is_free(phone.pixel("/workspace", corner)), f"{corner}")  # noqa: B023
-    phone.tab.get_by_text("Result · Search ·").click()
+    phone.tab.get_by_text("Result · Learn ·").click()
     phone.until(lambda: _in_sight(phone), "the tabs")
     for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
         phone.click(name)

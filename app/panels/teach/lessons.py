@@ -216,6 +216,11 @@ class LessonPanel:
         nothing_to_do = step is not None and step.question is None and step.task is None
         return nothing_to_do or (self._name, self._number) in self._passed
 
+    @property
+    def _is_last(self) -> bool:
+        """Whether the page is the lesson's last."""
+        return self._number + 1 == len(self._lessons[self._name][0].steps)
+
     def _parse(self, text: str) -> tuple[str, int] | None:
         """Take what a kept text says was passed; lesson and page where it stands, or None."""
         try:
@@ -291,17 +296,15 @@ class LessonPanel:
             return
         if press == "back" and self._number > 0:
             self._go(self._name, self._number - 1)
-        elif press == "next" and self._is_passed:
-            last = self._number + 1 == len(self._lessons[self._name][0].steps)
-            if last:
-                self._finished = self._name
-                self.choice.value = _NONE
-            self._go("" if last else self._name, 0 if last else self._number + 1)
+        elif press == "next" and self._is_passed and not self._is_last:
+            self._go(self._name, self._number + 1)
         elif press == "lesson" and self._is_passed and self._following:
             self._finished = self._name
             self._go(self._following, 0)
             self.choice.value = self._title(self._name)
         elif press == "leave":
+            if self._is_passed and self._is_last:
+                self._finished = self._name
             self.choice.value = _NONE
             self._go("", 0)
         elif press == "show" and step.task is not None:
@@ -372,9 +375,8 @@ class LessonPanel:
         self.exercise.show(step.exercises if passed else ())
         self.show_me.visible = task is not None and not self._done
         self.next.disabled = not passed
-        last = self._number + 1 == len(lesson.steps)
-        self.next.label = "Finish" if last else "Next"
-        if last and self._following:
+        self.next.visible = not self._is_last
+        if self._is_last and self._following:
             self.next_lesson.visible = True
             self.next_lesson.disabled = not passed
             self.next_lesson.label = f"Next lesson: {self._title(self._following)}"

@@ -68,10 +68,15 @@ def test_a_sum_is_what_the_search_makes_least() -> None:
 def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
     state = state_of(name, 5)
     text = describe(Theatre(name, state), PLAN.scene)
-    assert f"{len(state.open)} waiting" in text
+    rounds = state.trace.queue == "rounds"
+    assert f"{len(state.open)} {'of them cheaper' if rounds else 'waiting'}" in text
     assert COMPARED[name].label in text
     end = replay(state.trace, state.trace.steps)
-    assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), PLAN.scene)
+    ended = describe(Theatre(name, end), PLAN.scene)
+    assert f"{end.trace.length:.3f} cm" in ended
+    # as the table of all searches counts
+    assert f"{end.trace.steps} of {end.trace.steps}: " in ended
+    assert rounds or f": {end.trace.steps} visited" in ended
     assert "next" not in legend(Theatre(name, end))
     shares = order_colours(end, end.closed)
     assert 0 <= shares.min() <= shares.max() <= 1
