@@ -6,6 +6,7 @@
 #   make test                                every check and every test, the browser's too
 #   make check                               the same without the browser
 #   make quick ARGS=tests/abi/test_kernels.py    some tests at once; without ARGS, most of them
+#   make thorough                            make test with more examples and all scenes, as once a night
 #   make coverage                            the lines that make check's tests leave out
 #   make test-wheel                          build the wheel, install it elsewhere, plan with it
 #   make test-lowest                         the fast tests with the oldest dependencies allowed
@@ -34,7 +35,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run install test check quick coverage test-wheel test-lowest test-newest kernels modules lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
+.PHONY: run install test check thorough quick coverage test-wheel test-lowest test-newest kernels modules lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -66,6 +67,13 @@ test: $(DEV)
 check: $(DEV)
 	$(READY)
 	$(PYTEST) -m "not browser" $(ARGS)
+
+# without CI, hypothesis tries others each time
+thorough: $(DEV)
+	$(READY)
+	tools/chromium
+	tools/nginx
+	env -u CI ABI_THOROUGH=1 $(PYTEST) $(ARGS)
 
 # one file is done before the workers have started
 quick: $(DEV)

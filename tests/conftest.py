@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, settings
 
 import abi
 from app.process.scratch import ScratchFolder, remove_abandoned
+from tests.thorough import EXAMPLES
 
 _EXAMPLES = Path(__file__).parent / "examples"
 _GIVES_WAY = pytest.StashKey[bool]()
@@ -18,7 +19,9 @@ _GIVES_WAY = pytest.StashKey[bool]()
 # How long an example takes says more of the machine than of the code. What stays on is the check
 # that most examples are not filtered out: a property that assumes what it is about must meet it.
 _OFF = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.large_base_example]
-settings.register_profile("any machine", settings(), deadline=None, suppress_health_check=_OFF)
+settings.register_profile(
+    "any machine", settings(), deadline=None, suppress_health_check=_OFF, max_examples=EXAMPLES
+)
 settings.load_profile("any machine")
 
 
