@@ -15,6 +15,7 @@ from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
 from abi.errors import MotionError
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
+from abi.robot.bodies.always_touching import always_touch
 from abi.robot.bodies.chain_capsules import lever, meeting
 from abi.robot.bodies.floor_contacts import FloorPiece, on_floor
 from abi.robot.bodies.link_bodies import Fit, link_bodies
@@ -125,7 +126,7 @@ class RobotBodies(ShortRepr):
     def _reason(self, first: str, second: str, pairs: Sequence[tuple[int, int]]) -> Reason | None:
         """Reason why two links may touch; None if they must not.
 
-        ``always`` means that they overlap in nearly all random poses.
+        ``always`` means that they touch in all of some random poses, their bodies in nearly all.
         """
         chain, (one, other) = self.chain, pairs[0]
         frames = self.bodies[one].frame, self.bodies[other].frame
@@ -138,7 +139,8 @@ class RobotBodies(ShortRepr):
         few = flat(np.array(pairs, dtype=float)).astype(np.int32)
         hulls = _hulls(self.bodies, self.metres)._replace(pairs=read_only(few))
         touching = hulls_touch(chain.table, hulls, flat(poses), len(low))
-        return "always" if touching >= _ALWAYS * _SAMPLES else None
+        overlap = touching >= _ALWAYS * _SAMPLES
+        return "always" if overlap and always_touch(chain, first, second) else None
 
 
 @lru_cache(maxsize=32)

@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from abi.arrays import IntArray, read_only
+from abi.robot.bodies.always_touching import always_touch
 from abi.robot.bodies.chain_capsules import ChainCapsule
 from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.bodies.sampled_bodies import SampledBodies
@@ -35,9 +36,9 @@ class AllowedContact(NamedTuple):
         other: name of another link, ``floor``, number of an obstacle from 0, or ``obstacles`` for
             all of them.
         reason: ``adjacent``: no joint moves one beside the other, or one joint does and joins them;
-            ``always``: their bodies overlap in every random pose; ``srdf``: the robot's SRDF says
-            so; ``mount``: the link stands still on it; ``asked``: the scene's ``arm.allowed`` says
-            so; ``grasp``: it holds the object, or is fixed to what does.
+            ``always``: they, not just their bodies, overlap in every random pose; ``srdf``: the
+            robot's SRDF says so; ``mount``: the link stands still on it; ``asked``: the scene's
+            ``arm.allowed`` says so; ``grasp``: it holds the object, or is fixed to what does.
     """
 
     link: str
@@ -74,7 +75,11 @@ def link_pairs(
     for first, second in itertools.combinations(numbers, 2):
         pairs = [*itertools.product(numbers[first], numbers[second])]
         reason = _known_reason(chain, robot, asked, capsules[pairs[0][0]], capsules[pairs[0][1]])
-        if reason is None and _always_overlap(sampled, pairs):
+        if (
+            reason is None
+            and _always_overlap(sampled, pairs)
+            and always_touch(chain, first, second)
+        ):
             reason = "always"
         if reason is None:
             apart += pairs

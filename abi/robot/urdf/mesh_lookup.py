@@ -20,6 +20,7 @@ from abi.robot.urdf.mesh_places import (
     packages,
     places,
 )
+from abi.robot.urdf.urdf_joints import some_of
 
 MAX_TRIANGLES = 500_000
 """Most triangles of all shapes of a robot; a shape used twice counts twice."""
@@ -49,7 +50,8 @@ class MeshLookup:
         self._names = {file.removesuffix(_PLAIN): file for file in files} | own
         self._triangles = 0
         kept = files.get(_NOTES, b"").decode(errors="replace").splitlines()[:_MOST_NOTES]
-        self._left_out = {line[:200]: None for line in kept}
+        self._kept = tuple(dict.fromkeys(line[:200] for line in kept))
+        self._told: dict[str, dict[str, None]] = {}
 
     def __call__(self, name: str) -> Parts:
         """Vertices, faces and colours of the mesh that a URDF calls ``name``.
@@ -76,8 +78,8 @@ class MeshLookup:
                 plain[path] = self._files[path]
             else:
                 plain[path + _PLAIN] = stl.write(*self._read[path])
-        if self._left_out:
-            plain[_NOTES] = "\n".join(self._left_out).encode()
+        if told := self._notes_on_files:
+            plain[_NOTES] = "\n".join(told).encode()
         return plain
 
     def path(self, name: str) -> str:
@@ -103,7 +105,13 @@ class MeshLookup:
             for (package, found), n in counts.items()
         )
         single = (f"Taken for {k}: {file}." for k, file in self._guessed.items() if not folders[k])
-        return (*others, *single, *self._left_out)
+        return (*others, *single, *self._notes_on_files)
+
+    @property
+    def _notes_on_files(self) -> tuple[str, ...]:
+        """What was kept of them, and each sentence once, behind the files that it is about."""
+        told = (f"{some_of([*names])}: {note}" for note, names in self._told.items())
+        return tuple(dict.fromkeys((*self._kept, *told)))
 
     def _mesh(self, content: bytes, name: str) -> Parts:
         """A mesh in its file's axes and in metres, the default unit."""
@@ -115,12 +123,16 @@ class MeshLookup:
             file = mesh_reader.read_file(content, name)
         except SceneError as error:
             raise SceneError("arm.urdf mesh", error.value, error.expected) from None
-        self._left_out |= {f"{name}: {note}": None for note in file.notes[:_MOST_NOTES]}
+        notes = [*file.notes[:_MOST_NOTES]]
+        if file.metres not in (None, 1.0):
+            notes.append(f"Its unit of {file.metres:g} m counts.")
+        if file.up != "z":
+            notes.append(f"Its {file.up} axis points up, and it is not turned.")
         if file.metres is None and file.commented not in (None, 1.0):
-            note = (
-                f"Its comment names a unit of {file.commented:g} m; of an arm it counts in metres."
-            )
-            self._left_out[f"{name}: {note}"] = None
+            unit = f"{file.commented:g} m"
+            notes.append(f"Its comment names a unit of {unit}; of an arm it counts in metres.")
+        for note in notes:
+            self._told.setdefault(note, {})[name] = None
         return file.parts._replace(vertices=file.parts.vertices * (file.metres or 1.0))
 
     def _alike(self, name: str) -> str:

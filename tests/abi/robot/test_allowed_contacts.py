@@ -8,12 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arm_planning.world.chain_distances import obstacle_distances
 from abi.arm_planning.world.collision_world import chain_world
 from abi.arm_planning.world.mount import mounts
+from abi.certification.convex_bodies import robot_bodies
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -226,6 +228,30 @@ def test_a_link_without_a_shape_makes_no_neighbours_of_what_it_carries() -> None
     kept = {frozenset((links[i], links[j])) for i, j in arm.pairs.tolist()}
     assert frozenset(("post", "carriage")) in kept
     assert not any({one.link, one.other} == {"post", "carriage"} for one in arm.allowed)
+
+
+@pytest.mark.parametrize(("radius", "always"), [(0.2, False), (0.01, True)])
+def test_links_whose_bodies_overlap_always_may_touch_only_if_they_do(
+    radius: float, always: bool
+) -> None:
+    """A pin in a tube, whose convex pieces fill it; in a narrow one they touch indeed."""
+    tube = trimesh.creation.annulus(radius, 0.25, 0.2)
+    slide = '<limit lower="-0.17" upper="0.17" velocity="1" effort="9"/>'
+    text = urdf(
+        link("tube").replace('box size="0.1 0.1 0.3"', 'mesh filename="tube.stl"'),
+        '<link name="m"/>',
+        link("pin").replace("0.1 0.1 0.3", "0.04 0.04 0.2"),
+        joint("x", "tube", "m", "prismatic", "1 0 0", slide).replace("0 0 0.4", "0 0 0"),
+        joint("y", "m", "pin", "prismatic", "0 1 0", slide).replace("0 0 0.4", "0 0 0"),
+    ).replace('rpy="0.3 0.2 0.1"', "")
+    files: dict[str, str | bytes] = {"a.urdf": text, "tube.stl": tube.export(file_type="stl")}
+    robot = robot_from_archive(packed(files))
+    arm = urdf_arm(robot, "pin", (0.0, 0.0, 0.0))
+    reasons = [one.reason for one in arm.allowed if {one.link, one.other} == {"tube", "pin"}]
+    assert reasons == (["always"] if always else [])
+    chain = Chain.moved_by(robot, ("x", "y"))
+    reasons = [one.reason for one in robot_bodies(chain, 1.0).pairs[1]]
+    assert reasons == (["always"] if always else [])
 
 
 PLATE = (
