@@ -32,11 +32,12 @@ ENTITY = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/pass
 
 
 def dae(radius: float, unit: float = 1.0) -> bytes:
-    """A ball of 320 triangles, in a DAE of that unit."""
+    """A ball of 320 triangles, in a DAE of that unit whose z axis points up."""
     ball = trimesh.creation.icosphere(subdivisions=2, radius=radius / unit)
     content = ball.export(file_type="dae")
     assert isinstance(content, bytes)
-    return content.replace(b"<asset>", f'<asset><unit name="u" meter="{unit}"/>'.encode(), 1)
+    told = f'<asset><unit name="u" meter="{unit}"/>'.encode()
+    return content.replace(b"<asset>", told, 1).replace(b"Y_UP", b"Z_UP")
 
 
 def looking(*names: str, text: str | None = None) -> str:
@@ -66,7 +67,8 @@ def test_a_link_is_drawn_with_its_visual(radius: float, unit: float) -> None:
         link = robot.links["a"]
         drawn = corners(link.drawn)
 
-        assert robot.notes == ()
+        told = () if unit == 1 else (f"a.dae: Its unit of {unit} m counts.",)
+        assert robot.notes == told
         assert [shape.kind for shape in link.shapes] == ["box"]
         assert [len(shape.faces) for shape in link.drawn] == [320]
         middle = (drawn.min(axis=0) + drawn.max(axis=0)) / 2
@@ -169,6 +171,16 @@ def test_what_of_a_mesh_is_left_out_is_noted_once() -> None:
     several = dae(0.1).replace(b"</visual_scene>", scene)
     for robot in read({"a.urdf": looking("a.dae", "a.dae"), "a.dae": several}):
         assert robot.notes == ("a.dae: 1 scene is left out: the file opens with another.",)
+
+
+def test_an_axis_that_points_up_is_noted_once_for_all_files() -> None:
+    sideways = dae(0.1).replace(b"Z_UP", b"Y_UP")
+    names = "abcdef"
+    files: dict[str, str | bytes] = {f"{one}.dae": sideways for one in names}
+    for robot in read({"a.urdf": looking(*files), **files}):
+        first = ", ".join(f"{one}.dae" for one in names[:4])
+        told = f"{first} and 2 more: Its y axis points up, and it is not turned."
+        assert robot.notes == (told,)
 
 
 @pytest.mark.parametrize("name", ["../a.dae", "/etc/passwd", "http://127.0.0.1/a.dae"])
