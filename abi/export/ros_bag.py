@@ -53,7 +53,7 @@ def _messages(plan: Plan) -> Iterator[RecordedMessage]:
         "/joint_trajectory",
         "trajectory_msgs/msg/JointTrajectory",
         0.0,
-        trajectory_message(trajectory, root),
+        trajectory_message(plan),
     )
     yield RecordedMessage("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, _transforms(still, 0, 0.0))
     for index, time in enumerate(trajectory.time.tolist()):

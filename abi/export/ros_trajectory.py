@@ -10,9 +10,15 @@ import json
 import math
 from typing import Any
 
-from abi.export.joint_trajectory import JointTrajectory, is_marked, joint_trajectory, motion_state
+from abi.export.between_points import polynomials_are_clear
+from abi.export.joint_trajectory import is_marked, joint_trajectory, motion_state
 from abi.planner.plan import Plan
 from abi.scene.scene_file import yaml_text
+
+_STRAIGHT = (
+    "That holds for straight ways of the joints between the points: they have no velocities, with "
+    "which a controller would go another way."
+)
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -24,18 +30,29 @@ def write(plan: Plan, name: str) -> bytes:
     Raises:
         ExportError: there is no motion that the arm can execute.
     """
-    trajectory = joint_trajectory(plan)
-    assert plan.arm is not None
-    message = trajectory_message(trajectory, plan.arm.root)
+    message = trajectory_message(plan)
+    state = motion_state(plan)
+    if not message["points"][0]["velocities"]:
+        state += f" {_STRAIGHT}"
     if name.lower().endswith(".json"):
         if is_marked(plan):
             message = {"state": motion_state(plan), **message}
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
-    return f"# {motion_state(plan)}\n{yaml_text(message, width=4096)}".encode()
+    return f"# {state}\n{yaml_text(message, width=4096)}".encode()
 
 
-def trajectory_message(trajectory: JointTrajectory, frame: str) -> dict[str, Any]:
-    """The message's fields; ``frame`` is the name of the arm's root."""
+def trajectory_message(plan: Plan) -> dict[str, Any]:
+    """The message's fields.
+
+    Its points have no velocities and accelerations where the polynomials that a controller makes of
+    them are not proven clear, but the straight way of the joints between the points is.
+
+    Raises:
+        ExportError: there is no motion that the arm can execute.
+    """
+    trajectory = joint_trajectory(plan)
+    assert plan.arm is not None
+    is_straight = not is_marked(plan) and not polynomials_are_clear(plan)
     rows = zip(
         trajectory.positions.tolist(),
         trajectory.velocities.tolist(),
@@ -44,13 +61,13 @@ def trajectory_message(trajectory: JointTrajectory, frame: str) -> dict[str, Any
         strict=True,
     )
     return {
-        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": frame},
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": plan.arm.root},
         "joint_names": list(trajectory.names),
         "points": [
             {
                 "positions": positions,
-                "velocities": velocities,
-                "accelerations": accelerations,
+                "velocities": [] if is_straight else velocities,
+                "accelerations": [] if is_straight else accelerations,
                 "effort": [],
                 "time_from_start": duration(time),
             }

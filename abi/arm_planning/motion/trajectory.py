@@ -182,7 +182,12 @@ class ArmMotion(ShortRepr):
 
     @cached_property
     def joint_velocities(self) -> FloatArray:
-        """Velocities of the joints, (m, n), [rad/s] or [unit/s], by differences; 0 at both ends."""
+        """Velocities of the joints, (m, n), [rad/s] or [unit/s].
+
+        Where they are not known better, by differences, and 0 at both ends.
+        """
+        if self.rates is not None:
+            return self.rates[0]
         if not self.time[-1] > 0:
             return read_only(np.zeros_like(self.positions))
         velocities = np.gradient(self.positions, self.time, axis=0, edge_order=2)
@@ -191,7 +196,12 @@ class ArmMotion(ShortRepr):
 
     @cached_property
     def joint_accelerations(self) -> FloatArray:
-        """Accelerations of the joints, (m, n), [rad/s²] or [unit/s²], by differences."""
+        """Accelerations of the joints, (m, n), [rad/s²] or [unit/s²].
+
+        Where they are not known better, by differences.
+        """
+        if self.rates is not None:
+            return self.rates[1]
         if not self.time[-1] > 0:
             return read_only(np.zeros_like(self.positions))
         velocities = np.gradient(self.positions, self.time, axis=0, edge_order=2)

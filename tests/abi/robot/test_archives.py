@@ -135,7 +135,9 @@ def test_a_link_called_as_a_part_of_the_world_is_renamed_wherever_it_is_named() 
     files: Files = {"r.urdf": text, "r.srdf": f'<robot name="r">{pairs}</robot>'}
     plain = from_zip(files)
     for name in ("floor", "obstacles"):
-        named = {path: re.sub(r'"a"', f'"{name}"', str(content)) for path, content in files.items()}
+        named: Files = {
+            path: re.sub(r'"a"', f'"{name}"', str(content)) for path, content in files.items()
+        }
         robot = from_zip(named)
         assert (
             robot.notes[0] == f"Link {name} is called {name}_link here, for {name} is the world's."

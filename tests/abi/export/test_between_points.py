@@ -1,0 +1,80 @@
+"""What a controller makes of an exported motion between its points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy
+
+import abi
+from abi.certification.certify_motion import certify_motion
+from abi.certification.read_motion import own_joints, read_motion
+from abi.export import between_points, ros_trajectory
+from abi.planner.plan import Plan
+
+GANTRY = """<robot name="gantry"><link name="base"/><link name="lx"/>
+<link name="tool"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<joint name="jx" type="prismatic"><parent link="base"/><child link="lx"/><axis xyz="1 0 0"/>
+<limit lower="-1" upper="3" velocity="100" effort="1"/></joint>
+<joint name="jz" type="prismatic"><parent link="lx"/><child link="tool"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="9" velocity="100" effort="1"/></joint></robot>"""
+WALL = {"shape": "box", "size": [0.02, 2.0, 8.8], "position": [1.08, 0.0, 4.4]}
+
+
+def planned(folder: Path, samples: int) -> Plan:
+    """A gantry that goes to a wall, and up along it as closely as the clearance lets it."""
+    (folder / "gantry.urdf").write_text(GANTRY, encoding="utf-8")
+    scene = abi.Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": [-1, -1, 0], "max": [3, 1, 9]},
+            "start": {"joints": [0.0, 0.2]},
+            "obstacles": [WALL],
+            "tasks": [{"goal": {"joints": [1.0, 0.2]}}, {"goal": {"joints": [1.0, 8.5]}}],
+            "motion": {"samples": samples, "speed": 100, "acceleration": 50, "deceleration": 0.5},
+            "spline": {"clearance": 0},
+            "arm": {"model": "urdf", "urdf": "gantry.urdf", "base": [0, 0, 0], "search": "joints"},
+        },
+        folder=folder,
+    )
+    return abi.plan_tasks(scene).joined
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("samples", [3, 101])
+def test_a_message_that_says_clear_is_clear_as_controllers_read_it(
+    tmp_path: Path, samples: int
+) -> None:
+    plan = planned(tmp_path, samples)
+    for name in ("a.ros.json", "a.ros.yaml"):
+        text = ros_trajectory.write(plan, name)
+        motion = read_motion(name, text, own_joints(plan.scene.arm.robot))
+        assert motion.interpolation == ("linear" if samples == 3 else "quintic")
+        assert certify_motion(motion, plan.scene.replace(tasks=())).state == "clear"
+        assert (b"straight ways" in text) == (samples == 3 and name.endswith("yaml"))
+
+
+def test_the_bound_of_the_departure_holds_for_the_polynomials() -> None:
+    plan = abi.plan(abi.load_scene("kitchen-ur5e"))
+    motion, arm = plan.motion, plan.arm
+    assert motion is not None
+    assert arm is not None
+    few = slice(None, None, 20)
+    coarse = replace(
+        motion,
+        time=motion.time[few],
+        positions=motion.positions[few],
+        rates=(motion.joint_velocities[few], motion.joint_accelerations[few]),
+    )
+    values = np.stack([coarse.positions, coarse.joint_velocities, coarse.joint_accelerations], 1)
+    polynomial = scipy.interpolate.BPoly.from_derivatives(coarse.time, values)
+    times = np.linspace(0.0, float(coarse.time[-1]), 500)
+    straight = scipy.interpolate.make_interp_spline(coarse.time, coarse.positions, 1)
+    away = [arm.chain.poses(positions(times))[..., 3] for positions in (polynomial, straight)]
+    farthest = float(np.linalg.norm(away[0] - away[1], axis=-1).max())
+    bound = between_points._departure(replace(plan, motion=coarse))
+    assert 1e-4 < farthest <= bound < 0.2
