@@ -29,10 +29,13 @@ class RobotState(NamedTuple):
     Attributes:
         joints: positions by name, also of joints that the motion does not move, [rad] or [m].
         objects: names of the objects that it holds.
+        base: where its root stands in the world, x, y, z [m], and its quaternion x, y, z, w; None
+            if that is not said.
     """
 
     joints: Mapping[str, float]
     objects: tuple[str, ...]
+    base: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)

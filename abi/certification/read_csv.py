@@ -19,6 +19,7 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.certification.motion import MOST_WAYPOINTS, Motion
 from abi.errors import MotionError, short
+from abi.obstacles.mesh_files.words import counted
 
 _TIMES = ("time", "t", "time_from_start", "timestamp")
 _ANGLES = {"": 1.0, "rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180}
@@ -49,13 +50,15 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     Raises:
         MotionError: no header, no column of a joint, a double one, or what is no number.
     """
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    filled = [line for line in text.splitlines() if line.strip()]
+    lines = [line for line in filled if not line.startswith("#")]
     if not lines:
         raise MotionError("The file is empty.", "Give a header with the joints' names, then rows.")
     delimiter = max(_DELIMITERS, key=lines[0].count)
     if delimiter != ",":
         lines[1:] = [_DECIMAL_COMMA.sub(r"\1.\2", line) for line in lines[1:]]
     rows = [_cells(number, line, delimiter) for number, line in enumerate(lines[:_MOST_LINES])]
+    _check_widths(rows)
     columns = [_column(k, cell) for k, cell in enumerate(rows[0])]
     time = [one for one in columns if one.name.lower() in _TIMES and one.name not in slides]
     found = [one for one in columns if one.name in slides]
@@ -74,6 +77,9 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
         if one not in found and one not in time[:1]
     ]
     notes = []
+    remarks = sum(line.startswith("#") for line in filled[filled.index(lines[0]) :])
+    if remarks:
+        notes.append(f"{counted(remarks, 'row')} left out, as it begins with #.")
     if left_out:
         notes.append(f"Columns that are no joint were ignored: {', '.join(left_out[:8])}.")
     return Motion(
@@ -83,6 +89,18 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
         timed=bool(time),
         notes=tuple(notes),
     )
+
+
+def _check_widths(rows: list[list[str]]) -> None:
+    """Raise where a row has more cells than the header: whose each is cannot be known."""
+    for row, cells in enumerate(rows[1:], start=1):
+        if any(cell.strip() for cell in cells[len(rows[0]) :]):
+            raise MotionError(
+                f"Row {row} has {len(cells)} cells, and the header {len(rows[0])}.",
+                "Name each column, one of row numbers, too, and write decimal points, or ; between "
+                "numbers with decimal commas.",
+                row=row,
+            )
 
 
 def _cells(row: int, line: str, delimiter: str) -> list[str]:
@@ -116,7 +134,8 @@ def _numbers(rows: list[list[str]], column: _Column, factors: Mapping[str, float
     for row, cells in enumerate(rows[1:], start=1):
         cell = cells[column.place] if column.place < len(cells) else ""
         try:
-            values.append(float(cell))
+            # float() would take 1_0 for 10
+            values.append(float(cell.replace("_", "?")))
         except ValueError:
             raise MotionError(
                 f"In row {row} {column.name} is {short(cell)}, which is no number.",

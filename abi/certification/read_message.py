@@ -80,7 +80,30 @@ def _state(state: object) -> RobotState:
     names, at = ((joints or {}).get(name) or [] for name in ("name", "position"))
     if len(names) != len(at) or not all(map(_is_number, at)):
         raise MotionError("The message's start state has not one position for each joint.")
-    return RobotState(dict(zip(_names(names), map(float, at), strict=True)), tuple(objects))
+    named = dict(zip(_names(names), map(float, at), strict=True))
+    return RobotState(named, tuple(objects), _base(state.get("multi_dof_joint_state")))
+
+
+def _base(joints: object) -> tuple[float, ...] | None:
+    """Where a message says that the robot's root stands; None if it does not."""
+    places = joints.get("transforms") if isinstance(joints, dict) else None
+    if not places:
+        return None
+    place = places[0] if isinstance(places, list) and len(places) == 1 else None
+    parts = (
+        [place.get(name) for name in ("translation", "rotation")] if isinstance(place, dict) else []
+    )
+    numbers = [
+        part.get(axis) if isinstance(part, dict) else None
+        for part, axes in zip(parts, ("xyz", "xyzw"), strict=False)
+        for axis in axes
+    ]
+    if not numbers or not all(map(_is_number, numbers)) or not any(numbers[3:]):
+        raise MotionError(
+            "The message's start state has no single place of the robot's root in the world.",
+            "Give one transform with translation and rotation, or no multi_dof_joint_state.",
+        )
+    return tuple(map(float, numbers))  # type: ignore[arg-type]
 
 
 def _trajectory(message: dict[str, Any]) -> Motion:

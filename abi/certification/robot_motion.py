@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, read_only
@@ -237,7 +238,7 @@ def _check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> No
 
 def _check_state(motion: Motion, chain: Chain, holds: bool) -> None:
     """Raise where a motion's file says otherwise than the scene what stands still, or is held."""
-    joints, objects = motion.start
+    joints, objects, base = motion.start
     for name, at in chain.held.items():
         given = joints.get(name, at)
         if abs(given - at) > _APART:
@@ -247,10 +248,27 @@ def _check_state(motion: Motion, chain: Chain, holds: bool) -> None:
                 f"Hold it there: arm.gripper of the scene, or a column of the motion for {name}.",
                 joint=name,
             )
+    if base is not None:
+        _check_base(np.array(base), chain)
     if objects and not holds:
         raise MotionError(
             f"The file's robot holds {short(objects[0])}, whose shape is not read.",
             "Give it as arm.attached of the scene.",
+        )
+
+
+def _check_base(base: FloatArray, chain: Chain) -> None:
+    """Raise where a motion's file has the robot's root, (7,), elsewhere than the scene."""
+    here = next(one.pose for one in chain.carried if one.link == chain.robot.root)
+    turn = scipy.spatial.transform.Rotation.from_quat(base[3:]).as_matrix()
+    if np.abs(turn - here[:3, :3]).max() > _APART or np.abs(base[:3] - here[:3, 3]).max() > _APART:
+        there, stands = (
+            f"({', '.join(f'{number:.4g}' for number in place)}) m"
+            for place in (base[:3], here[:3, 3])
+        )
+        raise MotionError(
+            f"The file's robot stands at {there}, and here at {stands}, or it is turned otherwise.",
+            "Give its place as arm.base and arm.base_wxyz of the scene.",
         )
 
 

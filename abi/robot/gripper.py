@@ -43,7 +43,7 @@ def gripper_at(field: str, robot: Robot, tip: str, opening: Opening) -> dict[str
     }
     for state in robot.states:
         found = {name: at for name, at in state.positions.items() if name in free}
-        if state.name.lower() in _STATES[opening] and found:
+        if state.name.rpartition("/")[2].lower() in _STATES[opening] and found:
             return found
     behind = _behind(robot, planned)
     joints = [

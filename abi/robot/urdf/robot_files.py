@@ -263,8 +263,13 @@ def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
     if srdf.states:
         names = some_of([one.name for one in srdf.states], 6)
         notes.append(f"Named states of its SRDF: {names}.")
-    read = {name: value for name, value in srdf._asdict().items() if name != "name"}
-    return replace(robot, **read, notes=(*notes,))
+    return replace(
+        robot,
+        may_touch=srdf.may_touch,
+        groups=srdf.groups,
+        states=srdf.states,
+        notes=(*notes, *srdf.notes),
+    )
 
 
 @lru_cache(maxsize=8)

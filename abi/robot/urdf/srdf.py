@@ -6,6 +6,7 @@ The format: http://wiki.ros.org/srdf. What of it the robot does not have is igno
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
@@ -13,6 +14,11 @@ from typing import NamedTuple
 from abi.robot.urdf.link_names import rename_links
 from abi.robot.urdf.robot import NamedState, Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
+from abi.robot.urdf.urdf_joints import some_of
+
+_PAST = 1e-9
+"""Distance by which a state may exceed a limit without a note, [rad] or [m]."""
+_BEYOND = "The limit counts where a state of its SRDF is beyond:"
 
 
 class Srdf(NamedTuple):
@@ -22,13 +28,16 @@ class Srdf(NamedTuple):
         name: of the robot that it is of.
         may_touch: pairs of links that are excluded from collision checks.
         groups: names of the joints that move in each group, by its name.
-        states: positions of a group's joints that have a name.
+        states: positions of a group's joints that have a name; where several groups have one of a
+            name, it is called ``GROUP/NAME``.
+        notes: sentences on positions that are not as the file gives them.
     """
 
     name: str
     may_touch: frozenset[frozenset[str]]
     groups: Mapping[str, tuple[str, ...]]
     states: tuple[NamedState, ...]
+    notes: tuple[str, ...] = ()
 
 
 def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
@@ -49,7 +58,8 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
         if group.text("name"):  # one inside another is a reference to one before
             groups[group.text("name")] = _joints(group, robot, groups)
     touching, states = _may_touch(root, robot), _states(root, robot)
-    return Srdf(root.text("name"), touching, MappingProxyType(groups), states)
+    notes = tuple(f"{note} {some_of(named)}." for note, named in root.told.items())
+    return Srdf(root.text("name"), touching, MappingProxyType(groups), states, notes)
 
 
 def _may_touch(root: XmlElement, robot: Robot) -> frozenset[frozenset[str]]:
@@ -89,6 +99,7 @@ def _joints(
 
 def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
     """Named states, each with positions of existing joints within their limits."""
+    count = Counter(element.text("name") for element in root.all("group_state"))
     limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
     found = []
     for element in root.all("group_state"):
@@ -99,7 +110,10 @@ def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
                 continue
             position, (low, high) = joint.number("value", None, -math.inf, math.inf), limits[name]
             positions[name] = min(max(position, low), high)
-        if element.text("name") and positions:
-            state = element.text("name"), element.text("group"), MappingProxyType(positions)
-            found.append(NamedState(*state))
+            if abs(positions[name] - position) > _PAST:
+                root.told.setdefault(_BEYOND, []).append(f"{name} of {element.text('name')}")
+        title, group = element.text("name"), element.text("group")
+        if title and positions:
+            full = title if count[title] == 1 else f"{group}/{title}"
+            found.append(NamedState(full, group, MappingProxyType(positions)))
     return tuple(found)

@@ -147,6 +147,7 @@ class XmlElement:
             return scipy.spatial.transform.Rotation.from_euler("xyz", self.vector("rpy", _ZERO))
         if self._given("rpy") is not None:
             raise self.refuse("quat_xyzw", text, "either rpy or quat_xyzw")
+        self.tell("quat_xyzw turns, which readers of URDF before version 1.1 ignore:")
         words = _COMMA.sub(" ", text).split()
         numbers = [self._number("quat_xyzw", word, -1e3, 1e3) for word in words]
         if len(numbers) != 4 or math.hypot(*numbers) < _LEAST_QUATERNION:

@@ -169,6 +169,28 @@ def test_polynomials_have_the_derivatives_of_the_waypoints(seed: int, degree: in
             np.testing.assert_allclose(20 * second / spans**2, wanted, atol=1e-9)
 
 
+def standing(x: float, turned: float = 0.0) -> dict[str, Any]:
+    """A robot's state in a message that says where its root stands."""
+    translation, rotation = {"x": x, "y": 0, "z": 0}, {"x": 0, "y": 0, "z": turned, "w": 0.8}
+    place = {"translation": translation, "rotation": rotation}
+    return {"multi_dof_joint_state": {"joint_names": ["world"], "transforms": [place]}}
+
+
+def test_a_message_may_say_where_the_robot_stands_as_the_scene_does() -> None:
+    whole = {"trajectory": [{"joint_trajectory": message()}], "trajectory_start": standing(0.0)}
+    motion = read_motion("a.json", json.dumps(whole).encode(), own_joints(ROBOT))
+    assert robot_motion(motion, SCENE).motion.joints == JOINTS
+
+
+@pytest.mark.parametrize(
+    "row", ["1,0.5,0.1,0.2,0.3,0.4,0.5,0.6", "0,1,5,0,1,0,2,0,3,0,4,0,5", "0,1_0,1,1,1,1,1"]
+)
+def test_a_row_that_does_not_fit_its_header_is_refused(row: str) -> None:
+    head = ",".join(["time", *JOINTS])
+    with pytest.raises(MotionError, match=r"[Rr]ow 2"):
+        read_motion("a.csv", f"{head}\n0,0,0,0,0,0,0,,\n{row}\n".encode(), own_joints(ROBOT))
+
+
 @pytest.mark.parametrize(
     ("changed", "why"),
     [
@@ -181,6 +203,12 @@ def test_polynomials_have_the_derivatives_of_the_waypoints(seed: int, degree: in
             {"trajectory_start": {"joint_state": {"name": [JOINTS[0]], "position": [2.5]}}},
             f"{JOINTS[0]}.* 2.5",
         ),
+        (
+            {"trajectory_start": standing(0.5)},
+            r"stands at \(0.5, 0, 0\) m, and here at \(0, 0, 0\) m",
+        ),
+        ({"trajectory_start": standing(0.0, turned=0.6)}, "turned otherwise"),
+        ({"trajectory_start": {"multi_dof_joint_state": {"transforms": [{}]}}}, "no single place"),
     ],
 )
 def test_what_else_a_message_says_of_the_robot_is_not_passed_over(

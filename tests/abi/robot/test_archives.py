@@ -7,6 +7,7 @@ import json
 import re
 import unicodedata
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -325,6 +326,25 @@ def test_a_mesh_that_is_scaled_to_nothing_is_refused(scale: str) -> None:
         from_zip({"r.urdf": flat, "a.stl": ball(1)})
 
 
+def with_checksum(content: bytes, wanted: int) -> bytes:
+    """Content with bytes 4 to 8 changed so that it has a CRC-32, which is linear in its bits."""
+    head, word, rest = content[:4], content[4:8], content[8:]
+    without = zlib.crc32(content)
+    rows = []
+    for bit in range(32):
+        one = int.from_bytes(word, "little") ^ 1 << bit
+        rows.append((zlib.crc32(head + one.to_bytes(4, "little") + rest) ^ without, 1 << bit))
+    missing, changed = without ^ wanted, 0
+    for _ in range(32):  # Gaussian elimination over the bits
+        pivot = max(rows)
+        rows.remove(pivot)
+        top = pivot[0].bit_length()
+        rows = [(a ^ pivot[0], b ^ pivot[1]) if a.bit_length() == top else (a, b) for a, b in rows]
+        if missing.bit_length() == top:
+            missing, changed = missing ^ pivot[0], changed ^ pivot[1]
+    return head + (int.from_bytes(word, "little") ^ changed).to_bytes(4, "little") + rest
+
+
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 @pytest.mark.parametrize("other", ["m/a.stl", r"m\a.stl", "./m/a.stl"])
 def test_two_files_of_one_name_are_refused_unless_they_are_the_same(other: str) -> None:
@@ -337,5 +357,9 @@ def test_two_files_of_one_name_are_refused_unless_they_are_the_same(other: str) 
         return content.getvalue()
 
     assert triangles(robot_from_archive(packed_twice(ball(1))))
+    forged = with_checksum(ball(1)[:-4] + b"abcd", zlib.crc32(ball(1)))
+    assert zlib.crc32(forged) == zlib.crc32(ball(1))
+    with pytest.raises(SceneError, match=r"two files m/a\.stl"):
+        robot_from_archive(packed_twice(forged))
     with pytest.raises(SceneError, match=r"two files m/a\.stl.*each file is once"):
         robot_from_archive(packed_twice(ball(0)))

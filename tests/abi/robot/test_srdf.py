@@ -46,9 +46,20 @@ def test_states_hold_positions_within_the_limits() -> None:
     (home,) = robot.states
     assert (home.name, home.group, dict(home.positions)) == ("home", "arm", {"p": 0.5, "q": 2.0})
     assert any("home" in note for note in robot.notes)
+    assert "The limit counts where a state of its SRDF is beyond: q of home." in robot.notes
     for copied in (copy.deepcopy(robot), pickle.loads(pickle.dumps(robot))):
         assert copied.states == robot.states
         assert copied.groups == dict(robot.groups)
+
+
+def test_states_of_one_name_are_told_apart_by_their_groups() -> None:
+    robot = with_srdf(
+        '<group_state name="up" group="left"><joint name="p" value="0.5"/></group_state>',
+        '<group_state name="up" group="right"><joint name="p" value="-0.5"/></group_state>',
+        '<group_state name="low" group="left"><joint name="p" value="0"/></group_state>',
+    )
+    found = {one.name: one.positions["p"] for one in robot.states}
+    assert found == {"left/up": 0.5, "right/up": -0.5, "low": 0.0}
 
 
 def test_a_state_that_is_no_number_is_refused() -> None:

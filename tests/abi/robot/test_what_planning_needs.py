@@ -159,6 +159,8 @@ def test_an_origin_is_turned_by_a_quaternion_as_by_its_angles() -> None:
     words = " ".join(repr(float(2 * part)) for part in (*quaternion, a * b * c + u * v * w))
     given = f'quat_xyzw="{words}"'
     plain, turned = read_of(arm()), read_of(arm(('rpy="0.3 0.2 0.1"', given)))
+    (note,) = set(turned.notes) - {*plain.notes}
+    assert note == "quat_xyzw turns, which readers of URDF before version 1.1 ignore: joint p."
 
     states = np.random.default_rng(1).uniform(-1, 1, (9, 3))
     poses = [Chain.of(one, "d").poses(states) for one in (plain, turned)]
