@@ -28,6 +28,9 @@ from abi.verify.verify_motion import verify_motion
 from abi.verify.verify_paper_arm import check_arm
 from abi.verify.verify_tasks import check_tasks
 
+_KINDS = (("verdict", "motion"), ("legs",), ("scene", *CURVES))
+"""Names that tell a verdict on a motion, a plan of tasks, and a plan."""
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -59,16 +62,30 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     Raises:
         SceneError: ``plan`` is no plan; names the field that is wrong.
     """
-    if isinstance(plan, dict) and "verdict" in plan and "motion" in plan:
-        return (_motion_verdict(plan, folder),)
-    if isinstance(plan, dict) and "legs" in plan:
-        return _task_verdicts(plan, folder)
-    if not isinstance(plan, dict) or not all(name in plan for name in ("scene", *CURVES)):
+    if not isinstance(plan, dict):
         raise SceneError("plan", plan, "a plan as abi plan writes it")
+    kinds = [all(name in plan for name in names) for names in _KINDS]
+    if sum(kinds) > 1:
+        raise SceneError(
+            "plan", [*plan], "one of a plan, a plan of tasks, or a verdict on a motion"
+        )
+    if kinds[0]:
+        return (_motion_verdict(plan, folder),)
+    return _task_verdicts(plan, folder) if kinds[1] else _plan_verdicts(plan, folder)
+
+
+def _plan_verdicts(
+    plan: dict[str, Any], folder: Path | MeshSource | None, is_leg: bool = False
+) -> tuple[Verdict, ...]:
+    """Verdicts on the curves of a plan and on its arm, on that alone of the leg of a sequence."""
+    if not all(name in plan for name in ("scene", *CURVES)):
+        raise SceneError("plan", [*plan], "a plan as abi plan writes it")
     if type(version := plan.get("version")) is not int or version != 1:
         raise SceneError("version", version, "1")
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = obstacles_of(plan["scene"], scene)
+    if is_leg:
+        return (_arm_verdict(plan, scene, obstacles),)
     # a motion from the space of the joints follows no curve of the tool
     needs_arm = plan.get("joint_search") is not None
     curves = [c for c in CURVES if plan[c]] if needs_arm else CURVES
@@ -87,8 +104,7 @@ def _task_verdicts(plan: dict[str, Any], folder: Path | MeshSource | None) -> tu
     verdicts = [
         replace(verdict, curve=f"leg {number}, {verdict.curve}")
         for number, leg in enumerate(list_of("legs", plan["legs"]), 1)
-        for verdict in verify(leg, source)
-        if verdict.curve == "arm"
+        for verdict in _plan_verdicts(mapping("legs", leg), source, is_leg=True)
     ]
     try:
         verdicts.append(Verdict("tasks", True, check_tasks(plan, scene, source)))

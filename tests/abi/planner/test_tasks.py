@@ -286,6 +286,18 @@ def test_legs_that_do_not_join_are_found(
     assert not joined(plan).proven
 
 
+@pytest.mark.parametrize("more", [{"verdict": "clear", "motion": {}}, {"legs": []}])
+def test_a_leg_is_checked_as_one_whatever_else_it_says(more: dict[str, Any]) -> None:
+    plan = copy.deepcopy(written())
+    plan["legs"][1].update(more)
+    plan["legs"][1]["arm"]["certificate"]["planes"] = []
+    verdicts = {one.curve: one.proven for one in verify(plan, planned().scene.meshes)}
+    assert not verdicts["leg 2, arm"]
+    assert len(verdicts) == len(plan["legs"]) + 1
+    with pytest.raises(SceneError, match="one of a plan"):
+        verify({**plan["legs"][0], **more}, planned().scene.meshes)
+
+
 def test_a_leg_without_a_motion_ends_the_sequence() -> None:
     scene = planned().scene
     ahead = tool(JOINTS[2])[:3, 3].tolist()
