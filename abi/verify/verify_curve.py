@@ -6,6 +6,7 @@ exactly, and the pieces must cover the whole curve for every obstacle.
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -22,6 +23,9 @@ from abi.verify.tool_path import check_ends
 
 _TOUCH = Fraction(1, 10**9)
 """Depth to which a curve may enter a primitive that is over 4 times as deep, [unit]."""
+
+_GAP = Fraction(1, 10**9)
+"""Largest gap between two pieces, times 1 [unit] and their largest coordinate."""
 
 
 def check_curve(
@@ -42,12 +46,13 @@ def check_curve(
     certificate = mapping(field, section["certificate"])
     planes = planes_of(field, certificate, partial(_obstacle, field, len(obstacles)))
     check_ends(curve, scene)
+    starts = _starts(curve)
     margin = claimed_margin(name, section, required, obstacles, _TOUCH)
     if margin is None:
         return "there is no obstacle"
     if margin < 0 and not all(map(_is_deep, obstacles)):
         raise Fault("its margin is negative")
-    span, starts = (curve[0].start, curve[-1].end), _starts(curve)
+    span = curve[0].start, curve[-1].end
     for k, obstacle in enumerate(obstacles):
         label = f"obstacle {k + 1}"
         check_apart(label, planes.get(k, []), partial(_least, curve), span, obstacle, margin)
@@ -74,13 +79,19 @@ def _least(curve: ExactCurve, plane: CertifiedPlane) -> Fraction:
 
 
 def _starts(curve: ExactCurve) -> list[Vec3]:
-    """Points where the curve starts, and where it goes on after a jump."""
-    starts: list[Vec3] = []
-    before = None
-    for span in curve:
-        if span.bezier[0] != before:
-            starts.append(span.bezier[0])
-        before = span.bezier[-1]
+    """Points where the curve starts, and where it goes on after a gap of rounding.
+
+    Raises:
+        Fault: it jumps farther.
+    """
+    starts = [curve[0].bezier[0]]
+    for before, after in itertools.pairwise(curve):
+        last, first = before.bezier[-1], after.bezier[0]
+        if first != last:
+            starts.append(first)
+        largest = max(abs(number) for point in (last, first) for number in point)
+        if max(abs(a - b) for a, b in zip(last, first, strict=True)) > _GAP * (1 + largest):
+            raise Fault(f"the curve jumps at {float(after.start):g}")
     return starts
 
 

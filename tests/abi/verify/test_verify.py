@@ -372,6 +372,27 @@ def test_without_obstacles_there_is_nothing_to_prove(honest: Data) -> None:
         assert verdict(data).proven == proven
 
 
+@pytest.mark.parametrize("jump", [0.0, 1e-12, 3.0])
+def test_a_curve_that_jumps_is_refused(honest: Data, jump: float) -> None:
+    # two straight ways, one below and one above what is in the middle
+    points = [[0, 0, 0], [0, 0, 0.5], [0, 0, 0.5 + jump], [0, 0, 6]]
+    wall = {"shape": "box", "size": [50, 50, 1], "position": [0, 0, 2], "wxyz": [1, 0, 0, 0]}
+    data = copy.deepcopy(honest)
+    data["scene"] |= {"start": points[0], "goal": points[-1], "obstacles": [wall]}
+    data["scene"]["workspace"] = {"min": [-1, -1, -1], "max": [6, 6, 6]}
+    data["bspline"] |= {"degree": 1, "control_points": points, "knots": [0, 0, 0.5, 0.5, 1, 1]}
+    data["bspline"]["clearance"] = 0.5
+    data["bspline"]["certificate"] = {
+        "margin": 0.5,
+        "planes": [
+            {"t0": 0.0, "t1": 0.5, "obstacle": 0, "direction": [0, 0, -1.0]},
+            {"t0": 0.5, "t1": 1.0, "obstacle": 0, "direction": [0, 0, 1.0]},
+        ],
+    }
+    reason = verdict(data).reason
+    assert ("the curve jumps at 0.5" in reason) == (jump > 1)
+
+
 def test_quaternions_of_any_length_turn_alike(honest: Data) -> None:
     data = copy.deepcopy(honest)
     for obstacle in data["scene"]["obstacles"]:
