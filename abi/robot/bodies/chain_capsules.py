@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -11,6 +11,7 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray, read_only
 from abi.robot.bodies.link_bodies import Fit, link_bodies
+from abi.robot.bodies.telescopes import open_bodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
@@ -39,18 +40,18 @@ class ChainCapsule(NamedTuple):
     rounding: float
 
 
-def capsules_of(chain: Chain, finer: frozenset[str]) -> tuple[ChainCapsule, ...]:
+def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[ChainCapsule, ...]:
     """Capsules of all links, those that stand still first; of a robot without shapes, of lines.
 
     Args:
         chain: the chain.
-        finer: names of links that are to be fitted more closely.
+        fits: of the links, by their names, that are to be fitted more closely.
     """
-    capsules = []
+    capsules, beside = [], open_bodies(chain)
     for carried in chain.carried:
         turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-        fit: Fit = "finer" if carried.link in finer else "quick"
-        bodies = link_bodies(chain.robot.links[carried.link], fit)
+        fit = fits.get(carried.link, "quick")
+        bodies = beside.get(carried.link) or link_bodies(chain.robot.links[carried.link], fit)
         for (low, high, radius), points, rounding in bodies:
             ends = read_only(np.stack([low, high]) @ turn.T + origin)
             hull = read_only(points @ turn.T + origin), rounding

@@ -1,19 +1,22 @@
 """Links that need more pieces than usual: those that pass each other so closely that it shows.
 
 If the bodies of two links overlap in many random poses, but no longer once they are a little
-smaller, what they are larger than the links may decide. Their pieces then have to fit more closely.
+smaller, what they are larger than the links may decide. Their pieces then have to fit more closely,
+and where that is not enough, as closely as they can.
 """
 
 from __future__ import annotations
 
 import hashlib
 import itertools
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
 
 from abi.robot.bodies import body_store, chain_capsules, sampled_bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, capsules_of
+from abi.robot.bodies.link_bodies import Fit
 from abi.robot.bodies.sampled_bodies import SampledBodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
@@ -23,6 +26,8 @@ _SMALLER = 0.97
 """Size of the smaller bodies, over their own."""
 _SHOWS = 0.06
 """Share of the poses in which two links overlap only because of that."""
+_FITS: tuple[Fit, ...] = ("quick", "finer", "close")
+"""Fits by their numbers in what is kept."""
 
 
 def fitted_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
@@ -33,8 +38,8 @@ def fitted_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
 @lru_cache(maxsize=32)
 def _finer_links(
     robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...]
-) -> frozenset[str]:
-    """Links that need finer pieces; what is found is kept from one start to the next.
+) -> Mapping[str, Fit]:
+    """Fits of the links that need finer pieces; what is found is kept from one start to the next.
 
     Args:
         robot: the robot.
@@ -52,15 +57,18 @@ def _finer_links(
     key = hashlib.sha256(text.encode()).hexdigest()
     kept = body_store.find(key)
     if kept is None:
-        found = _close_links(chain)
-        kept = [np.array([float(link in found) for link in links])]
+        found: dict[str, Fit] = dict.fromkeys(_close_links(chain, {}), "finer")
+        if found:
+            found |= {link: "close" for link in _close_links(chain, found) if link in found}
+        kept = [np.array([float(_FITS.index(found.get(link, "quick"))) for link in links])]
         body_store.keep(key, kept)
-    return frozenset(link for link, is_close in zip(links, kept[0], strict=True) if is_close)
+    fits = {link: _FITS[int(number)] for link, number in zip(links, kept[0], strict=True)}
+    return {link: fit for link, fit in fits.items() if fit != "quick"}
 
 
-def _close_links(chain: Chain) -> frozenset[str]:
+def _close_links(chain: Chain, fits: Mapping[str, Fit]) -> frozenset[str]:
     """Links whose bodies overlap those of others only where they are larger than needed."""
-    capsules = capsules_of(chain, frozenset())
+    capsules = capsules_of(chain, fits)
     of_link: dict[str, list[int]] = {}
     for number, capsule in enumerate(capsules):
         of_link.setdefault(capsule.link, []).append(number)

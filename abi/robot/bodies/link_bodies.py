@@ -7,6 +7,7 @@ hardly larger than the piece.
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import math
 from functools import lru_cache
@@ -120,6 +121,58 @@ def _fitted(link: Link, fit: _Fit) -> tuple[Body, ...]:
     return tuple(_body(piece, fit) for group in groups for piece in _pieces_of(group, fit))
 
 
+class OpenWay(NamedTuple):
+    """Way of what slides into a link: no triangle of the link is in it.
+
+    Attributes:
+        sides: planes around it (k, 4), each a unit normal across the direction, and its height
+            above the origin, [m].
+        direction: of the slide, (3,).
+        low, high: where the way begins and ends along it, [m].
+    """
+
+    sides: FloatArray
+    direction: FloatArray
+    low: float
+    high: float
+
+    def wider(self, distance: float) -> OpenWay:
+        """A way that is wider on all sides, [m]."""
+        sides = self.sides + np.array([0.0, 0.0, 0.0, distance])
+        return OpenWay(read_only(sides), self.direction, self.low - distance, self.high + distance)
+
+    def parts(self, triangles: FloatArray) -> tuple[list[FloatArray], FloatArray]:
+        """Triangles (n, 3, 3) beside each of its planes, and those between all of them."""
+        beside = []
+        for *normal, height in self.sides.tolist():
+            triangles, others = _cut(triangles, triangles @ np.array(normal) - height)
+            beside.append(others)
+        return beside, triangles
+
+    def is_open(self, triangles: FloatArray) -> bool:
+        """Check whether no triangle (n, 3, 3) is in it."""
+        along = self.parts(triangles)[1] @ self.direction
+        return bool(((along < self.low).all(axis=1) | (along > self.high).all(axis=1)).all())
+
+
+def bodies_beside(link: Link, way: OpenWay) -> tuple[Body, ...]:
+    """Bodies that contain a link's collision shapes, of which none reaches across a way."""
+    key = body_store.key_of(link.shapes, (__file__, bounding_capsules.__file__))
+    numbers = np.concatenate([way.sides.ravel(), way.direction, [way.low, way.high]])
+    key = f"{key}-{hashlib.sha256(numbers.tobytes()).hexdigest()}"
+    kept = body_store.find(key)
+    if kept is not None:
+        return tuple(map(_unpacked, kept))
+    beside, between = way.parts(triangles_of(link))
+    before = (between @ way.direction < way.low).all(axis=1)
+    groups = [*beside, between[before], between[~before]]
+    axes, fit = way.sides[[0, 2], :3], _FITS["close"]
+    parts = [part for one in groups if len(one) for part in _parts(one, _FITS["quick"], axes)]
+    bodies = tuple(_body(part, fit) for part in parts)
+    body_store.keep(key, [_packed(one) for one in bodies])
+    return bodies
+
+
 def triangles_of(link: Link) -> FloatArray:
     """Corners (n, 3, 3) in the link's frame of triangles around its collision shapes."""
     return np.concatenate([_triangles(shape) for shape in link.shapes])
@@ -189,16 +242,18 @@ _WAYS = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) i
 """Directions in which a hull's first corners are sought."""
 
 
-def _parts(triangles: FloatArray, fit: _Fit) -> list[FloatArray]:
+def _parts(triangles: FloatArray, fit: _Fit, axes: FloatArray | None = None) -> list[FloatArray]:
     """Points (n, 3) of each part of triangles, as few parts as are worth it.
 
-    All cuts are across the two longest axes. Where two planes meet inside the solid, their line
-    leaves it through a triangle, so that the parts' hulls hold what is inside, too.
+    All cuts are across two ``axes`` (2, 3), the two longest if none are given. Where two planes
+    meet inside the solid, their line leaves it through a triangle, so that the parts' hulls hold
+    what is inside, too.
     """
     parts = [_HulledPart(triangles, _volume(triangles.reshape(-1, 3)))]
     if _filled(triangles) > (1 - fit.much) * parts[0].volume:
         return [triangles.reshape(-1, 3)]
-    axes, whole = principal_axes(triangles.reshape(-1, 3))[:2], parts[0].volume
+    whole = parts[0].volume
+    axes = principal_axes(triangles.reshape(-1, 3))[:2] if axes is None else axes
     halves = [_halves(parts[0], axes)]
     while len(parts) < fit.parts:
         gains = [

@@ -274,8 +274,12 @@ def test_links_that_overlap_only_by_a_little_are_fitted_in_finer_pieces(
         turning.format("q", height, "b", "c"),
     )
     robot = robot_from_archive(packed({"a.urdf": text}))
-    found = finer_links._close_links(Chain.of(robot, "c"))
-    assert found == (frozenset("ac") if close else frozenset())
+    chain = Chain.of(robot, "c")
+    links = "ac" if close else ""
+    assert finer_links._close_links(chain, {}) == frozenset(links)
+    # their pieces are the plates themselves, so that finer ones are no smaller
+    fits = finer_links._finer_links(robot, chain.names, tuple(chain.held.items()))
+    assert fits == dict.fromkeys(links, "close")
 
 
 @given(st.floats(0.01, 1), st.floats(0.01, 1), st.floats(0.01, 3), seeds)

@@ -1,0 +1,179 @@
+"""Links into which others slide, as in a telescope: cut beside these, so that their way is open.
+
+Convex pieces of a tube close it. So a link into which another one slides is cut at planes beside
+that one, which contain the direction of the slide: no piece reaches across them, wherever the other
+link is on its way. As all cuts contain one direction, a line along it that passes through the solid
+leaves every part through triangles, so that the parts' hulls hold what is inside, too. What is left
+between the planes, such as the bottom of a tube, is before or behind the way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.robot.bodies.bounding_capsules import principal_axes
+from abi.robot.bodies.link_bodies import Body, OpenWay, bodies_beside, link_bodies, triangles_of
+from abi.robot.kinematics.chain import Carried, Chain
+from abi.robot.urdf.robot import Robot
+
+_SIDES = 16
+"""Planes beside a link that slides, a power of two."""
+_PARALLEL = 1e-6
+"""Largest difference of directions that count as one."""
+_HALVINGS, _WIDEST = 10, 0.1
+"""Halvings of the distance from a link that slides, and its largest, over the size of that link."""
+
+
+class _Slide(NamedTuple):
+    """A piece of a link that slides beside another, in the frame of that one.
+
+    Attributes:
+        direction: of the slide, (3,), of two opposite ones always the same.
+        points: its corners at one place, (k, 3), [m].
+        low, high: how far it moves from there, [m].
+    """
+
+    direction: FloatArray
+    points: FloatArray
+    low: float
+    high: float
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Where it gets to along the direction, at the least and at most, [m]."""
+        along = self.points @ self.direction
+        return float(along.min()) + self.low, float(along.max()) + self.high
+
+
+def open_bodies(chain: Chain) -> dict[str, tuple[Body, ...]]:
+    """Bodies of the links into which others slide, by their names."""
+    return _open_bodies(chain.robot, chain.names, tuple(chain.held.items()))
+
+
+@lru_cache(maxsize=32)
+def _open_bodies(
+    robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...]
+) -> dict[str, tuple[Body, ...]]:
+    followers = {one.name for one in robot.joints if one.mimic is not None}
+    still = {name: at for name, at in held if name not in followers}
+    chain, found = Chain.moved_by(robot, names, held=still), dict[str, tuple[Body, ...]]()
+    if np.count_nonzero(chain.table.slides) < 2:
+        return found
+    for outer in chain.carried:
+        link, slides = robot.links[outer.link], [*_slides_beside(chain, outer)]
+        if not link.shapes or not slides:
+            continue
+        way = _way_into(triangles_of(link), slides)
+        if way is not None:
+            found[outer.link] = bodies_beside(link, way)
+    return found
+
+
+def _slides_beside(chain: Chain, outer: Carried) -> Iterator[_Slide]:
+    """Pieces of links that two slides or more, all in one direction, move beside another."""
+    table = chain.table
+    frames = chain.poses(np.zeros((1, len(chain.names))))[0]
+    (turn, origin), behind = _world_from(frames, outer), {*chain.behind(outer.frame)}
+    for inner in chain.carried:
+        between = sorted(behind ^ {*chain.behind(inner.frame)})
+        slides = len(between) >= 2 and all(table.slides[between].tolist())
+        if not slides or frozenset((outer.link, inner.link)) in chain.robot.may_touch:
+            continue
+        axes = np.stack([frames[k, :, :3] @ chain.joints[k].axis for k in between])
+        along = axes[0] * np.sign(axes[0, np.abs(axes[0]).argmax()])
+        if np.abs(np.cross(along, axes)).max() > _PARALLEL:
+            continue
+        rates = np.zeros(len(chain.names))
+        for k, rate in zip(between, axes @ along * table.factor[between], strict=True):
+            rates[table.source[k]] += -rate if k in behind else rate
+        ends = rates[:, None] * chain.limits
+        turned, moved = _world_from(frames, inner)
+        low, high = ends.min(axis=1).sum(), ends.max(axis=1).sum()
+        for piece in link_bodies(chain.robot.links[inner.link]):
+            points = (piece.points @ turned.T + moved - origin) @ turn
+            yield _Slide(turn.T @ along, points, float(low), float(high))
+
+
+def _world_from(frames: FloatArray, carried: Carried) -> tuple[FloatArray, FloatArray]:
+    """Rotation (3, 3) and place (3,) of a link that frames (m, 3, 4) carry."""
+    turn, place = carried.pose[:3, :3], carried.pose[:3, 3]
+    if carried.frame < 0:
+        return turn, place
+    frame = frames[carried.frame]
+    return frame[:, :3] @ turn, frame[:, :3] @ place + frame[:, 3]
+
+
+def _way_into(triangles: FloatArray, slides: Sequence[_Slide]) -> OpenWay | None:
+    """The way of as many links as slide into triangles (n, 3, 3); None where none does."""
+    inside = [
+        one
+        for one in slides
+        if np.abs(one.direction - slides[0].direction).max() <= _PARALLEL
+        and _gets_into(triangles, one)
+        and _open_way(triangles, [one]) is not None
+    ]
+    chosen, found = list[_Slide](), None
+    for one in sorted(inside, key=_width, reverse=True):
+        way = _open_way(triangles, [*chosen, one])
+        if way is not None:
+            chosen, found = [*chosen, one], way
+    return found
+
+
+def _gets_into(triangles: FloatArray, slide: _Slide) -> bool:
+    """Check whether a piece gets between triangles (n, 3, 3), whose section is around its own."""
+    (first, last), along = slide.span, triangles @ slide.direction
+    if first > along.max() or last < along.min():
+        return False
+    across = _across(slide.direction).T
+    sides = scipy.spatial.ConvexHull(triangles.reshape(-1, 3) @ across).equations
+    return bool((slide.points @ across @ sides[:, :2].T + sides[:, 2]).max() <= 0)
+
+
+def _across(direction: FloatArray) -> FloatArray:
+    """Two directions (2, 3) across one."""
+    return np.linalg.svd(direction[None])[2][1:]
+
+
+def _width(slide: _Slide) -> float:
+    """Extent of a link across its slide, [m]."""
+    return float(np.ptp(slide.points @ _across(slide.direction).T, axis=0).max())
+
+
+def _open_way(triangles: FloatArray, slides: Sequence[_Slide]) -> OpenWay | None:
+    """The way of links, halfway to the triangles (n, 3, 3) around it; None if it is not open."""
+    direction, points = slides[0].direction, np.concatenate([one.points for one in slides])
+    across = _across(direction)
+    # the first four in the directions of a rectangle around the section
+    first = principal_axes(points @ across.T @ across)[0]
+    angles = 2 * math.pi * _in_turns(_SIDES) / _SIDES
+    turns = np.stack([first, np.cross(direction, first)])
+    normals = np.column_stack([np.cos(angles), np.sin(angles)]) @ turns
+    heights = (points @ normals.T).max(axis=0)
+    spans = np.array([one.span for one in slides])
+    tight = OpenWay(
+        read_only(np.column_stack([normals, heights])),
+        read_only(direction.copy()),
+        *(float(spans.min()), float(spans.max())),
+    )
+    low, high = 0.0, _WIDEST * float(np.ptp(points, axis=0).max())
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        if tight.wider(middle).is_open(triangles):
+            low = middle
+        else:
+            high = middle
+    return tight.wider(low / 2) if low > 0 else None
+
+
+def _in_turns(count: int) -> IntArray:
+    """Numbers from 0 to a power of two, so that those come first that part a circle evenly."""
+    numbers = np.arange(count, dtype=np.int32)
+    return numbers[np.argsort(-np.gcd(numbers, count), kind="stable")]
