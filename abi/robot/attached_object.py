@@ -18,7 +18,8 @@ from abi.obstacles.primitives import Box, Capsule, Sphere
 from abi.robot.urdf.robot import AttachedObject, Joint, Link, LinkShape, Robot
 
 STANDING = 1e-3
-"""Distance by which an object is taken as smaller on each side, so that it may stand, [m]."""
+"""Distance by which an object is taken as smaller on each side, so that it may stand, [m]; a corner
+of a mesh is no more than twice as far from where it was."""
 _LEAST = 0.1
 """Part of half its thickness by which it is taken as smaller at most."""
 _NAME = "held_object"
@@ -132,6 +133,19 @@ def _drawn(shape: MeshShape, metres: float) -> LinkShape:
     return _link_shape("mesh", (1.0, 1.0, 1.0), np.eye(4), surface.vertices * scale, surface.faces)
 
 
+def _with_tips(
+    corners: FloatArray, whole: FloatArray, centre: FloatArray, depth: float
+) -> FloatArray:
+    """Corners of a hull moved inwards by a distance, with tips that would lose more than twice it.
+
+    Where sides meet at a small angle, a point that far from all of them is far from their corner.
+    """
+    inwards = centre - whole
+    tips = whole + 2 * depth * inwards / np.linalg.norm(inwards, axis=1, keepdims=True)
+    points = np.concatenate([corners, tips])
+    return np.asarray(points[scipy.spatial.ConvexHull(points).vertices])
+
+
 def _hull(shape: MeshShape, metres: float, inset: float) -> LinkShape:
     """Convex hull of a mesh, its sides moved inwards."""
     ones, scale = (1.0, 1.0, 1.0), shape.factor * metres
@@ -144,9 +158,12 @@ def _hull(shape: MeshShape, metres: float, inset: float) -> LinkShape:
             b_ub=-sides[:, 3],
             bounds=[(None, None)] * 3 + [(0, None)],
         )
+        depth, centre = min(inset, _LEAST * float(found.x[3])), found.x[:3]
         moved = sides.copy()
-        moved[:, 3] += min(inset, _LEAST * float(found.x[3]))
-        corners = scipy.spatial.HalfspaceIntersection(moved, found.x[:3]).intersections
+        moved[:, 3] += depth
+        corners = scipy.spatial.HalfspaceIntersection(moved, centre).intersections
+        if depth > 0:
+            corners = _with_tips(corners, shape.surface.hull * scale, centre, depth)
         faces = scipy.spatial.ConvexHull(corners).simplices
     except (scipy.spatial.QhullError, TypeError, ValueError):
         expected = "a solid: what is flat cannot be held"

@@ -20,8 +20,9 @@ _ROUNDING = 1e-9
 """Relative area, over a polygon's size squared, that counts as zero."""
 _OVERLAP = 1e-7
 """Relative area that triangles may cover twice."""
-_FLATNESS = 0.01
-"""Largest distance of a corner from its polygon's plane, over the polygon's size."""
+_FLATNESS = 1e-5
+"""Largest distance of a corner from its polygon's plane, over the polygon's size, without a note:
+that of coordinates with six digits."""
 _CHUNK = 1_000_000
 
 

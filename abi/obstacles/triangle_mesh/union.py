@@ -8,6 +8,8 @@ from abi.arrays import FloatArray, IntArray
 
 _MOST_SHELLS = 2000
 _ROUNDING = 1e-6
+_TURNED = -0.5
+"""Cosine below which a triangle of the union faces the other way than the one it is a part of."""
 
 
 def united(
@@ -15,18 +17,23 @@ def united(
 ) -> tuple[FloatArray, IntArray] | None:
     """Vertices (n, 3) and faces (m, 3) of the union of shells that face outward.
 
+    The library's union winds 1 - (1 - a)(1 - b) times where its parts wind a and b times. So where
+    both wind twice, as where each runs into itself, it would be hollow, and triangles there face
+    the other way: such a union is not taken.
+
     Args:
         vertices: (n, 3).
         faces: (m, 3) ids of the corners.
         label: (m,) the shell of each face, any numbers.
 
     Returns:
-        The union; None if the library refuses a shell, or if the result is smaller than the input.
+        The union; None if the library refuses a shell, if shells run into themselves, or if the
+        result is smaller than the input.
         The shells as they are have the same outside.
     """
     import manifold3d
 
-    shells = []
+    shells, normals = [], dict[int, FloatArray]()
     _, number = np.unique(label, return_inverse=True)
     count = int(number.max()) + 1
     if count > _MOST_SHELLS:
@@ -35,11 +42,12 @@ def united(
     for rows in np.split(order, np.cumsum(np.bincount(number, minlength=count))[:-1]):
         used, ids = np.unique(faces[rows], return_inverse=True)
         corners = np.ascontiguousarray(vertices[used])
-        triangles = ids.reshape(-1, 3).astype(np.uint64)
-        shell = manifold3d.Manifold(manifold3d.Mesh64(corners, triangles))
+        triangles = ids.reshape(-1, 3)
+        shell = manifold3d.Manifold(manifold3d.Mesh64(corners, triangles.astype(np.uint64)))
         if shell.status() != manifold3d.Error.NoError or shell.is_empty():
             return None
         shells.append(shell)
+        normals[int(shell.to_mesh64().run_original_id[0])] = _normals(corners, triangles)
     union = manifold3d.Manifold.batch_boolean(shells, manifold3d.OpType.Add)
     if union.status() != manifold3d.Error.NoError or union.is_empty():
         return None
@@ -54,4 +62,20 @@ def united(
     largest = max(shell.volume() for shell in shells)
     if shift > _ROUNDING * size or union.volume() < largest * (1 - _ROUNDING):
         return None
-    return points, np.array(mesh.tri_verts, dtype=np.int32)
+    triangles = np.array(mesh.tri_verts, dtype=np.int32)
+    facing = _normals(points, triangles)
+    origins = np.repeat(mesh.run_original_id, np.diff(mesh.run_index) // 3)
+    for origin, before in normals.items():
+        rows = np.flatnonzero(origins == origin)
+        same = np.einsum("ij,ij->i", facing[rows], before[np.asarray(mesh.face_id)[rows]])
+        if (same < _TURNED).any():
+            return None
+    return points, triangles
+
+
+def _normals(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Unit normals (m, 3) of faces; 0 of those without area."""
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.asarray(normals / np.where(lengths > 0, lengths, 1.0))

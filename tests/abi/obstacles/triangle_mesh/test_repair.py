@@ -285,3 +285,29 @@ def test_a_closed_surface_that_crosses_itself_is_not_said_to_have_holes(crosses:
     assert not surface.closed
     (note,) = surface.notes
     assert ("crosses itself" in note, "has holes" in note) == (crosses, not crosses)
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_shells_that_run_into_themselves_are_solid_where_several_do(beside: bool) -> None:
+    """Rings that go round twice, one over the other, and perhaps a larger box beside them."""
+    rings = []
+    for count, height in ((40, 0.12), (44, 0.1)):
+        angle = 4 * np.pi * np.arange(count) / count
+        radius, level = 2 + height * np.cos(angle / 2), height * np.sin(angle / 2)
+        corners = [
+            ((radius + x) * np.cos(angle), (radius + x) * np.sin(angle), level + z)
+            for x, z in ((-0.5, -0.5), (-0.5, 0.5), (0.5, 0.5), (0.5, -0.5))
+        ]
+        vertices = np.stack([np.stack(one, axis=1) for one in corners], axis=1).reshape(-1, 3)
+        here, side = np.meshgrid(np.arange(count), np.arange(4), indexing="ij")
+        a, b = 4 * here + side, 4 * here + (side + 1) % 4
+        c, d = ((one + 4) % (4 * count) for one in (b, a))
+        quads = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+        rings.append((vertices, quads.astype(np.int32)))
+    parts = [*rings, *([meshes.box((4, 4, 4), at=(8, 0, 0))] if beside else [])]
+    surface = clean(*meshes.joined(*parts))
+    assert surface.closed
+    around = np.linspace(0, 2 * np.pi, 12)
+    middles = np.stack([2 * np.cos(around), 2 * np.sin(around), 0 * around], axis=1)
+    assert inside(surface, middles).all()
+    assert not inside(surface, np.array([[0, 0, 0], [2, 0, 0.9]])).any()
