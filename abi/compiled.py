@@ -65,7 +65,7 @@ _of_thread = _ThreadWork()
 class Kernel(Generic[_P, _R]):
     """A function that numba compiles, callable before and after.
 
-    The compiled form is kept (:func:`abi.compilation.kernel_cache.kernel_folder`) until the
+    The compiled form is kept (:func:`abi.compilation.kernel_folder.kernel_folder`) until the
     function, or one that is compiled with it, changes; see
     :func:`abi.compilation.kernel_stamp.stamp`. It releases the interpreter's lock. It raises
     ``TypeError`` for arrays of another type, number of dimensions or layout than those of the
@@ -196,16 +196,5 @@ def interpreted_calls() -> int:
 
 
 def is_off() -> bool:
-    """Check whether numba, which is imported for that, was told to compile nothing."""
-    with LOADING:
-        from abi.compilation import dispatcher
-
-        return dispatcher.is_off()
-
-
-def keeps() -> bool:
-    """Check whether compiled forms can be kept for other processes."""
-    with LOADING:
-        from abi.compilation.kernel_cache import kernel_folder
-
-        return kernel_folder() is not None
+    """Check whether nothing is to be compiled (``NUMBA_DISABLE_JIT``)."""
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")

@@ -27,7 +27,8 @@ from pathlib import Path
 from typing import Any
 
 from abi import progress
-from abi.compiled import KERNELS, LOADING, Kernel, is_off, keeps
+from abi.compilation.kernel_folder import is_anything_kept, kernel_folder
+from abi.compiled import KERNELS, LOADING, Kernel, is_off
 from abi.errors import AbiError
 
 _log = logging.getLogger(__name__)
@@ -159,18 +160,13 @@ class _Compilation:
         try:
             if self._ending or is_off():
                 return
-            # what the next plan is likely to call does not wait for the rest
-            needed = [kernel for kernel in KERNELS.values() if kernel.need]
-            loaded = [self._load(kernel) for kernel in needed]
-            if needed and all(loaded):
-                self.loaded.set()
-            missing = [kernel for kernel in all_kernels() if not self._load_by_the_way(kernel)]
+            missing = self._load_what_is_kept() if is_anything_kept() else all_kernels()
             self.loaded.set()
             self.kept.set()
             if not missing:
                 return
             self._missing, self._begun = tuple(missing), time.monotonic()
-            if keeps():
+            if kernel_folder() is not None:
                 self._from_children(missing)
             for kernel in missing:
                 # where nothing can be kept, or no process started
@@ -182,6 +178,15 @@ class _Compilation:
             self.loaded.set()
             self.kept.set()
             self.done.set()
+
+    def _load_what_is_kept(self) -> list[Kernel[..., Any]]:
+        """Load the kernels that an earlier run has kept, and return the others."""
+        # what the next plan is likely to call does not wait for the rest
+        needed = [kernel for kernel in KERNELS.values() if kernel.need]
+        loaded = [self._load(kernel) for kernel in needed]
+        if needed and all(loaded):
+            self.loaded.set()
+        return [kernel for kernel in all_kernels() if not self._load_by_the_way(kernel)]
 
     def _load(self, kernel: Kernel[..., Any]) -> bool:
         """Load a kernel if it was kept."""

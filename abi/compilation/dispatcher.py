@@ -12,14 +12,9 @@ from typing import Any
 import numba
 
 from abi.compilation.borrowing import Borrowing
-from abi.compilation.kernel_cache import KernelCache, ReadyKernels, kernel_folder
+from abi.compilation.kernel_cache import KernelCache, ReadyKernels
+from abi.compilation.kernel_folder import kernel_folder
 from abi.compilation.kernel_stamp import fields_of, stamp
-
-
-def is_off() -> bool:
-    """Check whether numba was told to compile nothing (``NUMBA_DISABLE_JIT``)."""
-    return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
-
 
 _OPTIONS: dict[str, Any] = {
     "nogil": True,

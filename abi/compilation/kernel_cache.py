@@ -1,25 +1,20 @@
-"""Where compiled kernels are: a user's, for all clones and environments, and those of a wheel."""
+"""Compiled kernels in files, by numba's cache."""
 
 from __future__ import annotations
 
-import logging
 import pickle
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numba
 from llvmlite.binding import parse_assembly  # type: ignore[import-untyped]
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.runtime.nrt import rtsys
 
-from abi.user_cache import temporary_cache, user_cache
-
-_log = logging.getLogger(__name__)
+from abi.compilation.kernel_folder import READY
 
 _KEPT = 30 * 24 * 3600.0
 """Seconds after which a file that nobody has used is removed: another clone may use it."""
@@ -27,43 +22,8 @@ _KEPT = 30 * 24 * 3600.0
 _BROKEN = (OSError, EOFError, ValueError, AttributeError, ImportError, pickle.UnpicklingError)
 """What reading a file raises that was cut off, or that something else has written."""
 
-_ADVICE = "NUMBA_CACHE_DIR can name a folder"
-
 _DAY = 24 * 3600.0
 """Seconds after which the use of a file is noted anew."""
-
-
-@cache
-def kernel_folder() -> Path | None:
-    """Folder of the compiled forms: in ``$NUMBA_CACHE_DIR`` or the user's cache.
-
-    Where that cannot be written it is in the temporary directory, and a line in the log says so.
-    None if that is not possible either.
-    """
-    named = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-    usual = partial(Path, named, "abi-visualiser") if named else _in_user_cache
-    refused = ""
-    for place in (usual, _in_temporary_cache):
-        try:
-            folder = place()
-            folder.mkdir(parents=True, exist_ok=True)
-            tempfile.TemporaryFile(dir=folder).close()
-        except OSError as error:
-            refused = refused or str(error)
-            continue
-        if refused:
-            _log.warning(f"compiled kernels are kept in {folder}: {refused}; {_ADVICE}")
-        return folder
-    _log.warning(f"compiled kernels are not kept: {refused}; {_ADVICE}")
-    return None
-
-
-def _in_user_cache() -> Path:
-    return user_cache() / "kernels"
-
-
-def _in_temporary_cache() -> Path:
-    return temporary_cache() / "kernels"
 
 
 class KernelCache(FunctionCache):
@@ -128,11 +88,8 @@ def _age(file: Path) -> float:
 class ReadyKernels(KernelCache):
     """Compiled forms that a wheel brings, for any processor of its platform; nothing is written."""
 
-    FOLDER = Path(__file__).resolve().parents[1] / "ready_kernels"
-    """Where an installed wheel has them; ``tools/ready_kernels.py`` puts them there."""
-
     def __init__(self, function: Callable[..., Any], stamp: str) -> None:
-        super().__init__(function, self.FOLDER, stamp)
+        super().__init__(function, READY, stamp)
 
     def save_overload(self, _signature: Any, _compiled: Any) -> None:
         """Keep nothing."""

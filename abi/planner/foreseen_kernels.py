@@ -11,7 +11,6 @@ from typing import Any
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     bound_configurations,
-    configurations_touching,
     spread,
     touching_configurations,
 )
@@ -24,10 +23,9 @@ from abi.scene.scene import Scene
 _NEAR_MESHES: tuple[Kernel[..., Any], ...] = (grid_values,)
 _OF_URDF_ARMS: tuple[Kernel[..., Any], ...] = (
     spread,
-    configurations_touching,
+    touching_configurations,
     follow_path,
     bound_configurations,
-    touching_configurations,
     separate_chain,
 )
 

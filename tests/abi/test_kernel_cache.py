@@ -13,14 +13,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 
 import abi
 from abi import compiling
+from abi.compilation import kernel_cache
 from abi.compilation.dispatcher import Dispatcher
-from abi.compilation.kernel_cache import KernelCache, ReadyKernels, kernel_folder
+from abi.compilation.kernel_cache import KernelCache
+from abi.compilation.kernel_folder import kernel_folder
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
 from tests.abi.test_compiled import CACHED, run
 
@@ -33,7 +34,7 @@ def halved(numbers: Any, found: Any) -> float:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     kernel_folder.cache_clear()
     yield tmp_path / "cache" / "abi-visualiser"
@@ -153,7 +154,7 @@ def brought(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def ready(folder: Path, brought: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of that folder, where kernels are looked for first."""
     copy = shutil.copytree(brought, tmp_path / "wheel")
-    monkeypatch.setattr(ReadyKernels, "FOLDER", copy)
+    monkeypatch.setattr(kernel_cache, "READY", copy)
     return copy
 
 

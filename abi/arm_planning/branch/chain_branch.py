@@ -17,7 +17,7 @@ from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES
 from abi.arm_planning.exclusion.node_configuration_kernels import (
-    configurations_touching,
+    one_by_one,
     touching_configurations,
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
@@ -148,13 +148,10 @@ class ChainBranch:
             self._beyond
         )
         touching = np.zeros(len(reached), dtype=np.bool_)
+        configurations = one_by_one(self.configurations.coordinates)
+        every = collision_world, -1
         touching_configurations(
-            *(
-                self.arm.chain.table,
-                self.arm.bodies,
-                self.configurations.coordinates,
-                collision_world,
-            ),
+            *(self.arm.chain.table, self.arm.bodies, configurations, every),
             *(self.slack, reached, touching),
         )
         return reached & ~touching
@@ -167,9 +164,9 @@ class ChainBranch:
         arguments.numbers("points", points, (len(reached), 3))
         touching = np.zeros(len(reached), dtype=np.bool_)
         obstacle = self._around, self.collision_world.first_row(number)
-        configurations_touching(
-            *(self.arm.chain.table, self.arm.bodies, self.configurations.tree),
-            *(obstacle, reached, touching),
+        touching_configurations(
+            *(self.arm.chain.table, self.arm.bodies, self.configurations.tree, obstacle),
+            *(-1.0, reached, touching),
         )
         return touching
 

@@ -9,7 +9,10 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from abi.arm_planning.exclusion.node_configuration_kernels import touching_configurations
+from abi.arm_planning.exclusion.node_configuration_kernels import (
+    one_by_one,
+    touching_configurations,
+)
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
 from abi.arm_planning.exclusion.paper_arm_regions import box_above, grid, surface
 from abi.arm_planning.world.collision_world import CollisionWorld
@@ -71,8 +74,8 @@ def chain_shadow(
     touching_configurations(
         arm.chain.table,
         arm.bodies,
-        configurations.coordinates,
-        collision_world.only(collision_world.numbers >= 0).beyond(0.0),
+        one_by_one(configurations.coordinates),
+        (collision_world.only(collision_world.numbers >= 0).beyond(0.0), -1),
         _ANYHOW,
         configurations.reached,
         touching,

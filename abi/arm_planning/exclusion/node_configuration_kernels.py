@@ -195,41 +195,36 @@ def touches_row(
     return False
 
 
-@compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 0.0, FLAGS, NEW_FLAGS))
-def touching_configurations(
+class _PoseWorkspace(NamedTuple):
+    """Room for a pose.
+
+    Attributes:
+        poses: of the joints, flat (12 (m + 1),).
+        ends: of all capsules, flat (6 c,).
+        waiting: room for ``DEPTH`` rows.
+    """
+
+    poses: FloatArray
+    ends: FloatArray
+    waiting: IntArray
+
+
+@jitable
+def _touches(
     chain: ChainTable,
     bodies: Bodies,
     configurations: FloatArray,
-    around: Obstacles,
-    slack: float,
-    reached: BoolArray,
-    touching: BoolArray,
-) -> None:
-    """Mark the nodes at whose configuration a capsule is too near to something, or to another.
-
-    Args:
-        chain: the chain.
-        bodies: its capsules.
-        configurations: coordinates at the nodes, flat (k n,).
-        around: what to keep clear of.
-        slack: distance that capsules keep from each other, [unit]; below 0 they are not looked at.
-        reached: nodes to look at, (k,).
-        touching: (k,); written.
-    """
-    count, poses = len(chain.limits) // 2, np.empty(POSE * (len(chain.source) + 1))
-    own = poses, np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
-    poses, ends, waiting = borrowed(own)
-    rows = asked_rows(around, len(bodies.frames))
-    for node in range(len(reached)):
-        if not reached[node]:
-            continue
-        place_bodies(chain, bodies, configurations, node * count, poses, ends)
-        touching[node] = slack >= 0 and _touches_itself(bodies, ends, poses, slack)
-        for s in rows:
-            if touching[node]:
-                break
-            touching[node] = touches_row(bodies, ends, poses, around, s, waiting)
-    held(own)
+    node: int,
+    asked: tuple[Obstacles, list[int], float],
+    room: _PoseWorkspace,
+) -> bool:
+    """Check whether a capsule is too near to one of the rows asked of, or to another capsule."""
+    (poses, ends, waiting), (around, rows, slack) = room, asked
+    place_bodies(chain, bodies, configurations, node * (len(chain.limits) // 2), poses, ends)
+    touching = slack >= 0 and _touches_itself(bodies, ends, poses, slack)
+    for s in rows:
+        touching = touching or touches_row(bodies, ends, poses, around, s, waiting)
+    return touching
 
 
 _BOX = 6
@@ -306,31 +301,44 @@ def _comes_near(bodies: Bodies, boxes: FloatArray, at: int, around: Obstacles, s
     return False
 
 
-@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, (NO_OBSTACLES, 0), FLAGS, NEW_FLAGS))
-def configurations_touching(
+def one_by_one(configurations: FloatArray) -> ConfigurationTree:
+    """Configurations, flat (k n,), of which each is to be looked at by itself."""
+    return NO_CONFIGURATIONS._replace(configurations=configurations)
+
+
+@compiled(example=(TABLE, BODIES, NO_CONFIGURATIONS, (NO_OBSTACLES, 0), 0.0, FLAGS, NEW_FLAGS))
+def touching_configurations(
     chain: ChainTable,
     bodies: Bodies,
     tree: ConfigurationTree,
     obstacle: tuple[Obstacles, int],
+    slack: float,
     asked: BoolArray,
     touching: BoolArray,
 ) -> None:
-    """Mark the places at whose configuration a capsule is too near to an obstacle.
+    """Mark the places at whose configuration a capsule is too near to something, or to another.
 
     Args:
         chain: the chain.
         bodies: its capsules.
-        tree: the configurations.
-        obstacle: what to keep clear of, and the row with all of it.
+        tree: the configurations; :func:`one_by_one` where the row is -1.
+        obstacle: what to keep clear of, and the row with all that is asked about; -1 for all rows.
+        slack: distance that capsules keep from each other, [unit]; below 0 they are not looked at.
         asked: places to look at, of those that count in the tree, (k,).
         touching: (k,), False at first; written.
     """
     around, root = obstacle
-    count, size = len(chain.limits) // 2, _BOX * len(bodies.frames)
+    size = _BOX * len(bodies.frames)
     poses = np.empty(POSE * (len(chain.source) + 1))
-    own = poses, np.empty(size), np.empty(DEPTH, np.int32)
-    poses, ends, waiting = borrowed(own)
-    inner, work = len(tree.leaves) - 2, [0]
+    own = _PoseWorkspace(poses, np.empty(size), np.empty(DEPTH, np.int32))
+    room, work = borrowed(own), [0]
+    if root < 0:
+        every = around, asked_rows(around, len(bodies.frames)), slack
+        for node in range(len(asked)):
+            if asked[node]:
+                touching[node] = _touches(chain, bodies, tree.configurations, node, every, room)
+        work.clear()
+    inner, this = len(tree.leaves) - 2, (around, [root], slack)
     while len(work) > 0:
         branch = work.pop()
         if not _comes_near(bodies, tree.boxes, size * branch, around, root):
@@ -341,8 +349,6 @@ def configurations_touching(
             continue
         for i in range(tree.leaves[branch - inner], tree.leaves[branch - inner + 1]):
             node = tree.order[i]
-            if not asked[node]:
-                continue
-            place_bodies(chain, bodies, tree.configurations, node * count, poses, ends)
-            touching[node] = touches_row(bodies, ends, poses, around, root, waiting)
+            if asked[node]:
+                touching[node] = _touches(chain, bodies, tree.configurations, node, this, room)
     held(own)

@@ -137,12 +137,29 @@ def _step_towards(arm: ArmInWorld, trees: Trees, tree: int, target: FloatArray) 
     return node, reached
 
 
+_NO_TREES = TREES._replace(parents=NEW_IDS[:0])
+
+
+@jitable
+def _edges_are_clear(arm: ArmInWorld, knots: FloatArray) -> bool:
+    """Check whether the arm is proven clear on straight ways between coordinates, flat (k n,)."""
+    count = len(arm.chain.limits) // 2
+    a, b = np.empty(count), np.empty(count)
+    for knot in range(len(knots) // count - 1):
+        for j in range(count):
+            a[j], b[j] = knots[knot * count + j], knots[(knot + 1) * count + j]
+        if not edge_is_clear(arm, a, b):
+            return False
+    return True
+
+
 @compiled(example=(ARM, TREES, FLOATS), fallback=False)
 def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
     """Grow two trees towards samples and each other until they meet.
 
     For each sample one of them, in turn, takes a step towards it; then the other goes towards the
-    new node, step by step, as far as it can.
+    new node, step by step, as far as it can. Where the trees have room for nothing, the edges from
+    each sample to the next are proven instead: one kernel has all that proofs of edges need.
 
     Args:
         arm: the arm among its surroundings.
@@ -150,8 +167,11 @@ def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
         samples: coordinates, flat (k n,).
 
     Returns:
-        Whether the trees have met; ``trees.state`` then says in which nodes.
+        Whether the trees have met; ``trees.state`` then says in which nodes. Without room, whether
+        all edges are proven.
     """
+    if len(trees.parents) == 0:
+        return _edges_are_clear(arm, samples)
     count, state = len(trees.weights), trees.state
     room, target = len(trees.parents) // 2, np.empty(count)
     for sample in range(len(samples) // count):
@@ -174,14 +194,6 @@ def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
     return False
 
 
-@compiled(example=(ARM, FLOATS), fallback=False)
 def edges_are_clear(arm: ArmInWorld, knots: FloatArray) -> bool:
     """Check whether the arm is proven clear on straight ways between coordinates, flat (k n,)."""
-    count = len(arm.chain.limits) // 2
-    a, b = np.empty(count), np.empty(count)
-    for knot in range(len(knots) // count - 1):
-        for j in range(count):
-            a[j], b[j] = knots[knot * count + j], knots[(knot + 1) * count + j]
-        if not edge_is_clear(arm, a, b):
-            return False
-    return True
+    return bool(grow_trees(arm, _NO_TREES, knots))

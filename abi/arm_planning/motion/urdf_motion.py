@@ -16,7 +16,10 @@ import scipy
 
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
-from abi.arm_planning.exclusion.node_configuration_kernels import touching_configurations
+from abi.arm_planning.exclusion.node_configuration_kernels import (
+    one_by_one,
+    touching_configurations,
+)
 from abi.arm_planning.motion.arm_clearance import (
     ArmClearance,
     Contact,
@@ -282,7 +285,7 @@ def touches_from_all(
         asked = np.zeros_like(touching)
         asked[~touching.any(axis=1), some] = True
         touching_configurations(
-            *(arm.chain.table, arm.bodies, coordinates, around),
+            *(arm.chain.table, arm.bodies, one_by_one(coordinates), (around, -1)),
             *(0.0, asked.reshape(-1), touching.reshape(-1)),
         )
     return bool(touching.any(axis=1).all())

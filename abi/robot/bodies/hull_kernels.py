@@ -58,13 +58,12 @@ def lowest_point(bodies: Bodies, poses: FloatArray, c: int, way: Vec3) -> Vec3:
         x = poses[at] * way[0] + poses[at + 3] * way[1] + poses[at + 6] * way[2]
         y = poses[at + 1] * way[0] + poses[at + 4] * way[1] + poses[at + 7] * way[2]
         z = poses[at + 2] * way[0] + poses[at + 5] * way[1] + poses[at + 8] * way[2]
-    best, lowest = 0, math.inf
-    for k in range(bodies.first[c], bodies.first[c + 1]):
-        points = bodies.points
-        height = x * points[3 * k] + y * points[3 * k + 1] + z * points[3 * k + 2]
+    best, lowest, points = 0, math.inf, bodies.points
+    for k in range(3 * bodies.first[c], 3 * bodies.first[c + 1], 3):
+        height = x * points[k] + y * points[k + 1] + z * points[k + 2]
         if height < lowest:
             best, lowest = k, height
-    p, scale = vec3_at(bodies.points, 3 * best), bodies.scale
+    p, scale = vec3_at(points, best), bodies.scale
     if frame < 0:
         return scale * p[0], scale * p[1], scale * p[2]
     return (

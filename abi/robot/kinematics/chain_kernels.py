@@ -65,10 +65,11 @@ def _append(poses: FloatArray, at: int, before: int, origins: FloatArray, joint:
         return
     for r in range(3):
         x, y, z = poses[a + 3 * r], poses[a + 3 * r + 1], poses[a + 3 * r + 2]
-        for c in range(3):
-            poses[to + 3 * r + c] = (
-                x * origins[b + c] + y * origins[b + 3 + c] + z * origins[b + 6 + c]
-            )
+        # written out: a loop over the columns takes Python twice as long
+        k = to + 3 * r
+        poses[k] = x * origins[b] + y * origins[b + 3] + z * origins[b + 6]
+        poses[k + 1] = x * origins[b + 1] + y * origins[b + 4] + z * origins[b + 7]
+        poses[k + 2] = x * origins[b + 2] + y * origins[b + 5] + z * origins[b + 8]
         poses[to + 9 + r] = (
             poses[a + 9 + r] + x * origins[b + 9] + y * origins[b + 10] + z * origins[b + 11]
         )
@@ -80,16 +81,15 @@ def _turn(poses: FloatArray, at: int, axis: tuple[float, float, float], angle: f
     s, c = math.sin(angle), math.cos(angle)
     x, y, z = axis
     v = 1 - c
-    r = (
-        (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
-        (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
-        (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
-    )
-    for row in range(3):
-        k = POSE * at + 3 * row
-        a, b, d = poses[k], poses[k + 1], poses[k + 2]
-        for column in range(3):
-            poses[k + column] = a * r[0][column] + b * r[1][column] + d * r[2][column]
+    # by rows and columns; written out as above
+    xx, xy, xz = c + x * x * v, x * y * v - z * s, x * z * v + y * s
+    yx, yy, yz = y * x * v + z * s, c + y * y * v, y * z * v - x * s
+    zx, zy, zz = z * x * v - y * s, z * y * v + x * s, c + z * z * v
+    for k in range(POSE * at, POSE * at + 9, 3):
+        p, q, r = poses[k], poses[k + 1], poses[k + 2]
+        poses[k] = p * xx + q * yx + r * zx
+        poses[k + 1] = p * xy + q * yy + r * zy
+        poses[k + 2] = p * xz + q * yz + r * zz
 
 
 @jitable

@@ -8,7 +8,7 @@ import pytest
 from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     bound_configurations,
-    configurations_touching,
+    one_by_one,
     touching_configurations,
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
@@ -64,7 +64,7 @@ def obstacles_near(configurations: NodeConfigurations, random: np.random.Generat
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("wide", [0.0, 0.3, 3.0])
 def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
-    for kernel in (touching_configurations, bound_configurations, configurations_touching):
+    for kernel in (touching_configurations, bound_configurations):
         kernel.compile()
     arm, random = some_arm(name), np.random.default_rng(int(10 * wide))
     configurations = some_stances(arm, random, wide)
@@ -81,7 +81,8 @@ def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
         alone = collision_world.only(collision_world.numbers == number).beyond(
             branch.clearance + branch.slack
         )
-        touching_configurations(table, bodies, coordinates, alone, -1.0, asked, expected)
+        every = one_by_one(coordinates)
+        touching_configurations(table, bodies, every, (alone, -1), -1.0, asked, expected)
         found = branch.touching(configurations.mesh.points, number, asked)
         np.testing.assert_array_equal(found, expected, strict=True)
         some += 0 < expected.sum() < asked.sum()

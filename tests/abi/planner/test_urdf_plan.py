@@ -16,7 +16,6 @@ from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     bound_configurations,
-    configurations_touching,
     spread,
     touching_configurations,
 )
@@ -51,7 +50,6 @@ def _compiled() -> None:
         spread,
         touching_configurations,
         bound_configurations,
-        configurations_touching,
     ):
         kernel.compile()
 
