@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,12 +18,15 @@ from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import Appearance
 from app.tab.session import Session
-from app.ui import style
 from tests.browser.page import Page
 
 WIDTH, HEIGHT = 1280, 720
 PATIENCE = 600.0
 """Seconds: every pixel is drawn here, on machines without a graphics card, too."""
+_EDGES = """() => {
+  const {left, right} = window.__viserMutable.canvas.getBoundingClientRect();
+  return [left, right];
+}"""
 
 
 class Visit:
@@ -95,9 +99,8 @@ class Visit:
         image = Image.open(io.BytesIO(self.page.tab.screenshot())).convert("RGB")
         if panels:
             return image
-        return image.crop(
-            (style.LEFT_WIDTH + 4, 0, image.width - style.RIGHT_WIDTH - 4, image.height)
-        )
+        left, right = self.page.tab.evaluate(_EDGES)
+        return image.crop((math.ceil(left), 0, math.floor(right), image.height))
 
 
 @contextmanager
