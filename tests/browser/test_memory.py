@@ -81,10 +81,19 @@ def test_reload_and_back_and_a_link_bring_everything_back(tabs: Tabs, server: Se
     assert "state" not in other.tab.url
     other.set_number("degree", 5)
     other.until(lambda: session.plan.scene.spline.degree == 5, "another degree")  # type: ignore[union-attr]
+    other.click("Scene")
+    vertices, faces = meshes.bumpy(2)
+    other.upload("Add a mesh (STL, OBJ, GLB …)", "bumpy.stl", meshes.stl((0.6 * vertices, faces)))
+    other.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
+    other.until(lambda: session.resting, "the plan at rest")
     _is_kept(other, session)
+    assert session.plan is not None
+    scene = session.plan.scene
+    assert scene.spline.degree == 5
     tabs.reload(other)
     session = server.sessions[other.client]
-    other.until(lambda: session.plan.scene.spline.degree == 5, "the degree again")  # type: ignore[union-attr]
+    other.until(lambda: session.plan.scene == scene, "the scene with its mesh")  # type: ignore[union-attr]
+    other.until(lambda: len(drawn.obstacles(other)) == 2, "both obstacles")
 
 
 def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) -> None:
@@ -105,20 +114,3 @@ def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) ->
     finally:
         page.close()
         server.stop()
-
-
-def test_an_uploaded_mesh_comes_back(tabs: Tabs, server: Server) -> None:
-    page = tabs()
-    session = server.sessions[page.client]
-    page.click("Scene")
-    vertices, faces = meshes.bumpy(2)
-    page.upload("Add a mesh (STL, OBJ, GLB …)", "bumpy.stl", meshes.stl((0.6 * vertices, faces)))
-    page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
-    page.until(lambda: session.resting, "the plan at rest")
-    _is_kept(page, session)
-    assert session.plan is not None
-    scene = session.plan.scene
-    tabs.reload(page)
-    session = server.sessions[page.client]
-    page.until(lambda: session.plan.scene == scene, "the scene with its mesh")  # type: ignore[union-attr]
-    page.until(lambda: len(drawn.obstacles(page)) == 2, "both obstacles")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from app.server.server import Server
+from app.tab.session import Session
 from tests.browser.conftest import Tabs
+from tests.browser.page import Page
 from tests.browser.texts import texts
 
 
-def test_a_challenge_link_opens_elsewhere(tabs: Tabs, server: Server) -> None:
-    page = tabs()
-    session = server.sessions[page.client]
+def test_a_challenge_link_opens_elsewhere(
+    page: Page, session: Session, tabs: Tabs, server: Server
+) -> None:
     # a browser without a window has no clipboard that can be relied on
     page.tab.evaluate("navigator.clipboard.writeText = text => { window.copied = text; }")
     page.set_number("spacing [cm]", 1.1)
