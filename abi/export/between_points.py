@@ -37,6 +37,32 @@ def polynomials_are_clear(plan: Plan) -> bool:
     )
 
 
+def rows_warning(plan: Plan) -> str:
+    """Sentence for the paper's arm, where its poses are too few to go straight from one to another.
+
+    It is proven clear along its curve; straight ways of the joints leave that. By how much is
+    overestimated, as if every other pose were missing. Empty where that is less than the distance
+    that is proven, and for arms whose straight ways are proven.
+    """
+    motion, clearance, arm = plan.motion, plan.arm_clearance, plan.arm
+    if arm is None or motion is None or clearance is None or not clearance.certified:
+        return ""
+    if plan.scene.arm.model == "urdf" or len(motion.positions) < 3:
+        return ""
+    chords = (motion.positions[:-2] + motion.positions[2:]) / 2
+    there, straight = arm.placed(motion.positions[1:-1]), arm.placed(chords)
+    away = max(
+        float(np.linalg.norm(one.ends - other.ends, axis=-1).max())
+        for one, other in zip(there, straight, strict=True)
+    )
+    if away < clearance.distance:
+        return ""
+    return (
+        "It is clear along its curve, but that is not proven for straight ways of the joints "
+        f"between its {len(motion.positions)} poses: raise motion.samples."
+    )
+
+
 def _departure(plan: Plan) -> float:
     """Bound of the distance from the straight way of any point of the arm, [unit]."""
     assert plan.arm is not None

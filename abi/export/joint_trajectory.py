@@ -10,6 +10,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
 from abi.explain.arm_faults import arm_warning, limits_warning
+from abi.export.between_points import rows_warning
 from abi.obstacles.pose import METRES
 from abi.planner.plan import Plan
 
@@ -46,13 +47,13 @@ def motion_of(plan: Plan) -> ArmMotion:
 
 
 def is_marked(plan: Plan) -> bool:
-    """Whether the motion is not proven clear, or passes limits of the joints."""
-    return bool(arm_warning(plan) or limits_warning(plan))
+    """Whether the motion is not proven clear, also between its poses, or passes limits."""
+    return bool(arm_warning(plan) or rows_warning(plan) or limits_warning(plan))
 
 
 def motion_state(plan: Plan) -> str:
     """Sentences that a file of the motion carries: whether the arm is clear, and limits passed."""
-    warning = arm_warning(plan)
+    warning = arm_warning(plan) or rows_warning(plan)
     state = "The arm's whole motion is proven clear of the scene's obstacles."
     if warning:
         state = f"The arm's motion is NOT proven clear. {warning}"

@@ -42,7 +42,7 @@ def united(
     for rows in np.split(order, np.cumsum(np.bincount(number, minlength=count))[:-1]):
         used, ids = np.unique(faces[rows], return_inverse=True)
         corners = np.ascontiguousarray(vertices[used])
-        triangles = ids.reshape(-1, 3)
+        triangles: IntArray = ids.reshape(-1, 3).astype(np.int32)
         shell = manifold3d.Manifold(manifold3d.Mesh64(corners, triangles.astype(np.uint64)))
         if shell.status() != manifold3d.Error.NoError or shell.is_empty():
             return None
@@ -62,15 +62,15 @@ def united(
     largest = max(shell.volume() for shell in shells)
     if shift > _ROUNDING * size or union.volume() < largest * (1 - _ROUNDING):
         return None
-    triangles = np.array(mesh.tri_verts, dtype=np.int32)
-    facing = _normals(points, triangles)
+    merged: IntArray = np.array(mesh.tri_verts).astype(np.int32)
+    facing = _normals(points, merged)
     origins = np.repeat(mesh.run_original_id, np.diff(mesh.run_index) // 3)
     for origin, before in normals.items():
         rows = np.flatnonzero(origins == origin)
         same = np.einsum("ij,ij->i", facing[rows], before[np.asarray(mesh.face_id)[rows]])
         if (same < _TURNED).any():
             return None
-    return points, triangles
+    return points, merged
 
 
 def _normals(vertices: FloatArray, faces: IntArray) -> FloatArray:

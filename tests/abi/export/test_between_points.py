@@ -12,7 +12,7 @@ import scipy
 import abi
 from abi.certification.certify_motion import certify_motion
 from abi.certification.read_motion import own_joints, read_motion
-from abi.export import between_points, ros_trajectory
+from abi.export import between_points, joint_trajectory, ros_trajectory
 from abi.planner.plan import Plan
 
 GANTRY = """<robot name="gantry"><link name="base"/><link name="lx"/>
@@ -78,3 +78,27 @@ def test_the_bound_of_the_departure_holds_for_the_polynomials() -> None:
     farthest = float(np.linalg.norm(away[0] - away[1], axis=-1).max())
     bound = between_points._departure(replace(plan, motion=coarse))
     assert 1e-4 < farthest <= bound < 0.2
+
+
+@pytest.mark.parametrize("samples", [3, 11, None])
+def test_poses_of_the_papers_arm_are_marked_where_straight_ways_between_them_leave_its_curve(
+    samples: int | None,
+) -> None:
+    scene = abi.load_scene("arm-in-the-way")
+    motion = scene.motion.model_copy(update={"samples": samples})
+    plan = abi.plan(scene.model_copy(update={"motion": motion}))
+    fine = abi.plan(scene)
+    assert plan.arm is not None
+    assert plan.motion is not None
+    assert fine.motion is not None
+    assert plan.arm_clearance is not None
+    assert plan.arm_clearance.certified
+    straight = np.stack(
+        [np.interp(fine.motion.time, plan.motion.time, q) for q in plan.motion.positions.T], axis=1
+    )
+    both = zip(plan.arm.placed(straight), plan.arm.placed(fine.motion.positions), strict=True)
+    away = max(np.linalg.norm(one.ends - other.ends, axis=-1).max() for one, other in both)
+    marked = joint_trajectory.is_marked(plan)
+    assert marked == (samples is not None)
+    assert marked or away < plan.arm_clearance.distance
+    assert ("NOT proven clear" in joint_trajectory.motion_state(plan)) == marked
