@@ -209,7 +209,7 @@ class _PoseWorkspace(NamedTuple):
     waiting: IntArray
 
 
-@jitable
+@jitable(forceinline=True)
 def _touches(
     chain: ChainTable,
     bodies: Bodies,
