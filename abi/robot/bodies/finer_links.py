@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from abi.robot.bodies import body_store, chain_capsules, sampled_bodies
+from abi.robot.bodies import body_store, chain_capsules, sampled_bodies, telescopes
 from abi.robot.bodies.chain_capsules import ChainCapsule, capsules_of
 from abi.robot.bodies.link_bodies import Fit
 from abi.robot.bodies.sampled_bodies import SampledBodies
@@ -51,7 +51,7 @@ def _finer_links(
     chain = Chain.moved_by(robot, names, held=still)
     links = [one.link for one in chain.carried]
     shapes = [shape for link in links for shape in robot.links[link].shapes]
-    code = (__file__, chain_capsules.__file__, sampled_bodies.__file__)
+    code = (__file__, chain_capsules.__file__, sampled_bodies.__file__, telescopes.__file__)
     motion = [(one.name, one.origin.tolist(), one.axis.tolist()) for one in robot.joints]
     text = repr((body_store.key_of(shapes, code), motion, chain.limits.tolist(), names, still))
     key = hashlib.sha256(text.encode()).hexdigest()
