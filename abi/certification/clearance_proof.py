@@ -31,6 +31,8 @@ from abi.certification.convex_bodies import RobotBodies, robot_bodies
 from abi.certification.posed_hulls_kernels import nearest_obstacle
 from abi.certification.robot_motion import RobotMotion
 from abi.certification.separate_motion_kernels import Path, separate_motion
+from abi.curves.clearance.halving_kernels import SPENT
+from abi.curves.clearance.separation_kernels import REFUTED
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
@@ -125,7 +127,7 @@ def separation(
     points = problem.motion.points
     path = Path(flat(points), points.shape[1], points.shape[2])
     finest = min(1.0, len(points) / PARTS)
-    planes, left, _ = separate_motion(
+    planes, left, outcomes = separate_motion(
         problem.bodies.chain.table,
         problem.bodies.hulls,
         path,
@@ -143,11 +145,11 @@ def separation(
         bodies=bodies,
         others=others,
         directions=read_only(planes[:, 3:6].copy()),
-        left=read_only(left[:, [0, 1, 3]]),
+        left=read_only(left[:, [0, 1, 6]]),
         left_bodies=left_bodies,
         left_others=left_others,
-        touching=read_only((left[:, 4] == 1).astype(np.int32)),
-        spent=bool((left[:, 4] == 2).any()),
+        touching=read_only((outcomes == REFUTED).astype(np.int32)),
+        spent=bool((outcomes == SPENT).any()),
     )
 
 

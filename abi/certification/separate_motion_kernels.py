@@ -34,10 +34,20 @@ from abi.certification.posed_hulls_kernels import (
 )
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
+from abi.curves.clearance.halving_kernels import (
+    Attempt,
+    Halves,
+    HalvingLimits,
+    Piece,
+    ProofLists,
+    halves_of_motion,
+    new_lists,
+    none_left,
+    separate_pieces,
+    whole_motion,
+)
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
-    MOST_HALVINGS,
-    NO_PLANE,
     REFUTED,
     UNDECIDED,
     SeparatingPlane,
@@ -64,14 +74,6 @@ class Path(NamedTuple):
 
 PATH = Path(FLOATS, 2, 1)
 """Example of a motion."""
-
-
-class PathStretch(NamedTuple):
-    """Part of a motion: from a waypoint, or a place between two, to another."""
-
-    start: float
-    end: float
-    halvings: int
 
 
 @jitable
@@ -101,7 +103,7 @@ def joints_at(path: Path, at: float, pose: HullPose) -> None:
 
 
 @jitable
-def ways_of(path: Path, stretch: PathStretch, pose: HullPose) -> None:
+def ways_of(path: Path, stretch: Piece, pose: HullPose) -> None:
     """Write how far each coordinate gets from the pose: bounded by Bézier points."""
     first = int(stretch.start)
     last = max(first + 1, math.ceil(stretch.end))
@@ -149,24 +151,38 @@ def _from_row(
 
 
 @jitable
-def _try_pairs(
-    around: Obstacles,
-    hulls: Hulls,
-    pose: HullPose,
-    span: tuple[float, float, float],
-    allowance: float,
-    work: list[int],
-    planes: list[SeparatingPlane],
-    left: list[int],
-) -> tuple[int, float, int]:
-    """Separate the pairs of ``work`` on a stretch; those that are left are added to ``left``.
+def _add_pairs(around: Obstacles, hulls: Hulls, pairs: list[int]) -> None:
+    """Add all pairs: of a body and an outer row that it is to keep clear of, and of two bodies."""
+    count, bodies = len(around.margins), len(hulls.frames)
+    for b in range(bodies):
+        for k in range(len(around.outer)):
+            if around.asked[b * count + around.outer[k]]:
+                pairs.append(b * count + around.outer[k])
+    for own in range(len(hulls.pairs) // 2):
+        pairs.append(bodies * count + own)
 
-    Returns:
-        How many were tried; the largest motion of one that is left; the first that touches at the
-        pose, -1 if none does.
+
+_AlongPath = tuple[ChainTable, Hulls, Path, Obstacles, HullPose]
+"""A chain, the bodies that it moves, its motion, what to keep clear of, and room for a pose."""
+
+
+@jitable(forceinline=True)
+def _along_path(
+    problem: _AlongPath, piece: Piece, halves: Halves, known: tuple[int, int], lists: ProofLists
+) -> Attempt:
+    """Separate bodies from rows, and from each other, while the joints move along a piece.
+
+    The size of what is left is the largest motion of a body.
     """
-    start, end, at = span
-    solid_pairs = len(hulls.frames) * len(around.margins)
+    chain, hulls, path, around, pose = problem
+    planes, candidates, work = lists
+    joints_at(path, halves.at, pose)
+    ways_of(path, piece, pose)
+    place_hulls(chain, hulls, pose)
+    work.clear()
+    for i in range(known[1] - 1, known[0] - 1, -1):
+        work.append(candidates[i])
+    solid_pairs, allowance = len(hulls.frames) * len(around.margins), ALLOWANCE * around.size
     tries, farthest, touching = 0, 0.0, -1
     while len(work) > 0:
         pair = work.pop()
@@ -185,33 +201,13 @@ def _try_pairs(
                 if not is_solid(around, pair):
                     outcome = UNDECIDED
         if outcome == CERTIFIED:
-            planes.append(SeparatingPlane(start, end, pair, way, at))
+            planes.append(SeparatingPlane(piece.start, piece.end, pair, way, halves.at))
             continue
         if outcome == REFUTED and touching < 0:
             touching = pair
-        left.append(pair)
+        candidates.append(pair)
         farthest = max(farthest, moves)
-    return tries, farthest, touching
-
-
-@jitable
-def _all_pairs(around: Obstacles, hulls: Hulls) -> list[int]:
-    """All pairs: of a body and an outer row that it is to keep clear of, and of two bodies."""
-    count, bodies = len(around.margins), len(hulls.frames)
-    pairs = [0]
-    pairs.clear()
-    for b in range(bodies):
-        for k in range(len(around.outer)):
-            if around.asked[b * count + around.outer[k]]:
-                pairs.append(b * count + around.outer[k])
-    for own in range(len(hulls.pairs) // 2):
-        pairs.append(bodies * count + own)
-    return pairs
-
-
-Separation = tuple[FloatArray, FloatArray, int]
-"""Planes (k, 7), as of chains; stretches that are left (l, 5): start, end, pair, pose, and whether
-it touches there, or whether the budget ended; the number of tries."""
+    return Attempt(REFUTED if touching >= 0 else UNDECIDED, touching, 0.0, tries, farthest)
 
 
 @compiled(example=(TABLE, HULLS, PATH, NO_OBSTACLES, 1.0, 9, True), fallback=False)
@@ -223,65 +219,31 @@ def separate_motion(
     finest: float,
     most_tries: int,
     to_the_end: bool,
-) -> Separation:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Separate every body from everything around while the joints follow a path.
-
-    A stretch carries the pairs that its parents were not separated in; what is left of them is
-    tried on both halves. Stretches of many pieces are halved at a waypoint.
 
     Args:
         chain: the chain.
         hulls: the bodies that it moves.
         path: the motion.
         around: what to keep clear of.
-        finest: length of a stretch that touches at its pose from which on it is not halved.
+        finest: length of a piece that touches at its pose from which on it is not halved.
         most_tries: pairs to try at most; what is then left is undecided.
-        to_the_end: whether to go on once a stretch is left.
+        to_the_end: whether to go on once a piece is left.
+
+    Returns:
+        Planes (k, 7), as of chains; what is left (l, 7), as planes without a direction; and of each
+        of these REFUTED if the piece touches at its pose, UNDECIDED or SPENT (l,).
     """
     pieces = len(path.points) // (path.width * path.joints)
     pose = new_pose(chain, hulls, path.joints, path.width)
-    allowance, planes = ALLOWANCE * around.size, [NO_PLANE]
-    candidates = _all_pairs(around, hulls)
-    left = [(0.0, 0.0, 0.0, 0.0, 0.0)]
-    left.clear()
-    pending, work, tries = [(PathStretch(0.0, 1.0 * pieces, 0), 0, len(candidates))], [0], 0
-    while len(pending) > 0:
-        stretch, lowest, highest = pending.pop()
-        while len(candidates) > highest:
-            candidates.pop()
-        run = stretch.end - stretch.start > 1
-        at = 0.5 * (stretch.start + stretch.end)
-        if run:
-            at = 1.0 * math.floor(at)
-        spent = tries > most_tries
-        touching, farthest = -1, 0.0
-        if not spent:
-            joints_at(path, at, pose)
-            ways_of(path, stretch, pose)
-            place_hulls(chain, hulls, pose)
-            work.clear()
-            for i in range(highest - 1, lowest - 1, -1):
-                work.append(candidates[i])
-            span = (stretch.start, stretch.end, at)
-            tried, farthest, touching = _try_pairs(
-                around, hulls, pose, span, allowance, work, planes, candidates
-            )
-            tries += tried
-            if len(candidates) == highest:
-                continue
-        final = stretch.halvings == MOST_HALVINGS or farthest < FINEST * around.size
-        final = final or (touching >= 0 and stretch.end - stretch.start <= finest)
-        if spent or (not run and (final or not stretch.start < at < stretch.end)):
-            for i in range(lowest if spent else highest, len(candidates)):
-                mark = 2.0 if spent else 1.0 if touching >= 0 else 0.0
-                left.append((stretch.start, stretch.end, 1.0 * candidates[i], at, mark))
-            if not to_the_end:
-                break
-            continue
-        deeper = 0 if run else stretch.halvings + 1
-        pending.append((PathStretch(at, stretch.end, deeper), highest, len(candidates)))
-        pending.append((PathStretch(stretch.start, at, deeper), highest, len(candidates)))
-    rest = np.empty((len(left), 5))
-    for i in range(len(left)):
-        rest[i, 0], rest[i, 1], rest[i, 2], rest[i, 3], rest[i, 4] = left[i]
-    return table_of(planes), rest, tries
+    lists, left = new_lists(), none_left()
+    _add_pairs(around, hulls, lists.candidates)
+    size = FINEST * around.size
+    limits = HalvingLimits(1, size, most_tries, finest, to_the_end, False)
+    problem, whole = (chain, hulls, path, around, pose), whole_motion(pieces + 1)
+    separate_pieces(problem, whole, halves_of_motion, _along_path, limits, lists, left)
+    outcomes = np.empty(len(left.outcomes) - 1)
+    for i in range(len(outcomes)):
+        outcomes[i] = left.outcomes[i + 1]
+    return table_of(lists.planes), table_of(left.planes), outcomes

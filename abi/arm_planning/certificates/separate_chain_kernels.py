@@ -16,9 +16,9 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
     NO_DIRECTION,
+    Direction,
     Found,
     Moving,
-    ProofLists,
     Span,
     separate_pairs,
 )
@@ -27,10 +27,20 @@ from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacl
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
+from abi.curves.clearance.halving_kernels import (
+    Attempt,
+    Halves,
+    HalvingLimits,
+    Piece,
+    ProofLists,
+    halves_of_motion,
+    new_lists,
+    none_left,
+    separate_pieces,
+    whole_motion,
+)
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
-    MOST_HALVINGS,
-    NO_PLANE,
     REFUTED,
     UNDECIDED,
     Outcome,
@@ -46,14 +56,6 @@ from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, place_ch
 WIDER = 1 + 2.0**-36
 """Factor of how far a link moves: its levers are rounded, and the chain's matrices are nearly
 rotations."""
-
-
-class _JointStretch(NamedTuple):
-    """Joints from one knot, or place between two, to another."""
-
-    start: float
-    end: float
-    halvings: int
 
 
 class _Pose(NamedTuple):
@@ -103,7 +105,7 @@ def _joints_at(knots: FloatArray, at: float, joints: FloatArray) -> None:
 
 @jitable
 def _ways_of(
-    knots: FloatArray, stretch: _JointStretch, joints: FloatArray, end: FloatArray, ways: FloatArray
+    knots: FloatArray, stretch: Piece, joints: FloatArray, end: FloatArray, ways: FloatArray
 ) -> None:
     """Write how far each coordinate gets from ``joints`` on a stretch; ``end`` is room."""
     count = len(joints)
@@ -145,21 +147,6 @@ def place_bodies(
                     + poses[at + 3 * r + 2] * bodies.ends[3 * k + 2]
                     + poses[at + 9 + r]
                 )
-
-
-@jitable
-def _go_to_middle(
-    chain: ChainTable, bodies: Bodies, knots: FloatArray, stretch: _JointStretch, pose: _Pose
-) -> float:
-    """Write the pose in the middle of a stretch, or at a knot near it; its parameter."""
-    at = 0.5 * (stretch.start + stretch.end)
-    if stretch.end - stretch.start > 1:
-        at = 1.0 * math.floor(at)
-    joints, ways, ends, poses, end = pose
-    _joints_at(knots, at, joints)
-    _ways_of(knots, stretch, joints, end, ways)
-    place_bodies(chain, bodies, joints, 0, poses, ends)
-    return at
 
 
 @jitable
@@ -238,18 +225,74 @@ def _refined(
     return True, (outcome, gap - rounding, way)
 
 
+_AlongKnots = tuple[ChainTable, Bodies, FloatArray, Obstacles, bool, _Pose, list[Direction]]
+"""A chain, its capsules, knots of its joints, what it is to keep clear of, whether planes are
+wanted, and room for a pose and for directions."""
+
+
 @jitable
-def _add_pairs(
-    bodies: Bodies, around: Obstacles, pose: _Pose, certify: bool, pairs: list[int]
-) -> None:
-    """Add all pairs; unless it is to ``certify`` not those that boxes keep clear near a pose."""
+def _go_to(problem: _AlongKnots, piece: Piece, at: float) -> _NearPose:
+    """The bodies near the pose at a parameter, on a piece."""
+    chain, bodies, knots, _, _, pose, _ = problem
+    joints, ways, ends, poses, end = pose
+    _joints_at(knots, at, joints)
+    _ways_of(knots, piece, joints, end, ways)
+    place_bodies(chain, bodies, joints, 0, poses, ends)
+    return _NearPose(bodies, ends, ways, poses)
+
+
+@jitable
+def _add_pairs(problem: _AlongKnots, near: _NearPose, pairs: list[int]) -> None:
+    """Add all pairs; unless planes are wanted not those that boxes keep clear near a pose."""
+    _, bodies, _, around, certify, _, _ = problem
     count, allowance = len(around.margins), ALLOWANCE * around.size
     for c in range(len(bodies.frames)):
-        capsule = _capsule_of(_NearPose(bodies, pose.ends, pose.ways, pose.poses), c)
+        capsule = _capsule_of(near, c)
         far = math.inf if certify else capsule.radius + capsule.way + allowance
         add_pairs_within(around, c, (capsule.first, capsule.last), far, pairs)
     for own in range(len(bodies.pairs) // 2):
         pairs.append(len(bodies.frames) * count + own)
+
+
+@jitable(forceinline=True)
+def _along_knots(
+    problem: _AlongKnots, piece: Piece, halves: Halves, known: tuple[int, int], lists: ProofLists
+) -> Attempt:
+    """Separate capsules from rows, and from each other, while the joints move along a piece.
+
+    The size of what is left is the largest way of a capsule.
+    """
+    _, bodies, _, around, certify, _, latest = problem
+    planes, candidates, work = lists
+    solid_pairs, allowance = len(bodies.frames) * len(around.margins), ALLOWANCE * around.size
+    near = _go_to(problem, piece, halves.at)
+    work.clear()
+    for i in range(known[1] - 1, known[0] - 1, -1):
+        if candidates[i] < solid_pairs:
+            work.append(candidates[i])
+    span = Span(piece.start, piece.end, halves.at, allowance, True, certify)
+    outcome, pair, away, tried, farthest = separate_pairs(
+        around, span, lists, latest, _capsule_of, _level_at_ends, _refined, near
+    )
+    tries = tried[0] + tried[1]
+    if outcome == REFUTED:
+        return Attempt(REFUTED, pair, away, tries, farthest)
+    for i in range(known[0], known[1]):
+        pair = candidates[i]
+        if pair < solid_pairs:
+            continue
+        tries += 1
+        closer, outcome, away, way, moves = _apart(near, pair - solid_pairs, allowance)
+        if outcome == REFUTED:
+            return Attempt(REFUTED, pair, away, tries, farthest)
+        if outcome == CERTIFIED:
+            number = -1 - pair if closer else pair
+            planes.append(SeparatingPlane(piece.start, piece.end, number, way, halves.at))
+        else:
+            candidates.append(pair)
+            farthest = max(farthest, moves)
+    left = candidates[len(candidates) - 1] if len(candidates) > 0 else -1
+    return Attempt(UNDECIDED, left, 0.0, tries, farthest)
 
 
 @jitable
@@ -263,18 +306,14 @@ def separate_knots(
 ) -> Outcome:
     """Separate every capsule from everything around while the joints go from knot to knot.
 
-    A stretch carries the pairs that its parents were not separated in; what is left of them is
-    tried on both halves. Stretches of many knots are halved at a knot. Without ``certify`` the long
-    ones come first, so that a contact shows at one of the first poses; with it one half is done
-    with before the other is begun, which takes less room.
-
     Args:
         chain: the chain.
         bodies: its capsules.
         knots: coordinates at m >= 2 knots, flat (m n,).
         around: what to keep clear of.
         most_tries: tries it may take; without ``certify`` those of boxes do not count.
-        certify: whether planes are wanted of all pairs, those that boxes keep clear included.
+        certify: whether planes are wanted of all pairs, those that boxes keep clear included;
+            otherwise the longest pieces come first.
 
     Returns:
         As for curves, the parameter of knot k being k; a plane's obstacle is the number of its
@@ -283,61 +322,14 @@ def separate_knots(
     count, ends = len(chain.limits) // 2, np.empty(6 * len(bodies.frames))
     ways, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
     pose = _Pose(np.empty(count), ways, ends, poses, np.empty(count))
-    planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    lists = ProofLists(planes, candidates, work, [NO_DIRECTION])
-    candidates.clear()
-    solid_pairs, allowance = len(bodies.frames) * len(around.margins), ALLOWANCE * around.size
-    whole = _JointStretch(0.0, 1.0 * (len(knots) // count - 1), 0)
-    _go_to_middle(chain, bodies, knots, whole, pose)
-    _add_pairs(bodies, around, pose, certify, candidates)
-    pending, first = [(whole, 0, len(candidates))], 0
-    while len(pending) > first:
-        if certify:
-            stretch, lowest, highest = pending.pop()
-            while len(candidates) > highest:
-                candidates.pop()
-        else:
-            stretch, lowest, highest = pending[first]
-            first += 1
-        left = len(candidates)
-        at = _go_to_middle(chain, bodies, knots, stretch, pose)
-        work.clear()
-        lists.latest.clear()
-        for i in range(highest - 1, lowest - 1, -1):
-            if candidates[i] < solid_pairs:
-                work.append(candidates[i])
-        near = _NearPose(bodies, ends, ways, poses)
-        span = Span(stretch.start, stretch.end, at, allowance, True, certify)
-        outcome, pair, away, tried, farthest = separate_pairs(
-            around, span, lists, _capsule_of, _level_at_ends, _refined, near
-        )
-        tries += tried[0] + tried[1]
-        if outcome == REFUTED:
-            return REFUTED, at, pair, away, table_of(planes)
-        for i in range(lowest, highest):
-            pair = candidates[i]
-            if pair < solid_pairs:
-                continue
-            tries += 1
-            closer, outcome, away, way, moves = _apart(near, pair - solid_pairs, allowance)
-            if outcome == REFUTED:
-                return REFUTED, at, pair, away, table_of(planes)
-            if outcome == CERTIFIED:
-                number = -1 - pair if closer else pair
-                planes.append(SeparatingPlane(stretch.start, stretch.end, number, way, at))
-            else:
-                candidates.append(pair)
-                farthest = max(farthest, moves)
-        if len(candidates) == left:
-            continue
-        run = stretch.end - stretch.start > 1
-        final = stretch.halvings == MOST_HALVINGS or farthest < FINEST * around.size
-        if tries > most_tries or (not run and (final or not stretch.start < at < stretch.end)):
-            return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)
-        deeper = 0 if run else stretch.halvings + 1
-        pending.append((_JointStretch(at, stretch.end, deeper), left, len(candidates)))
-        pending.append((_JointStretch(stretch.start, at, deeper), left, len(candidates)))
-    return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
+    problem = chain, bodies, knots, around, certify, pose, [NO_DIRECTION]
+    lists, left = new_lists(), none_left()
+    whole = whole_motion(len(knots) // count)
+    near = _go_to(problem, whole, halves_of_motion(problem, whole).at)
+    _add_pairs(problem, near, lists.candidates)
+    limits = HalvingLimits(1, FINEST * around.size, most_tries, math.inf, False, not certify)
+    ending = separate_pieces(problem, whole, halves_of_motion, _along_knots, limits, lists, left)
+    return (*ending, table_of(lists.planes))
 
 
 @compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 9, True))

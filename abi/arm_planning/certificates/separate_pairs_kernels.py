@@ -20,6 +20,7 @@ from abi.arm_planning.world.collision_world_kernels import (
     open_box,
 )
 from abi.compilation.jitable import jitable
+from abi.curves.clearance.halving_kernels import ProofLists
 from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, SeparatingPlane
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
 from abi.obstacles.vector_kernels import Vec3, dot, sub
@@ -128,22 +129,6 @@ class Span(NamedTuple):
     keeps: bool
 
 
-class ProofLists(NamedTuple):
-    """Lists that a proof fills; a pair is capsule times number of obstacles, plus obstacle.
-
-    Attributes:
-        planes: the directions found.
-        candidates: pairs, those of every pending piece, a piece's own together.
-        work: pairs of the present piece, the next one last.
-        latest: directions that may serve for the next pair, too.
-    """
-
-    planes: list[SeparatingPlane]
-    candidates: list[int]
-    work: list[int]
-    latest: list[Direction]
-
-
 @jitable(forceinline=True)
 def _level(
     allowance: float,
@@ -200,6 +185,7 @@ def separate_pairs(
     around: Obstacles,
     span: Span,
     lists: ProofLists,
+    latest: list[Direction],
     capsule_of: Callable[[_Arm, int], Moving],
     level_at_ends: Callable[[_Arm, Moving, Vec3], float],
     refined: Callable[[_Arm, Obstacles, int, int, float, Found], tuple[bool, Found]],
@@ -212,7 +198,8 @@ def separate_pairs(
     Args:
         around: what to keep clear of.
         span: the piece.
-        lists: written.
+        lists: written; a pair is capsule times number of obstacles, plus obstacle.
+        latest: directions that may serve for the next pair, too; room.
         capsule_of: a capsule of the arm, by its number.
         level_at_ends: least n·P over the points P of a capsule's segment at both ends of the piece.
         refined: what is found of a closer body than a capsule, by the number of this, the row, the
@@ -224,7 +211,8 @@ def separate_pairs(
         many could be left out; the largest way of a capsule that is left, [unit].
     """
     count, (start, end, at, allowance, bounded, keeps) = len(around.margins), span
-    planes, candidates, work, latest = lists
+    planes, candidates, work = lists
+    latest.clear()
     capsule = capsule_of(arm, 0)
     left, tries, spared, farthest = -1, 0, 0, 0.0
     while len(work) > 0:

@@ -17,8 +17,8 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     FINEST,
     LONGER,
     NO_DIRECTION,
+    Direction,
     Moving,
-    ProofLists,
     Span,
     as_found,
     separate_pairs,
@@ -27,15 +27,23 @@ from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacl
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.curves.clearance.halving_kernels import (
+    Attempt,
+    CurvePoints,
+    Halves,
+    HalvingLimits,
+    Piece,
+    ProofLists,
+    halves_of_curve,
+    new_lists,
+    none_left,
+    separate_pieces,
+    whole_curve,
+)
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
-    MOST_HALVINGS,
-    NO_PLANE,
-    REFUTED,
     UNDECIDED,
     Outcome,
-    Piece,
-    halves_of,
     table_of,
 )
 from abi.obstacles.vector_kernels import Vec3, distance, dot, vec3_at
@@ -157,6 +165,43 @@ def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
     return farthest * LONGER
 
 
+_AlongCurve = tuple[CurvePoints, ArmTable, Obstacles, Slide, list[Direction]]
+"""The tool's curve, an arm, what it is to keep clear of, bounds of q5, and room for directions."""
+
+
+@jitable(forceinline=True)
+def _along_curve(
+    problem: _AlongCurve, piece: Piece, halves: Halves, known: tuple[int, int], lists: ProofLists
+) -> Attempt:
+    """Separate the arm's capsules from rows while the tool runs along a piece.
+
+    The size of what is left is how far the tool gets from the piece's middle.
+    """
+    (points, _, _), table, around, slide, latest = problem
+    arm, _ = table
+    middle = vec3_at(points, 3 * halves.behind.first)
+    low, high = _slide_within(slide, piece.start, piece.end)
+    forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
+    farthest = _farthest(points, piece, middle)
+    if not reaches(arm, middle, forearm):
+        return Attempt(UNREACHED, -1, 0.0, 0, farthest)
+    pose = pose_of(arm, middle, forearm)
+    if not shoulder_holds(arm, pose):
+        return Attempt(UNREACHED, -1, 0.0, 0, farthest)
+    neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
+    allowance = allowance_of(around, neighbourhood.rates)
+    span = Span(piece.start, piece.end, halves.at, allowance, bounded, True)
+    lists.work.clear()
+    for i in range(known[1] - 1, known[0] - 1, -1):
+        lists.work.append(lists.candidates[i])
+    outcome, pair, away, tried, _ = separate_pairs(
+        around, span, lists, latest, capsule_of, level_at_ends, as_found, (table, neighbourhood)
+    )
+    if outcome == UNDECIDED:
+        pair = lists.candidates[len(lists.candidates) - 1]
+    return Attempt(outcome, pair, away, tried[0] + tried[1], farthest)
+
+
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NO_ARM, NO_OBSTACLES, NO_SLIDE, 9))
 def separate_arm(
     world: FloatArray,
@@ -169,8 +214,7 @@ def separate_arm(
 ) -> Outcome:
     """Separate every capsule from every obstacle while the tool runs along a curve.
 
-    Where that is proven, q2 and q3 keep their limits, too. A piece of the curve carries the pairs
-    that its parents were not separated in; what is left of them is tried on both halves.
+    Where that is proven, q2 and q3 keep their limits, too.
 
     Args:
         world: Bézier points of the s polynomials, flat (3 s (degree + 1),), world frame.
@@ -185,53 +229,17 @@ def separate_arm(
         As for curves; a plane's obstacle is the number of its pair, and its level the parameter of
         the pose.
     """
-    arm, capsules = table
-    spans = len(breaks) - 1
-    width = len(world) // (3 * spans)
+    _, capsules = table
     for i in range(len(world)):
         points[i] = world[i]
-    planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    lists = ProofLists(planes, candidates, work, [NO_DIRECTION])
-    candidates.clear()
+    lists, left = new_lists(), none_left()
     for c in range(len(capsules) // CAPSULE):
-        add_pairs_within(around, c, (_ANYWHERE, _ANYWHERE), math.inf, candidates)
-    if len(candidates) == 0:
-        return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
-    whole = Piece(0, spans * width, 0, breaks[0], breaks[spans])
-    pending = [(whole, 0, len(candidates))]
-    while len(pending) > 0:
-        piece, lowest, highest = pending.pop()
-        while len(candidates) > highest:
-            candidates.pop()
-        at, ahead, behind = halves_of(points, piece, breaks, width)
-        middle = vec3_at(points, 3 * behind.first)
-        low, high = _slide_within(slide, piece.start, piece.end)
-        forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
-        farthest = _farthest(points, piece, middle)
-        if not reaches(arm, middle, forearm):
-            return UNREACHED, at, -1, 0.0, table_of(planes)
-        pose = pose_of(arm, middle, forearm)
-        if not shoulder_holds(arm, pose):
-            return UNREACHED, at, -1, 0.0, table_of(planes)
-        neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
-        allowance = allowance_of(around, neighbourhood.rates)
-        span = Span(piece.start, piece.end, at, allowance, bounded, True)
-        work.clear()
-        lists.latest.clear()
-        for i in range(highest - 1, lowest - 1, -1):
-            work.append(candidates[i])
-        outcome, pair, away, tried, _ = separate_pairs(
-            around, span, lists, capsule_of, level_at_ends, as_found, (table, neighbourhood)
-        )
-        tries += tried[0] + tried[1]
-        if outcome == REFUTED:
-            return REFUTED, at, pair, away, table_of(planes)
-        if len(candidates) == highest:
-            continue
-        run = piece.last - piece.first > width
-        final = piece.halvings == MOST_HALVINGS or farthest < FINEST * around.size
-        if tries > most_tries or (not run and (final or not piece.start < at < piece.end)):
-            return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)
-        pending.append((behind, highest, len(candidates)))
-        pending.append((ahead, highest, len(candidates)))
-    return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
+        add_pairs_within(around, c, (_ANYWHERE, _ANYWHERE), math.inf, lists.candidates)
+    if len(lists.candidates) == 0:
+        return CERTIFIED, 0.0, -1, math.inf, table_of(lists.planes)
+    width = len(world) // (3 * (len(breaks) - 1))
+    curve, whole = whole_curve(points, breaks, width)
+    limits = HalvingLimits(width, FINEST * around.size, most_tries, math.inf, False, False)
+    problem = curve, table, around, slide, [NO_DIRECTION]
+    ending = separate_pieces(problem, whole, halves_of_curve, _along_curve, limits, lists, left)
+    return (*ending, table_of(lists.planes))

@@ -27,7 +27,6 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
     FINEST,
     LONGER,
     NO_DIRECTION,
-    ProofLists,
     Span,
     as_found,
     separate_pairs,
@@ -45,7 +44,8 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLAGS, compiled
-from abi.curves.clearance.separation_kernels import NO_PLANE, REFUTED
+from abi.curves.clearance.halving_kernels import new_lists
+from abi.curves.clearance.separation_kernels import REFUTED
 from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace, new_room
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
@@ -151,9 +151,9 @@ def arm_is_clear(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec
         return False
     (arm, capsules), around, forearm, slid, most_tries = segments
     length, way = distance(first, last), sub(last, first)
-    pending, at, candidates, tries, work = [(0.0, 1.0, 0, 0)], 0, [0], 0, [0]
-    candidates.clear()
-    lists = ProofLists([NO_PLANE], candidates, work, [NO_DIRECTION])
+    pending, at, tries = [(0.0, 1.0, 0, 0)], 0, 0
+    lists, latest = new_lists(), [NO_DIRECTION]
+    candidates, work = lists.candidates, lists.work
     while at < len(pending):
         start, end, lowest, highest = pending[at]
         at += 1
@@ -182,7 +182,6 @@ def arm_is_clear(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec
             highest = len(candidates)
         span = Span(start, end, (start + end) / 2, allowance, bounded, False)
         work.clear()
-        lists.latest.clear()
         left = len(candidates)
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
@@ -190,6 +189,7 @@ def arm_is_clear(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec
             around,
             span,
             lists,
+            latest,
             capsule_of,
             level_at_ends,
             as_found,

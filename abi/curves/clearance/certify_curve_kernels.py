@@ -13,26 +13,37 @@ import math
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.curves.clearance.halving_kernels import (
+    Attempt,
+    CurvePoints,
+    Halves,
+    HalvingLimits,
+    Piece,
+    ProofLists,
+    halves_of_curve,
+    new_lists,
+    none_left,
+    separate_pieces,
+    whole_curve,
+)
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     FINEST,
-    MOST_HALVINGS,
-    NO_PLANE,
     REFUTED,
     TINY,
     UNDECIDED,
     Outcome,
-    Piece,
     SeparatingPlane,
     allowance_of,
     apart_along_axis,
     extent_of,
-    halves_of,
     least_product,
     table_of,
 )
 from abi.obstacles.primitive_kernels import (
     WIDTH,
+    Axes,
+    Core,
     axes_of,
     centre_of,
     core_of,
@@ -55,6 +66,48 @@ def _scale_of(primitives: FloatArray, s: int, size: float) -> float:
     return scale
 
 
+_BeforePrimitive = tuple[CurvePoints, int, Axes, Core, float, float]
+"""A curve in a primitive's body frame, the primitive's number, axes and core, the largest
+coordinate of both, and the margin, [unit]."""
+
+
+@jitable(forceinline=True)
+def _before_primitive(
+    problem: _BeforePrimitive,
+    piece: Piece,
+    halves: Halves,
+    known: tuple[int, int],
+    lists: ProofLists,
+) -> Attempt:
+    """Try one direction, away from the primitive at a point in the middle of a piece, or an axis.
+
+    The size of what is left is its extent.
+    """
+    (points, _, width), s, axes, core, scale, margin = problem
+    middle = vec3_at(points, 3 * halves.behind.first)
+    distance, direction = signed_distance_gradient(core, middle)
+    allowance = allowance_of(scale, width - 1, piece.halvings, margin)
+    if distance < margin - allowance:
+        return Attempt(REFUTED, s, distance, 0, math.inf)
+    need = margin + allowance
+    level = least_product(points, piece.first, piece.last, direction)
+    separated = level - support(core, direction) > need
+    size = math.inf
+    if not separated:
+        low, high = extent_of(points, 3 * piece.first, 3 * piece.last)
+        size = max(high[0] - low[0], high[1] - low[1], high[2] - low[2])
+        inner, outer = (-core.x, -core.y, -core.z), (core.x, core.y, core.z)
+        gap, direction = apart_along_axis(inner, outer, (low, high))
+        level = gap - core.radius
+        separated = level > need
+    if separated:
+        normal = in_world(axes, direction)
+        lists.planes.append(SeparatingPlane(piece.start, piece.end, s, normal, level))
+        return Attempt(UNDECIDED, s, distance, 0, size)
+    lists.candidates.append(s)
+    return Attempt(UNDECIDED, s, distance, 1, size)
+
+
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, FLOATS, 1.0, 0.0, 9))
 def separate_from_primitives(
     world: FloatArray,
@@ -65,10 +118,7 @@ def separate_from_primitives(
     margin: float,
     most_tries: int,
 ) -> Outcome:
-    """Separate every piece of a curve from every primitive.
-
-    Depth first: a run of polynomials is tried whole, then in halves, then each polynomial is
-    halved. Each try takes one direction, away from the primitive at a point in the run's middle.
+    """Separate every piece of a curve from every primitive, one after the other.
 
     Args:
         world: Bézier points of the s polynomials, flat (3 s (degree + 1),), world frame.
@@ -82,48 +132,26 @@ def separate_from_primitives(
     """
     spans, count = len(breaks) - 1, len(primitives) // WIDTH
     width = len(world) // (3 * spans)
-    planes = [NO_PLANE]
+    lists, left = new_lists(), none_left()
     finest = 0.0
     for s in range(count):
         finest = max(finest, FINEST * _scale_of(primitives, s, size))
+    limits = HalvingLimits(width, finest, most_tries, math.inf, False, False)
+    curve, whole = whole_curve(points, breaks, width)
     for s in range(count):
         axes, centre = axes_of(primitives, s), centre_of(primitives, s)
         for i in range(0, 3 * spans * width, 3):
             points[i], points[i + 1], points[i + 2] = in_body(axes, sub(vec3_at(world, i), centre))
         core, scale = core_of(primitives, s), _scale_of(primitives, s, size)
-        tries = 0
-        pending = [Piece(0, spans * width, 0, breaks[0], breaks[spans])]
-        while len(pending) > 0:
-            piece = pending.pop()
-            run = piece.last - piece.first > width
-            at, ahead, behind = halves_of(points, piece, breaks, width)
-            middle = vec3_at(points, 3 * behind.first)
-            distance, direction = signed_distance_gradient(core, middle)
-            allowance = allowance_of(scale, width - 1, piece.halvings, margin)
-            if distance < margin - allowance:
-                return REFUTED, at, s, distance, table_of(planes)
-            need = margin + allowance
-            level = least_product(points, piece.first, piece.last, direction)
-            separated = level - support(core, direction) > need
-            extent = math.inf
-            if not separated:
-                low, high = extent_of(points, 3 * piece.first, 3 * piece.last)
-                extent = max(high[0] - low[0], high[1] - low[1], high[2] - low[2])
-                inner, outer = (-core.x, -core.y, -core.z), (core.x, core.y, core.z)
-                gap, direction = apart_along_axis(inner, outer, (low, high))
-                level = gap - core.radius
-                separated = level > need
-            if separated:
-                normal = in_world(axes, direction)
-                planes.append(SeparatingPlane(piece.start, piece.end, s, normal, level))
-                continue
-            tries += 1
-            final = piece.halvings == MOST_HALVINGS or (extent < finest and not run)
-            if final or tries > most_tries or not piece.start < at < piece.end:
-                return UNDECIDED, at, s, distance, table_of(planes)
-            pending.append(behind)
-            pending.append(ahead)
-    return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
+        problem = curve, s, axes, core, scale, margin
+        lists.candidates.clear()
+        lists.candidates.append(s)
+        outcome, at, _, distance = separate_pieces(
+            problem, whole, halves_of_curve, _before_primitive, limits, lists, left
+        )
+        if outcome != CERTIFIED:
+            return outcome, at, s, distance, table_of(lists.planes)
+    return CERTIFIED, 0.0, -1, math.inf, table_of(lists.planes)
 
 
 _KEPT = 4  # directions of a piece that are tried again on the next node
@@ -196,6 +224,63 @@ def _open(tree: TriangleTree, node: int, work: list[int]) -> None:
         work.append(nodes + i)
 
 
+_BeforeSurface = tuple[CurvePoints, TriangleTree, float, float]
+"""A curve in a surface's coordinates, the tree over its triangles, the largest coordinate of both,
+and the margin, [unit]."""
+
+
+@jitable(forceinline=True)
+def _before_surface(
+    problem: _BeforeSurface,
+    piece: Piece,
+    halves: Halves,
+    known: tuple[int, int],
+    lists: ProofLists,
+) -> Attempt:
+    """Separate a piece from nodes of the tree; those larger than the piece are opened.
+
+    The size of what is left is the piece's extent.
+    """
+    (points, _, width), tree, scale, margin = problem
+    planes, candidates, work = lists
+    middle = vec3_at(points, 3 * halves.behind.first)
+    extent = extent_of(points, 3 * piece.first, 3 * piece.last)
+    size = max(
+        extent[1][0] - extent[0][0], extent[1][1] - extent[0][1], extent[1][2] - extent[0][2]
+    )
+    allowance = allowance_of(scale, width - 1, piece.halvings, margin)
+    need = margin + allowance
+    first_plane, nearest, tries = len(planes), math.inf, 0
+    nodes = 2 * len(tree.leaves) - 3
+    work.clear()
+    for i in range(known[0], known[1]):
+        work.append(candidates[i])
+    while len(work) > 0:
+        node = work.pop()
+        tries += 1
+        if _separated_again(planes, first_plane, tree, node, need):
+            continue
+        if node < nodes:
+            low, high = box_of(tree, node)
+            direction = _from_box(low, high, extent, middle, need)
+            wide = 2 * max(high[0] - low[0], high[1] - low[1], high[2] - low[2]) > size
+        else:
+            wide = False
+            triangle = triangle_at(tree.corners, node - nodes)
+            distance, direction = _away_from(middle, closest_point(middle, triangle))
+            if distance < margin - allowance:
+                return Attempt(REFUTED, node, distance, tries, size)
+            nearest = min(nearest, distance)
+        level = least_product(points, piece.first, piece.last, direction)
+        if level - _support(direction, tree, node) > need:
+            planes.append(SeparatingPlane(piece.start, piece.end, 0, direction, level))
+        elif wide:
+            _open(tree, node, work)
+        else:
+            candidates.append(node)
+    return Attempt(UNDECIDED, -1, nearest, tries, size)
+
+
 @compiled(example=(NEW_FLOATS, NEW_FLOATS, 1, NO_TREE, 1.0, 0.0, 9))
 def separate_from_mesh(
     points: FloatArray,
@@ -210,8 +295,7 @@ def separate_from_mesh(
 
     The nodes of a tree over the triangles are boxes, convex as any primitive: a piece separated
     from a box is separated from all triangles in it. A piece carries the nodes that its parents
-    were not separated from; a node larger than the piece is opened, and the piece is halved when
-    smaller nodes or triangles are left.
+    were not separated from; it is halved when nodes smaller than it, or triangles, are left.
 
     Args:
         points: Bézier points of the s polynomials, and room for the halves, body frame, flat as in
@@ -223,56 +307,13 @@ def separate_from_mesh(
         margin: distance to prove, at least 0, [unit].
         most_tries: tries it may take.
     """
-    width, spans = degree + 1, len(breaks) - 1
-    nodes = 2 * len(tree.leaves) - 3
-    planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    whole = Piece(0, spans * width, 0, breaks[0], breaks[spans])
-    pending = [(whole, 0, 1)]
-    while len(pending) > 0:
-        piece, lowest, highest = pending.pop()
-        while len(candidates) > highest:
-            candidates.pop()
-        run = piece.last - piece.first > width
-        at, ahead, behind = halves_of(points, piece, breaks, width)
-        middle = vec3_at(points, 3 * behind.first)
-        extent = extent_of(points, 3 * piece.first, 3 * piece.last)
-        size = max(
-            extent[1][0] - extent[0][0], extent[1][1] - extent[0][1], extent[1][2] - extent[0][2]
-        )
-        allowance = allowance_of(scale, degree, piece.halvings, margin)
-        need = margin + allowance
-        first_plane, nearest = len(planes), math.inf
-        work.clear()
-        for i in range(lowest, highest):
-            work.append(candidates[i])
-        while len(work) > 0:
-            node = work.pop()
-            tries += 1
-            if _separated_again(planes, first_plane, tree, node, need):
-                continue
-            if node < nodes:
-                low, high = box_of(tree, node)
-                direction = _from_box(low, high, extent, middle, need)
-                wide = 2 * max(high[0] - low[0], high[1] - low[1], high[2] - low[2]) > size
-            else:
-                wide = False
-                triangle = triangle_at(tree.corners, node - nodes)
-                distance, direction = _away_from(middle, closest_point(middle, triangle))
-                if distance < margin - allowance:
-                    return REFUTED, at, 0, distance, table_of(planes)
-                nearest = min(nearest, distance)
-            level = least_product(points, piece.first, piece.last, direction)
-            if level - _support(direction, tree, node) > need:
-                planes.append(SeparatingPlane(piece.start, piece.end, 0, direction, level))
-            elif wide:
-                _open(tree, node, work)
-            else:
-                candidates.append(node)
-        if len(candidates) == highest:
-            continue
-        final = size < FINEST * scale or piece.halvings == MOST_HALVINGS
-        if tries > most_tries or (not run and (final or not piece.start < at < piece.end)):
-            return UNDECIDED, at, 0, nearest, table_of(planes)
-        pending.append((behind, highest, len(candidates)))
-        pending.append((ahead, highest, len(candidates)))
-    return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
+    lists, left = new_lists(), none_left()
+    lists.candidates.append(0)  # the root of the tree
+    curve, whole = whole_curve(points, breaks, degree + 1)
+    limits = HalvingLimits(degree + 1, FINEST * scale, most_tries, math.inf, False, False)
+    problem = curve, tree, scale, margin
+    outcome, at, _, distance = separate_pieces(
+        problem, whole, halves_of_curve, _before_surface, limits, lists, left
+    )
+    number = 0 if outcome != CERTIFIED else -1
+    return outcome, at, number, distance, table_of(lists.planes)

@@ -58,8 +58,6 @@ def extent_of(points: Numbers, start: int, stop: int) -> tuple[Vec3, Vec3]:
 
 
 CERTIFIED, REFUTED, UNDECIDED = 0, 1, 2
-MOST_HALVINGS = 48
-"""Largest number of halvings of one polynomial: finer than any distance worth deciding."""
 FINEST = 2.0**-36
 """Pieces smaller than this part of the largest coordinate are not halved."""
 
@@ -75,24 +73,6 @@ PER_MARGIN = 64
 """The same in units of ``UNIT`` times the margin: normals are nearly of length 1."""
 TINY = 2.0**-510
 """Length from which on a direction can be trusted: squares of shorter ones lose digits."""
-
-
-class Piece(NamedTuple):
-    """A stretch of the curve.
-
-    Attributes:
-        first: point with which it begins.
-        last: point before which it ends.
-        halvings: of its polynomial; 0 of several.
-        start: first parameter.
-        end: last parameter.
-    """
-
-    first: int
-    last: int
-    halvings: int
-    start: float
-    end: float
 
 
 class SeparatingPlane(NamedTuple):
@@ -138,35 +118,6 @@ def allowance_of(scale: float, degree: int, halvings: int, margin: float) -> flo
     """Rounding error of a separation, [unit]: see ``abi.curves.clearance.certificate``."""
     per_scale = PER_SIZE + (PER_DEGREE + PER_HALVING * halvings) * degree
     return UNIT * (per_scale * scale + PER_MARGIN * abs(margin))
-
-
-@jitable
-def halves_of(
-    points: FloatArray, piece: Piece, breaks: FloatArray, width: int
-) -> tuple[float, Piece, Piece]:
-    """Parameter at which a piece is divided, and both halves; the second begins in its middle.
-
-    A run of polynomials is divided between two of them, and one polynomial by de Casteljau: there
-    is room for its halves behind the points, at each number of halvings for two.
-
-    Args:
-        points: written behind the s polynomials.
-        piece: the piece.
-        breaks: parameters between the polynomials (s + 1,).
-        width: points of a polynomial.
-    """
-    if piece.last - piece.first > width:
-        span = (piece.first + piece.last) // width // 2
-        at = breaks[span]
-        first, middle, last, halvings = piece.first, span * width, piece.last, 0
-    else:
-        at = 0.5 * (piece.start + piece.end)
-        first = (len(breaks) - 1 + 2 * piece.halvings) * width
-        middle, last, halvings = first + width, first + 2 * width, piece.halvings + 1
-        share = (at - piece.start) / (piece.end - piece.start)
-        divide(points, 3 * piece.first, points, 3 * first, 3 * middle, width, share)
-    ahead = Piece(first, middle, halvings, piece.start, at)
-    return at, ahead, Piece(middle, last, halvings, at, piece.end)
 
 
 @jitable
