@@ -152,7 +152,7 @@ class HalvingLimits(NamedTuple):
 _Problem = TypeVar("_Problem")
 
 
-@jitable
+@jitable(forceinline=True)
 def separate_pieces(
     problem: _Problem,
     whole: Piece,
