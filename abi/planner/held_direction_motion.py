@@ -18,7 +18,6 @@ from abi.arm_planning.joint_search.held_part import HeldPart
 from abi.arm_planning.joint_search.held_path import HeldPath, path_holding
 from abi.arm_planning.joint_search.held_search import HeldSearch
 from abi.arm_planning.joint_search.joint_motion import (
-    JointPassage,
     SlowPart,
     passage_of,
     proven_motion,
@@ -26,6 +25,7 @@ from abi.arm_planning.joint_search.joint_motion import (
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
+from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.motion_law import motion_law
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -141,7 +141,7 @@ def _aligned(part: HeldPart, end: str, poses: FloatArray) -> FloatArray:
     return np.asarray(poses[angles <= tolerance])
 
 
-def _passage(found: HeldPath, arm: UrdfArm, factor: float, spline: JointSpline) -> JointPassage:
+def _passage(found: HeldPath, arm: UrdfArm, factor: float, spline: JointSpline) -> ChainJointPath:
     """The way along a curve near a path, so many times as slow in the part of the path."""
     assert found.search.path is not None
     places = np.linspace(0.0, 1.0, _PLACES)
@@ -152,7 +152,7 @@ def _passage(found: HeldPath, arm: UrdfArm, factor: float, spline: JointSpline) 
 
 
 def _part_of(
-    found: HeldPath, passage: JointPassage, settings: MotionSettings
+    found: HeldPath, passage: ChainJointPath, settings: MotionSettings
 ) -> tuple[float, float]:
     """Shares of a motion's time at which it passes the ends of the part of its path."""
     positions = _timed(passage, settings)
@@ -203,7 +203,7 @@ def _moved(
 def _lack(
     part: HeldPart,
     settings: MotionSettings,
-    way: Callable[[JointSpline], JointPassage],
+    way: Callable[[JointSpline], ChainJointPath],
     spline: JointSpline,
 ) -> float | None:
     """Parameter at which a motion along a curve keeps the direction least; None if it is kept."""
@@ -216,7 +216,7 @@ def _lack(
     return float(places[away.argmin()])
 
 
-def _timed(passage: JointPassage, settings: MotionSettings) -> FloatArray:
+def _timed(passage: ChainJointPath, settings: MotionSettings) -> FloatArray:
     """Joint positions at uniform times of a motion by the law that is asked for."""
     profile = motion_law(passage, settings)
     return passage.at(profile(np.linspace(0.0, profile.duration, _SAMPLES)))

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy
 
-from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.joint_search.joint_spline import JointSpline
 from abi.arm_planning.motion.arm_clearance import ArmClearance, is_clear
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.arrays import FloatArray, read_only
 from abi.curves.bspline import clamped
 from abi.curves.cubic_profile import PathProfile
-from abi.curves.curve import arc_length
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import UrdfArm
 
@@ -34,89 +29,6 @@ _FINER = (1, 2, 4)
 """Factors for the number of samples that are tried until a motion is proven clear."""
 TURN = 0.25
 """Distance that a turn by 1 rad counts as, over the arm's reach."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class JointPassage(ShortRepr):
-    """Joint positions as functions of the distance along a joint-space curve.
-
-    Where the tool moves by dx and the joints by dq, the distance grows by the root of dx² + r² dq²,
-    r being a quarter of the arm's reach: a tool that stands still while the joints turn takes time,
-    too, and none moves faster than the distance does. In a :class:`SlowPart` it grows faster still.
-
-    Attributes:
-        joint_path: the joints at equal distances, and the polyline of the tool.
-        length: the whole distance, [unit].
-    """
-
-    joint_path: ChainJointPath
-    length: float
-
-    @cached_property
-    def _spline(self) -> Any:
-        positions = self.joint_path.positions
-        return scipy.interpolate.CubicSpline(np.linspace(0, self.length, len(positions)), positions)
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
-        return self.joint_path.speeds
-
-    @property
-    def scales(self) -> FloatArray:
-        """Factors from [rad/s²] or [m/s²] to [rad/s²] or [unit/s²], (n,)."""
-        return self.joint_path.scales
-
-    @property
-    def is_timed(self) -> bool:
-        """Whether the joints depend on the time, too: False."""
-        return False
-
-    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
-        """Joint positions at distances (k,), (k, n), within the limits."""
-        low, high = self.joint_path.arm.limits.T
-        return np.asarray(np.clip(self._spline(distances), low, high))
-
-    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
-        """Motion by a profile, at uniform times."""
-        arm, time = self.joint_path.arm, np.linspace(0.0, profile.duration, samples)
-        positions = self.at(profile(time))
-        tool, step = arm.tool(positions), profile.duration / (samples - 1)
-        nothing = read_only(np.zeros(2))
-        return ArmMotion(
-            curve=self.joint_path.curve,
-            elbow="up",
-            slide=Slide(nothing, nothing, nothing),
-            time=read_only(time),
-            positions=read_only(positions),
-            target=read_only(tool),
-            tool=read_only(tool),
-            tool_velocity=read_only(np.gradient(tool, step, axis=0)),
-            unreachable=(),
-            limit_violations=(),
-            peak_joint_speed=read_only(np.abs(np.diff(positions, axis=0)).max(axis=0) / step),
-            joints=arm.joints,
-            slides=arm.chain.slides,
-        )
-
-    def is_refuted(
-        self,
-        profile: Callable[[], PathProfile],
-        collision_world: CollisionWorld,
-        required: float,
-    ) -> bool:
-        """Check whether some of the poses show that the arm is not clear."""
-        return self.joint_path.is_refuted(profile, collision_world, required)
-
-    def clearance(
-        self,
-        motion: ArmMotion,
-        obstacles: ObstacleSet,
-        collision_world: CollisionWorld,
-        required: float,
-    ) -> ArmClearance:
-        """Clearance of the whole arm in that motion, measured and proven."""
-        return self.joint_path.clearance(motion, obstacles, collision_world, required)
 
 
 class SlowPart(NamedTuple):
@@ -142,8 +54,12 @@ class SlowPart(NamedTuple):
         return np.asarray(1 + (self.factor - 1) * share**2 * (3 - 2 * share))
 
 
-def passage_of(spline: JointSpline, arm: UrdfArm, slow: SlowPart | None = None) -> JointPassage:
+def passage_of(spline: JointSpline, arm: UrdfArm, slow: SlowPart | None = None) -> ChainJointPath:
     """Parametrise a joint-space curve, whose ends differ, by distance.
+
+    Where the tool moves by dx and the joints by dq, the distance grows by the root of dx² + r² dq²,
+    r being a quarter of the arm's reach: a tool that stands still while the joints turn takes time,
+    too, and none moves faster than the distance does. In a :class:`SlowPart` it grows faster still.
 
     Args:
         spline: the curve.
@@ -164,14 +80,12 @@ def passage_of(spline: JointSpline, arm: UrdfArm, slow: SlowPart | None = None) 
     equal = np.clip(back(np.linspace(0.0, passed[-1], _GRID)), 0.0, 1.0)
     equal[-1] = 1.0
     curve = clamped(tool[:: (_FINE - 1) // _DRAWN], 1)
-    joint_path = ChainJointPath(
-        curve, arc_length(curve), arm, read_only(spline(equal)), read_only(np.zeros(_GRID))
-    )
-    return JointPassage(joint_path, float(passed[-1]))
+    met = read_only(np.zeros(_GRID))
+    return ChainJointPath(curve, None, arm, read_only(spline(equal)), met, float(passed[-1]))
 
 
 def proven_motion(
-    passage: JointPassage,
+    passage: ChainJointPath,
     profile: PathProfile,
     samples: int,
     obstacles: ObstacleSet,

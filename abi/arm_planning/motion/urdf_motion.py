@@ -62,24 +62,24 @@ _ENOUGH = 0.03
 class ChainJointPath:
     """Joint positions of a URDF arm as functions of the distance along a curve.
 
+    The curve is one of the tool, which the joints follow, or one of the joints, which lead the
+    tool: then the distance is one in both spaces (``abi.arm_planning.joint_search.joint_motion``).
+
     Attributes:
         curve: path of the tool.
-        arc: its arc length.
+        arc: its arc length; None if the joints lead.
         arm: the arm.
         positions: joint positions at equal distances, shape (k, n), [rad] or [unit].
         missed: distance by which the tool misses the curve there, shape (k,), [unit].
+        length: the whole distance, [unit].
     """
 
     curve: Curve
-    arc: ArcLength
+    arc: ArcLength | None
     arm: UrdfArm
     positions: FloatArray
     missed: FloatArray
-
-    @property
-    def length(self) -> float:
-        """Arc length of the curve, [unit]."""
-        return self.arc.length
+    length: float
 
     @property
     def speeds(self) -> FloatArray:
@@ -93,7 +93,7 @@ class ChainJointPath:
 
     @cached_property
     def _spline(self) -> Any:
-        distances = np.linspace(0.0, self.arc.length, len(self.positions))
+        distances = np.linspace(0.0, self.length, len(self.positions))
         return scipy.interpolate.CubicSpline(distances, self.positions)
 
     @property
@@ -119,13 +119,14 @@ class ChainJointPath:
         return ProofMemory(self.arm)
 
     def _motion(self, profile: PathProfile, samples: int) -> ArmMotion:
-        arm, trajectory = self.arm, Trajectory(self.curve, self.arc, profile)
-        time = np.linspace(0.0, profile.duration, samples)
-        target, _, velocity = trajectory.sampled(time)
-        travelled = profile(time)
+        arm, time = self.arm, np.linspace(0.0, profile.duration, samples)
+        travelled, step = profile(time), profile.duration / (samples - 1)
         positions = self.at(travelled)
-        step = profile.duration / (samples - 1)
-        distances = np.linspace(0.0, self.arc.length, len(self.missed))
+        tool = arm.tool(positions)
+        target, velocity = tool, np.gradient(tool, step, axis=0)
+        if self.arc is not None:
+            target, _, velocity = Trajectory(self.curve, self.arc, profile).sampled(time)
+        distances = np.linspace(0.0, self.length, len(self.missed))
         missed = np.interp(travelled, distances, self.missed)
         allowed = REACHED * arm.reach
         nothing = read_only(np.zeros(2))
@@ -136,7 +137,7 @@ class ChainJointPath:
             time=read_only(time),
             positions=read_only(positions),
             target=read_only(target),
-            tool=read_only(arm.tool(positions)),
+            tool=read_only(tool),
             tool_velocity=read_only(velocity),
             unreachable=stretches(time, np.where(missed > allowed, missed, 0.0)),
             limit_violations=(),
@@ -332,4 +333,4 @@ def joint_path_from(
     ``home``."""
     points = curve(arc.parameter(np.linspace(0.0, arc.length, _GRID)))
     positions, missed = arm.follow(pose, points, home)
-    return ChainJointPath(curve, arc, arm, read_only(positions), read_only(missed))
+    return ChainJointPath(curve, arc, arm, read_only(positions), read_only(missed), arc.length)
