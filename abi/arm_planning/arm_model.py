@@ -20,6 +20,7 @@ from abi.curves.quadratic import Quadratic
 from abi.errors import format_length
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
 from abi.tet_mesh.node_tree import NodeTree
@@ -209,6 +210,10 @@ class ArmModel(Protocol):
     @property
     def arm(self) -> AnyArm:
         """The arm."""
+
+    @property
+    def chain_arm(self) -> UrdfArm | None:
+        """The arm, if motions can be sought in the space of its joints."""
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
         """The arm's collision world, above a floor no higher than ``lowest``, [unit]."""

@@ -28,6 +28,7 @@ class PaperArmModel:
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         self.arm = PaperArm.from_settings(settings, unit)
+        self.chain_arm = None
         self._rows = RowTable()
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:

@@ -60,7 +60,7 @@ class UrdfArmModel:
         stands = settings.base, settings.exact_axis, unit, settings.base_wxyz
         robot = settings.with_attached(METRES[unit])
         touches = settings.gripper, settings.allowed, settings.grasping
-        self.arm = urdf_arm(robot, settings.tool, *stands, *touches)
+        self.arm = self.chain_arm = urdf_arm(robot, settings.tool, *stands, *touches)
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._configurations: dict[PosePair, _Spread] = {}
         self._rows, self._poses = RowTable(), SegmentMemory()

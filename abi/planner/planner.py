@@ -27,7 +27,6 @@ from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
 from abi.planner.stage_results import QuadraticOnSpline, SplineOnPath, TimedMotion
 from abi.planner.tool_branch import ToolBranch, ToolStages
-from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene, require_scene
 from abi.search.search import SEARCHES, SearchFunction
@@ -197,9 +196,10 @@ class Planner:
             NoJointMotion: there is none.
         """
         problem = tool.problem
-        assert isinstance(problem.model.arm, UrdfArm)
+        arm = problem.model.chain_arm
+        assert arm is not None
         search, (profile, motion, clearance) = self._stages.joints(
-            problem.scene, problem.model.arm, problem.obstacles, tool.collision_world, self._effort
+            problem.scene, arm, problem.obstacles, tool.collision_world, self._effort
         )
         return replace(
             plan,
