@@ -354,7 +354,14 @@ window.abi = {
     folder.style.scrollMargin = "14px 0 6px";  // the heading stands on the folder's edge
     const panel = folder.closest(".mantine-ScrollArea-viewport");
     const show = () => folder.scrollIntoView({block: folder.offsetHeight + 20 > panel?.clientHeight ? "start" : "nearest"});
-    for (const delay of [250, 500, 1000]) setTimeout(show, delay);
+    // at the end of its unfolding, and not later, when a hand may have gone on; at once if nothing moves
+    const ended = ({propertyName}) => {
+      if (propertyName !== "height") return;
+      folder.removeEventListener("transitionend", ended);
+      show();
+    };
+    folder.addEventListener("transitionend", ended);
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) requestAnimationFrame(show);
   },
 
   // In a phone's sheet the tabs are below the stages, in one line first: what is chosen of them, or a

@@ -86,6 +86,7 @@ _HEIGHTS = """() => [...document.querySelectorAll(".mantine-ScrollArea-viewport"
   .filter(part => part.clientWidth > 0).map(part => [part.scrollHeight, part.clientHeight])"""
 
 # Where the left panel's controls and headings are, however far it is scrolled, [px].
+_IN_SIGHT = "row => row.getBoundingClientRect().bottom <= innerHeight"
 _CONTROLS = """() => {
   const panel = document.querySelector(".mantine-ScrollArea-viewport");
   return [...panel.querySelectorAll("input, button, .mantine-Paper-root")]
@@ -310,7 +311,9 @@ def test_nothing_moves_in_the_panel_whose_value_is_changed(page: Page, session: 
     try:
         _show_scene(page, session, "arm-in-the-way")
         page.tab.get_by_text("6 · Arm").click()
-        page.until(lambda: page.row("link clearance [cm]").is_visible(), "the folder to open")
+        row = page.row("link clearance [cm]")
+        page.until(row.is_visible, "the folder to open")
+        page.until(lambda: row.evaluate(_IN_SIGHT), "the folder to be in sight")
         page.settle()
         before = page.tab.evaluate(_CONTROLS)
         notes = [_notes(session)]
