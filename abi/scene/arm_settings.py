@@ -132,6 +132,7 @@ class ArmSettings(Settings):
     dynamics: Literal["corrected", "as_printed"] = "corrected"
 
     _robot: Robot | None = PrivateAttr(None)
+    _left_out: tuple[str, ...] = PrivateAttr(())
 
     @model_validator(mode="after")
     def _load(self, info: ValidationInfo) -> Self:
@@ -152,7 +153,13 @@ class ArmSettings(Settings):
             meshes = (info.context or {}).get("meshes", MeshSource())
             self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)
             if self.base_link is not None:
-                self._robot = self._from_base(self._robot, self.base_link)
+                whole = self._robot
+                self._robot = self._from_base(whole, self.base_link)
+                self._left_out = tuple(
+                    name
+                    for name, link in whole.links.items()
+                    if link.shapes and name not in self._robot.links
+                )
             joints_to(self._robot, self.tool)
         return self
 
@@ -255,7 +262,11 @@ class ArmSettings(Settings):
         if self.model != "urdf":
             return ()
         held = held_in_metres(self.robot, self.gripper, metres)
-        return planned_sentence(self.robot, self.tool, held), *self.robot.notes
+        notes = (planned_sentence(self.robot, self.tool, held), *self.robot.notes)
+        if not self._left_out:
+            return notes
+        named = f"{self.base_link} does not carry them: {some_of(self._left_out)}"
+        return (*notes, f"Left out, so that nothing keeps clear of them, as {named}.")
 
     def _from_base(self, robot: Robot, base: str) -> Robot:
         """The part of a robot that its base link carries, the tip among it."""

@@ -36,7 +36,7 @@ _NEAR = 1e-6
 _WHOLE = 1e3
 """Weight of the condition that convex coefficients add up to one, beside the distance between
 points."""
-_UPRIGHT = 1e-3
+_UPRIGHT = 1e-6
 """Tilt of an axis that counts as zero, [rad]."""
 _POSES = 64
 """Random poses in which links that are said to overlap always are tested."""

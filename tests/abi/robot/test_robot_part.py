@@ -68,6 +68,8 @@ def test_bases_that_do_not_work_are_told_from_those_that_do() -> None:
     assert scene().arm.tool == "r3"
     assert scene(base_link="l1").arm.tool == "l2"
     assert [*scene(base_link="r1").arm.robot.links] == ["r1", "r2", "r3"]
+    told = "as r1 does not carry them: column, l1, l2."
+    assert any(told in note for note in scene(base_link="r1").notes)
     for wrong in ({"base_link": "r1", "tip": "l2"}, {"base_link": "x", "tip": "l2"}):
         with pytest.raises(SceneError, match=r"arm\.base_link .*move l2: column, l1\."):
             scene(**wrong)
