@@ -6,8 +6,8 @@ from typing import Any
 
 _OF_PLANS = (
     *("mesh", "graph", "searches", "path", "taut", "optimum"),
-    *("bspline.length", "quadratic.length", "timing.peak_speed", "timing.t1", "timing.t2"),
-    *("timing.t3", "timing.liquid_tilt", "joint_search", "arm.elbow"),
+    *("bspline.length", "quadratic.length", "timing.peak_speed"),
+    *("timing.liquid_tilt", "joint_search"),
     *("arm.clearances", "arm.clearance_time", "arm.clearance_obstacle", "arm.nearest"),
     *("arm.contacts", "arm.within_limits", "arm.limits_passed", "arm.joint_speed_limits"),
     *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),

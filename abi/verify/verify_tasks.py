@@ -63,8 +63,12 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
         _check_same(label, data, whole, gripper)
         if data["arm"]["axis"] != (task.get("axis") if number > 0 else whole["arm"]["axis"]):
             raise Fault(f"{label} keeps another direction of the tool than is asked for")
-        if number > 0:
-            _check_goal(label, here, scene.tasks[number].goal)
+        asked = scene.tasks[number].goal if scene.tasks else None
+        if number == 0:
+            if (here.start, here.arm.start) != (scene.start, scene.arm.start):
+                raise Fault(f"{label} begins elsewhere than is asked for")
+            asked = asked or scene.arm.goal or scene.goal
+        _check_goal(label, here, asked)
         positions = _positions(leg)
         if rows and np.abs(np.subtract(rows[-1], positions[0])).max() > _SAME:
             raise Fault(f"the joints jump where {label} begins")
@@ -88,8 +92,8 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
     if any(one != trajectory.get("joints") for one in names):
         raise Fault("its trajectory names other joints than the legs")
     times = numbers_of("trajectory.time", trajectory.get("time"))
-    if len(times) != len(rows) or times[0] != 0 or np.diff(times).min() < 0:
-        raise Fault("its trajectory's samples have not one time each, in order")
+    if len(times) != len(rows) or np.abs(np.subtract(times, _times(legs))).max() > _SAME:
+        raise Fault("its trajectory's samples have not one time each, that of their legs")
     if [numbers_of("trajectory", row) for row in trajectory.get("positions", [])] != rows:
         raise Fault("its trajectory is not that of the legs")
     moved = sum(task.attach is not None for task in scene.tasks)
@@ -97,6 +101,15 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
     unproven = f"; not proven is how the gripper moves before leg {', '.join(moving)}"
     joined = f"{len(legs)} legs join without a jump of the joints{carried}"
     return f"{joined}{unproven}" if moving else joined
+
+
+def _times(legs: list[dict[str, Any]]) -> list[float]:
+    """Times of the samples of all legs, one after the other, [s]."""
+    found = [0.0]
+    for leg in legs:
+        begin, times = found[-1], numbers_of("arm.time", mapping("arm", leg.get("arm")).get("time"))
+        found += [begin + time for time in times[1:]]
+    return found
 
 
 def _grasps(task: dict[str, Any]) -> bool:

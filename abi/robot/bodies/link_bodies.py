@@ -122,7 +122,7 @@ def _fitted(link: Link, fit: _Fit) -> tuple[Body, ...]:
 
 
 class OpenWay(NamedTuple):
-    """Way of what slides into a link: no triangle of the link is in it.
+    """Way of what slides into a link: no triangle of the link is in it, nor beyond one of its ends.
 
     Attributes:
         sides: planes around it (k, 4), each a unit normal across the direction, and its height
@@ -150,9 +150,12 @@ class OpenWay(NamedTuple):
         return beside, triangles
 
     def is_open(self, triangles: FloatArray) -> bool:
-        """Check whether no triangle (n, 3, 3) is in it."""
+        """Check whether no triangle (n, 3, 3) is in it, nor beyond one of its ends.
+
+        So it leads out, and is outside of all that the triangles enclose.
+        """
         along = self.parts(triangles)[1] @ self.direction
-        return bool(((along < self.low).all(axis=1) | (along > self.high).all(axis=1)).all())
+        return bool((along < self.low).all() or (along > self.high).all())
 
 
 def bodies_beside(link: Link, way: OpenWay) -> tuple[Body, ...]:

@@ -266,9 +266,22 @@ def run_backwards(plan: dict[str, Any]) -> None:
     plan["trajectory"]["time"].reverse()
 
 
+def run_faster(plan: dict[str, Any]) -> None:
+    plan["trajectory"]["time"] = [0.5 * time for time in plan["trajectory"]["time"]]
+
+
+def begin_elsewhere(plan: dict[str, Any]) -> None:
+    plan["scene"]["start"] = {"joints": JOINTS[4]}
+
+
+def end_the_first_leg_elsewhere(plan: dict[str, Any]) -> None:
+    plan["scene"]["goal"] = {"joints": JOINTS[4]}
+
+
 @pytest.mark.parametrize(
     "damage",
     [
+        *(begin_elsewhere, end_the_first_leg_elsewhere, run_faster),
         *(jump, move_what_is_left, hold_another, forget_it, leave_out_a_leg),
         *(keep_less, slacken, go_elsewhere, tell_another_motion),
         *(name_other_joints, run_backwards),

@@ -7,6 +7,7 @@ import pytest
 import trimesh
 
 from abi.arm_planning.world.chain_distances import Poses, own_distances
+from abi.robot.bodies import telescopes
 from abi.robot.bodies.telescopes import open_bodies
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
@@ -68,3 +69,19 @@ def test_a_tube_is_held_by_pieces_that_a_rod_passes(bottom: float) -> None:
 def test_a_rod_that_is_too_wide_for_its_tube_has_no_way() -> None:
     arm = urdf_arm(robot_from_archive(telescope(-0.15, 0.13)), "c", (0.0, 0.0, 0.0))
     assert open_bodies(arm.chain) == {}
+
+
+def test_what_is_solid_has_no_way_through_it() -> None:
+    # a tube that is closed above, too, encloses its way, as a block does that is solid there
+    closed = trimesh.creation.box((0.3, 0.2, 0.4))
+    inner = trimesh.creation.box((0.12, 0.08, 0.38))
+    inner.invert()
+    both: trimesh.Trimesh = trimesh.util.concatenate([closed, inner])  # type: ignore[assignment]
+    for solid in (closed, both):
+        triangles = np.asarray(solid.triangles)
+        ends = np.array(
+            [[x, y, z] for x in (-0.05, 0.05) for y in (-0.03, 0.03) for z in (-0.05, 0.05)]
+        )
+        slide = telescopes._Slide(np.array([0.0, 0.0, 1.0]), ends, 0.0, 0.05)
+        assert telescopes._open_way(triangles, [slide]) is None
+        assert telescopes._way_into(triangles, [slide]) is None
