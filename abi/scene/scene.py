@@ -7,7 +7,7 @@ of the visualiser read, and the only input of a plan.
 import json
 import os
 from collections.abc import Mapping
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -328,7 +328,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
         raise SceneError("scene", name_or_path, "the name or path of one, such as 'paper'")
     shipped = scene_names()
     if str(name_or_path) in shipped:
-        return _shipped(str(name_or_path))
+        path = assets.path("scenes", f"{name_or_path}.yaml")
+        return Scene.from_dict(parse(path), path.parent)
     path = Path(name_or_path)
     if not path.suffix and not os.path.lexists(path):
         raise SceneError("scene", str(name_or_path), f"a file or one of {', '.join(shipped)}")
@@ -337,13 +338,6 @@ def load_scene(name_or_path: str | Path) -> Scene:
     if path.suffix.lower() == scene_archive.SUFFIX:
         data, files = scene_archive.unpack(read_file(path, scene_archive.MAX_BYTES), path.name)
         return Scene.from_dict(data, MeshSource(files))
-    return Scene.from_dict(parse(path), path.parent)
-
-
-@cache
-def _shipped(name: str) -> Scene:
-    """A shipped scene, which is read once a process: no file of the package changes."""
-    path = assets.path("scenes", f"{name}.yaml")
     return Scene.from_dict(parse(path), path.parent)
 
 
