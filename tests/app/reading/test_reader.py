@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from abi.certification.motion import RobotState
 from abi.certification.read_motion import read_motion
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
@@ -62,7 +63,7 @@ def test_a_motion_is_the_one_that_is_read_here(reader: Reader) -> None:
     wanted = read_motion("a.json", content, slides)
     assert found.to_dict() == wanted.to_dict()
     assert (found.notes, found.start) == (wanted.notes, wanted.start)
-    assert wanted.start == ({"b": 0.5}, ("rod",))
+    assert wanted.start == RobotState({"b": 0.5}, ("rod",))
 
 
 def test_a_process_that_was_started_before_reads_the_first_file() -> None:
