@@ -104,11 +104,13 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
 
 
 def _times(legs: list[dict[str, Any]]) -> list[float]:
-    """Times of the samples of all legs, one after the other, [s]."""
+    """Times of the poses of all legs, one after the other, each evenly in its leg, [s]."""
     found = [0.0]
     for leg in legs:
-        begin, times = found[-1], numbers_of("arm.time", mapping("arm", leg.get("arm")).get("time"))
-        found += [begin + time for time in times[1:]]
+        duration = numbers_of("arm.time", mapping("arm", leg.get("arm")).get("time"))[-1]
+        even = np.linspace(0.0, duration, len(_positions(leg)))[1:]
+        begin = found[-1]
+        found += [begin + time for time in even.tolist()]
     return found
 
 
