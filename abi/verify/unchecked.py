@@ -6,13 +6,14 @@ from typing import Any
 
 _OF_PLANS = (
     *("mesh", "graph", "searches", "path", "taut", "optimum"),
-    *("bspline.length", "quadratic.length", "timing.peak_speed"),
-    *("timing.liquid_tilt", "joint_search"),
+    *("bspline.length", "quadratic.length", "timing.liquid_tilt"),
+    "joint_search",
     *("arm.clearances", "arm.clearance_time", "arm.clearance_obstacle", "arm.nearest"),
     *("arm.contacts", "arm.within_limits", "arm.limits_passed", "arm.joint_speed_limits"),
     *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
 )
+_OF_URDF_PLANS = ("timing.t1", "timing.t2", "timing.t3", "timing.peak_speed", "arm.elbow")
 _OF_MOTIONS = ("limits", "motion.duration")
 """Unchecked fields, the most telling ones of each section; computing times are left out."""
 
@@ -28,7 +29,14 @@ def unchecked(data: object) -> tuple[str, ...]:
     if isinstance(legs := data.get("legs"), list):
         return tuple(dict.fromkeys(name for leg in legs for name in unchecked(leg)))
     names = _OF_MOTIONS if "verdict" in data else _OF_PLANS
+    if _is_of_urdf(data.get("scene")):
+        names = (*names, *_OF_URDF_PLANS)
     return tuple(name for name in names if _is_stated(data, name))
+
+
+def _is_of_urdf(scene: object) -> bool:
+    arm = scene.get("arm") if isinstance(scene, dict) else None
+    return isinstance(arm, dict) and arm.get("model") == "urdf"
 
 
 def _is_stated(data: dict[str, Any], name: str) -> bool:

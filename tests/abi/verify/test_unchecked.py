@@ -24,7 +24,7 @@ def test_what_is_named_changes_no_verdict(told: dict[str, Any]) -> None:
     assert all(one.proven for one in verdicts)
     names = unchecked(told)
     assert {"searches", "optimum", "arm.clearances", "bspline.length"} <= set(names)
-    assert {"arm.within_limits", "timing.peak_speed"} <= set(names)
+    assert "arm.within_limits" in names
     changed["arm"] |= {"within_limits": False, "limits_passed": ["anything"]}
     for name in set(names) - {"arm.within_limits"}:
         section, _, field = name.partition(".")
