@@ -12,11 +12,12 @@ from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, touch
 from abi.robot.kinematics.chain import Chain
 
-_POSES = 96
+_POSES, _AT_ENDS = 96, 2
+"""Random poses, and those at each end of each coordinate's range."""
 
 
 def always_touch(chain: Chain, first: str, second: str) -> bool:
-    """Check whether the shapes of two links touch in each of some random poses.
+    """Check whether the shapes of two links touch in each of some random poses, also at limits.
 
     What is found is kept from one start to the next.
 
@@ -27,6 +28,11 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
     """
     low, high = chain.usual_range().T
     positions = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
+    # links that part at the end of a range part where few random poses are
+    for column, ends in enumerate(zip(low.tolist(), high.tolist(), strict=True)):
+        at_ends = np.random.default_rng(2).uniform(low, high, (2 * _AT_ENDS, len(low)))
+        at_ends[:, column] = np.repeat(ends, _AT_ENDS)
+        positions = np.concatenate([positions, at_ends])
     poses = chain.poses(positions)
     (turns, origins), (others, places) = (_placed(chain, one, poses) for one in (first, second))
     back = turns.swapaxes(1, 2)

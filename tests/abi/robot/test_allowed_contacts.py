@@ -230,6 +230,24 @@ def test_a_link_without_a_shape_makes_no_neighbours_of_what_it_carries() -> None
     assert not any({one.link, one.other} == {"post", "carriage"} for one in arm.allowed)
 
 
+@pytest.mark.parametrize(("high", "always"), [(1.0206, False), (1.0194, True)])
+def test_links_that_part_only_at_the_end_of_a_range_overlap_not_always(
+    high: float, always: bool
+) -> None:
+    slide = f'<limit lower="-1" upper="{high}" velocity="1" effort="9"/>'
+    text = urdf(
+        link("slab").replace("0.1 0.1 0.3", "2 2 0.1"),
+        '<link name="m"/>',
+        link("pin").replace("0.1 0.1 0.3", "0.04 0.04 0.4"),
+        joint("x", "slab", "m", "prismatic", "1 0 0", slide).replace("0 0 0.4", "0 0 0"),
+        joint("y", "m", "pin", "prismatic", "0 1 0", slide.replace(f"{high}", "0.5")),
+    ).replace('rpy="0.3 0.2 0.1"', "")
+    text = text.replace('<origin xyz="0 0 0.4" ', '<origin xyz="0 0 0" ')
+    arm = urdf_arm(robot_from_archive(packed({"a.urdf": text})), "pin", (0.0, 0.0, 0.0))
+    reasons = [one.reason for one in arm.allowed if {one.link, one.other} == {"slab", "pin"}]
+    assert reasons == (["always"] if always else [])
+
+
 @pytest.mark.parametrize(("radius", "always"), [(0.2, False), (0.01, True)])
 def test_links_whose_bodies_overlap_always_may_touch_only_if_they_do(
     radius: float, always: bool
