@@ -133,17 +133,15 @@ def _drawn(shape: MeshShape, metres: float) -> LinkShape:
     return _link_shape("mesh", (1.0, 1.0, 1.0), np.eye(4), surface.vertices * scale, surface.faces)
 
 
-def _with_tips(
-    corners: FloatArray, whole: FloatArray, centre: FloatArray, depth: float
-) -> FloatArray:
+def _with_tips(corners: FloatArray, whole: FloatArray, depth: float) -> FloatArray:
     """Corners of a hull moved inwards by a distance, with tips that would lose more than twice it.
 
     Where sides meet at a small angle, a point that far from all of them is far from their corner.
     """
-    inwards = centre - whole
-    tips = whole + 2 * depth * inwards / np.linalg.norm(inwards, axis=1, keepdims=True)
-    points = np.concatenate([corners, tips])
-    return np.asarray(points[scipy.spatial.ConvexHull(points).vertices])
+    apart, nearest = scipy.spatial.cKDTree(corners).query(whole)
+    lost = apart > 2 * depth
+    inwards = (corners[nearest[lost]] - whole[lost]) / apart[lost, None]
+    return np.concatenate([corners, whole[lost] + 2 * depth * inwards])
 
 
 def _hull(shape: MeshShape, metres: float, inset: float) -> LinkShape:
@@ -163,7 +161,7 @@ def _hull(shape: MeshShape, metres: float, inset: float) -> LinkShape:
         moved[:, 3] += depth
         corners = scipy.spatial.HalfspaceIntersection(moved, centre).intersections
         if depth > 0:
-            corners = _with_tips(corners, shape.surface.hull * scale, centre, depth)
+            corners = _with_tips(corners, shape.surface.hull * scale, depth)
         faces = scipy.spatial.ConvexHull(corners).simplices
     except (scipy.spatial.QhullError, TypeError, ValueError):
         expected = "a solid: what is flat cannot be held"
