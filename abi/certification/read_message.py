@@ -21,6 +21,7 @@ from abi.obstacles.pose import METRES
 _INSIDE = ("joint_trajectory", "trajectory", "solution", "motion")
 _STATES = ("trajectory_start", "start_state")
 _DEEPEST = 4
+_UNITS, _SI = ("unit", "units"), (None, "rad", "radian", "radians", "si", "SI")
 
 
 def read_message(data: object, slides: Sequence[str]) -> Motion:
@@ -127,6 +128,12 @@ def _trajectory(message: dict[str, Any]) -> Motion:
 
 def _plain(data: dict[str, Any]) -> Motion:
     """Motion of ``joints``, ``positions`` and what else is known."""
+    for name in _UNITS:
+        if data.get(name) not in _SI:
+            raise MotionError(
+                f"{name} of the motion is {short(data[name])}, which is not read.",
+                "Give angles in rad, lengths in m and times in s.",
+            )
     names = _names(data["joints"])
     positions = _table("positions", data["positions"])
     rates = [

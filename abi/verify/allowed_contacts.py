@@ -210,6 +210,8 @@ def _check_overlap(
     """Raise if links that are said to overlap always do so in too few random poses."""
     if not pairs:
         return
+    if bare := sorted({*itertools.chain(*pairs)} - bodies.keys()):
+        raise Fault(f"{bare[0]} has no shape, and touches nothing")
     overlaps = dict.fromkeys(pairs, 0)
     low, high = _usual_range(chain)
     for row in np.random.default_rng(0).uniform(low, high, (_POSES, len(low))):

@@ -261,8 +261,9 @@ class Robot(ShortRepr):
     couplings: tuple[Coupling, ...] = ()
 
     @property
-    def _key(self) -> tuple[bytes, str, AttachedObject | None]:
-        return self.archive, self.root, self.attached
+    def _key(self) -> tuple[bytes | int, str, AttachedObject | None]:
+        # without an archive nothing but itself says what it is
+        return self.archive or id(self), self.root, self.attached
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Robot) and self._key == other._key

@@ -234,7 +234,10 @@ def parse(content: bytes, name: str) -> etree._Element:
         raise SceneError(field, shown, expected) from None
     except ValueError as error:
         raise SceneError(field, str(error)[:90], "a whole XML text") from None
-    for count, element in enumerate(root.iter()):
+    default = f"{{{root.nsmap.get(None)}}}"
+    for count, element in enumerate(root.iter("*")):
+        if str(element.tag).startswith(default):
+            element.tag = str(element.tag).removeprefix(default)
         values = [str(value) for value in element.attrib.values()]
         if count >= MAX_ELEMENTS:
             raise SceneError(field, f"{count} elements", f"at most {MAX_ELEMENTS:,}")

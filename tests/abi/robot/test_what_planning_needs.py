@@ -320,3 +320,11 @@ def test_a_follower_that_its_master_takes_past_its_limits_is_told_of(
     )
     notes = " ".join(read_of(text).notes)
     assert ("past its own limits, which do not count: joint f" in notes) == passes
+
+
+def test_a_default_namespace_changes_nothing() -> None:
+    named = arm(('<robot name="r">', '<robot xmlns="http://example.org/x" name="r">'))
+    plain, read = read_of(arm()), read_of(named)
+    assert [*read.links] == [*plain.links]
+    assert [one.name for one in read.joints] == [one.name for one in plain.joints]
+    assert read != plain  # no archive tells that they are the same
