@@ -34,6 +34,8 @@ _POSES, _PAIRS = 20, 12
 """Most poses of a pair, and most pairs, at which exact shapes are tested."""
 _DEPTHS = 4
 """Most poses of a contact at which its depth is measured."""
+_ENDS_AND_BETWEEN = 5
+"""Poses in which links that are said to touch always have to."""
 _BISECTIONS = 18
 _FINEST = 1e-9
 """Distance below which shapes may touch or not by rounding, over the largest coordinate."""
@@ -82,6 +84,13 @@ def _verdict(
     found = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
     least = _whose(problem, found)
     inside = _inside(problem)
+    apart = _apart_though_allowed(problem)
+    if proof.proven and apart and not inside:
+        first, last = _times(problem, 0.0, float(len(problem.motion.points)))
+        whole = (TimeStretch(first, last, "undecided"),)
+        return MotionVerdict(
+            *("undecided", scene, problem, found.distance, least, (), apart, whole, limits, None)
+        )
     if proof.proven and not inside:
         proof = _wider(problem, proof, found, most_tries)
         margin = proof.margin if len(problem.obstacles) else math.inf
@@ -120,6 +129,27 @@ def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
                 if obstacle.signed_distance(point[None] / problem.bodies.metres)[0] < 0:
                     found.append((body.link, number))
     return list(dict.fromkeys(found))
+
+
+def _apart_though_allowed(problem: MotionProblem) -> tuple[Doubt, ...]:
+    """Pairs that are said to touch always, and whose exact shapes are apart in some pose.
+
+    No proof tells whether such a pair touches elsewhere.
+    """
+    always = [one for one in problem.bodies.pairs[1] if one.reason == "always"]
+    if not always:
+        return ()
+    finder, end = ContactFinder(problem), float(len(problem.motion.points))
+    doubts = []
+    for link, other, _ in always:
+        assert isinstance(other, str)
+        for at in np.linspace(0.0, end, _ENDS_AND_BETWEEN).tolist():
+            if not finder.touches(at, link, other):
+                why = f"Convex pieces that fit {link} and {other} more closely would decide it."
+                away = finder.distance(at, link, other)
+                doubts.append(Doubt(*_times(problem, 0.0, end), link, other, away, why))
+                break
+    return tuple(doubts)
 
 
 def _wider(

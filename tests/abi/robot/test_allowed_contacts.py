@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from abi.arm_planning.world.chain_distances import obstacle_distances
 from abi.arm_planning.world.collision_world import chain_world
 from abi.arm_planning.world.mount import mounts
+from abi.certification import convex_bodies
+from abi.certification.certify import certify
 from abi.certification.convex_bodies import robot_bodies
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
@@ -22,7 +24,8 @@ from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.planner.planner import Planner
+from abi.planner.planner import Planner, plan
+from abi.robot.bodies import allowed_contacts as allowed_pairs
 from abi.robot.bodies import finer_links
 from abi.robot.bodies.allowed_contacts import tree_reason
 from abi.robot.kinematics.chain import Chain
@@ -248,11 +251,8 @@ def test_links_that_part_only_at_the_end_of_a_range_overlap_not_always(
     assert reasons == (["always"] if always else [])
 
 
-@pytest.mark.parametrize(("radius", "always"), [(0.2, False), (0.01, True)])
-def test_links_whose_bodies_overlap_always_may_touch_only_if_they_do(
-    radius: float, always: bool
-) -> None:
-    """A pin in a tube, whose convex pieces fill it; in a narrow one they touch indeed."""
+def pin_in_tube(radius: float, name: str = "r") -> dict[str, str | bytes]:
+    """Files of a robot with a pin in a tube, whose convex pieces fill it."""
     tube = trimesh.creation.annulus(radius, 0.25, 0.2)
     slide = '<limit lower="-0.17" upper="0.17" velocity="1" effort="9"/>'
     text = urdf(
@@ -262,14 +262,48 @@ def test_links_whose_bodies_overlap_always_may_touch_only_if_they_do(
         joint("x", "tube", "m", "prismatic", "1 0 0", slide).replace("0 0 0.4", "0 0 0"),
         joint("y", "m", "pin", "prismatic", "0 1 0", slide).replace("0 0 0.4", "0 0 0"),
     ).replace('rpy="0.3 0.2 0.1"', "")
-    files: dict[str, str | bytes] = {"a.urdf": text, "tube.stl": tube.export(file_type="stl")}
-    robot = robot_from_archive(packed(files))
+    text = text.replace('<robot name="r">', f'<robot name="{name}">')
+    return {"a.urdf": text, "tube.stl": tube.export(file_type="stl")}
+
+
+@pytest.mark.parametrize(("radius", "always"), [(0.2, False), (0.01, True)])
+def test_links_whose_bodies_overlap_always_may_touch_only_if_they_do(
+    radius: float, always: bool
+) -> None:
+    robot = robot_from_archive(packed(pin_in_tube(radius)))
     arm = urdf_arm(robot, "pin", (0.0, 0.0, 0.0))
     reasons = [one.reason for one in arm.allowed if {one.link, one.other} == {"tube", "pin"}]
     assert reasons == (["always"] if always else [])
     chain = Chain.moved_by(robot, ("x", "y"))
     reasons = [one.reason for one in robot_bodies(chain, 1.0).pairs[1]]
     assert reasons == (["always"] if always else [])
+
+
+def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_begins(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for module in (allowed_pairs, convex_bodies):
+        monkeypatch.setattr(module, "always_touch", lambda *_: True)
+    files = {"a.zip": packed(pin_in_tube(0.2, "wrong"))}
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": [-1, -1, -1], "max": [1, 1, 1]},
+            "start": {"joints": [0.0, 0.0]},
+            "goal": {"joints": [0.17, 0.17]},
+            "arm": {"model": "urdf", "urdf": "a.zip", "base": [0, 0, 0], "search": "joints"},
+        },
+        files,
+    )
+    found = plan(scene)
+    assert isinstance(found.arm, UrdfArm)
+    assert [one.reason for one in found.arm.allowed].count("always") == 1
+    assert "proven clear" in str(found.error)
+
+    verdict = certify(None, ("x", "y"), [0.0, 1.0], [[0.0, 0.0], [0.17, 0.17]], scene)
+    assert verdict.state == "undecided"
+    assert [{one.link, one.obstacle} for one in verdict.doubts] == [{"tube", "pin"}]
 
 
 PLATE = (
