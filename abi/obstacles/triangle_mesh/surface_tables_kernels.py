@@ -260,7 +260,7 @@ class SurfaceTables(NamedTuple):
     error: tuple[float, float]
 
     def plain(self) -> SurfaceTables:
-        """The same with lists, which are kept as long as the grid."""
+        """The grid with lists instead of arrays, which are kept as long as it is."""
         return kept_lists(self.grid.values, 0, self)
 
 
