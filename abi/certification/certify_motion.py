@@ -84,17 +84,17 @@ def _verdict(
     found = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
     least = _whose(problem, found)
     inside = _inside(problem)
-    apart = _apart_though_allowed(problem)
-    if proof.proven and apart and not inside:
-        first, last = _times(problem, 0.0, float(len(problem.motion.points)))
-        whole = (TimeStretch(first, last, "undecided"),)
-        return MotionVerdict(
-            *("undecided", scene, problem, found.distance, least, (), apart, whole, limits, None)
-        )
     if proof.proven and not inside:
+        ends = _times(problem, 0.0, len(problem.motion.points))
+        if apart := _apart_though_allowed(problem):
+            whole = (TimeStretch(*ends, "undecided"),)
+            return MotionVerdict(
+                *("undecided", scene, problem, found.distance, least, (), apart, whole),
+                *(limits, None),
+            )
         proof = _wider(problem, proof, found, most_tries)
         margin = proof.margin if len(problem.obstacles) else math.inf
-        whole = (TimeStretch(*_times(problem, 0.0, len(problem.motion.points)), "clear"),)
+        whole = (TimeStretch(*ends, "clear"),)
         return MotionVerdict("clear", scene, problem, margin, least, (), (), whole, limits, proof)
     touches, doubts, stretches = _decided(problem, proof, inside, clearance)
     state: State = "touches" if touches else "undecided"

@@ -79,7 +79,7 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     notes = []
     remarks = sum(line.startswith("#") for line in filled[filled.index(lines[0]) :])
     if remarks:
-        notes.append(f"{counted(remarks, 'row')} left out, as it begins with #.")
+        notes.append(f"{counted(remarks, 'row')} left out: # begins a remark.")
     if left_out:
         notes.append(f"Columns that are no joint were ignored: {', '.join(left_out[:8])}.")
     return Motion(

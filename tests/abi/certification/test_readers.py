@@ -191,6 +191,24 @@ def test_a_row_that_does_not_fit_its_header_is_refused(row: str) -> None:
         read_motion("a.csv", f"{head}\n0,0,0,0,0,0,0,,\n{row}\n".encode(), own_joints(ROBOT))
 
 
+def test_a_row_that_is_a_remark_is_told_of() -> None:
+    rows: list[list[object]] = [[time, *row] for time, row in zip(TIMES, TABLE, strict=True)]
+    text = csv_text(rows).decode()
+    told = [
+        read_motion("a.csv", one.encode(), own_joints(ROBOT)).notes
+        for one in (f"# by hand\n{text}", text.replace("\n1.25", "\n#1.25"))
+    ]
+    assert told == [(), ("1 row is left out: # begins a remark.",)]
+
+
+@pytest.mark.parametrize("unit", ["deg", "degrees", ["rad", "mm"]])
+def test_a_plain_motion_in_other_units_is_refused(unit: object) -> None:
+    plain = {"joints": list(JOINTS), "times": TIMES, "positions": TABLE}
+    with pytest.raises(MotionError, match="unit of the motion is"):
+        read_message({**plain, "unit": unit}, [])
+    assert read_message({**plain, "units": "rad"}, []).joints == JOINTS
+
+
 @pytest.mark.parametrize(
     ("changed", "why"),
     [

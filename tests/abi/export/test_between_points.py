@@ -102,3 +102,36 @@ def test_poses_of_the_papers_arm_are_marked_where_straight_ways_between_them_lea
     assert marked == (samples is not None)
     assert marked or away < plan.arm_clearance.distance
     assert ("NOT proven clear" in joint_trajectory.motion_state(plan)) == marked
+
+
+@pytest.mark.parametrize(("samples", "enough"), [(5, False), (101, True)])
+def test_of_the_papers_arm_what_is_left_out_between_poses_counts_too(
+    samples: int, enough: bool
+) -> None:
+    scene = abi.load_scene("drag-a-box")
+    plan, dense = (
+        abi.plan(scene.replace(motion={"samples": count})) for count in (samples, 16 * samples)
+    )
+    motion, true, arm, clearance = plan.motion, dense.motion, plan.arm, plan.arm_clearance
+    assert motion is not None
+    assert true is not None
+    assert arm is not None
+    assert clearance is not None
+    assert clearance.certified
+    assert (between_points.rows_warning(plan) == "") == enough
+    assert between_points.polynomials_are_clear(plan) == enough
+
+    values = np.stack([motion.positions, motion.joint_velocities, motion.joint_accelerations], 1)
+    ways = (
+        scipy.interpolate.BPoly.from_derivatives(motion.time, values),
+        scipy.interpolate.make_interp_spline(motion.time, motion.positions, 1),
+    )
+    there = arm.placed(true.positions)
+    bound = between_points._from_curve(plan) + between_points._departure(plan)
+    for way in ways:
+        straight = arm.placed(way(true.time))
+        away = max(
+            float(np.linalg.norm(one.ends - other.ends, axis=-1).max())
+            for one, other in zip(there, straight, strict=True)
+        )
+        assert 0 < away <= bound
