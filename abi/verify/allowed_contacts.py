@@ -2,8 +2,8 @@
 
 What may be left out: two links that no joint moves beside each other, or that one joins; an object
 that is held and what holds it, or is fixed to that; pairs that the SRDF or the scene names; links
-that overlap in random poses; the floor for what stands on it; an obstacle beneath the base for
-links that stand still. Nothing else may be missing.
+whose own shapes touch in random poses and in some of the motion; the floor for what stands on it;
+an obstacle beneath the base for links that stand still. Nothing else may be missing.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import scipy
 
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
@@ -24,25 +23,22 @@ from abi.verify.exact.link_corners import LinkPiece
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.solids import ExactSolid
 from abi.verify.fault import Fault
+from abi.verify.link_contact import LinkTriangles, link_triangles, touch
 from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plumb_line import is_beneath
 
 Other = str | int
 Bodies = Mapping[str, Sequence[LinkPiece]]
 """Pieces of each link."""
+Row = Sequence[Fraction]
+"""Coordinates of a chain, [rad] or [unit]."""
 
 _NEAR = 1e-6
-"""Distance at which bodies count as overlapping, over the size of both."""
-_WHOLE = 1e3
-"""Weight of the condition that convex coefficients add up to one, beside the distance between
-points."""
+"""Height over the floor at which a link counts as touching it, [unit]."""
 _UPRIGHT = 1e-6
 """Tilt of an axis that counts as zero, [rad]."""
 _POSES = 64
-"""Random poses in which links that are said to overlap always are tested."""
-_MOSTLY = 0.85
-"""Fraction of these in which they must overlap, for a motion planned elsewhere, whose own test asks
-for 0.95."""
+"""Random poses in which links that are said to touch always have to."""
 
 
 def allowed_contacts(
@@ -51,8 +47,11 @@ def allowed_contacts(
     obstacles: Sequence[ExactSolid | ExactMesh],
     chain: ExactChain,
     bodies: Bodies,
+    rows: Sequence[Row],
 ) -> frozenset[tuple[str, Other]]:
     """Links, each with what it may touch; for two links in both directions.
+
+    ``rows`` are coordinates of the motion at which links that touch always are tested, too.
 
     Raises:
         Fault: a contact may not be left out.
@@ -73,14 +72,16 @@ def allowed_contacts(
             found.add((link, other))
         else:
             raise Fault(f"{link} is allowed to touch nothing that is there")
-    _check_overlap(always, chain, bodies, _POSES)
+    _check_touching(always, scene.robot, chain, rows)
     return frozenset(found)
 
 
 def contacts_of_motion(
-    data: dict[str, Any], scene: Scene, chain: ExactChain, bodies: Bodies
+    data: dict[str, Any], scene: Scene, chain: ExactChain, bodies: Bodies, rows: Sequence[Row]
 ) -> frozenset[frozenset[str]]:
     """Pairs of links that a motion from elsewhere allows to touch, each for a valid reason.
+
+    ``rows`` are coordinates of the motion at which links that touch always are tested, too.
 
     Raises:
         Fault: a contact may not be left out.
@@ -103,7 +104,7 @@ def contacts_of_motion(
             else other == "obstacles" and chain.frames[link] < 0
         ):
             raise Fault(f"{link} may not touch {other}")
-    _check_overlap(always, chain, bodies, _MOSTLY * _POSES)
+    _check_touching(always, scene.robot, chain, rows)
     return frozenset(found)
 
 
@@ -204,33 +205,52 @@ def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) 
     return True
 
 
-def _check_overlap(
-    pairs: Sequence[tuple[str, str]], chain: ExactChain, bodies: Bodies, least: float
+def _check_touching(
+    pairs: Sequence[tuple[str, str]],
+    robot: Robot,
+    chain: ExactChain,
+    rows: Sequence[Row],
 ) -> None:
-    """Raise if links that are said to overlap always do so in too few random poses."""
+    """Raise if links that are said to touch always are apart in one of some poses.
+
+    These are random ones, others at each end of each coordinate's range, and ``rows``.
+    """
     if not pairs:
         return
-    if bare := sorted({*itertools.chain(*pairs)} - bodies.keys()):
+    links = {*itertools.chain(*pairs)}
+    if bare := sorted(name for name in links if not robot.links[name].shapes):
         raise Fault(f"{bare[0]} has no shape, and touches nothing")
-    overlaps = dict.fromkeys(pairs, 0)
-    low, high = _usual_range(chain)
-    for row in np.random.default_rng(0).uniform(low, high, (_POSES, len(low))):
-        frames = chain.place([Fraction(number) for number in row.tolist()])
-        placed: dict[str, list[LinkPiece]] = {}
-        for link in set(itertools.chain(*pairs)):
+    triangles = {name: _in_frame(name, robot, chain) for name in links}
+    for row in itertools.chain(rows, _random_rows(chain)):
+        frames = chain.place(row)
+        placed = {}
+        for name, one in triangles.items():
             turn, origin = np.eye(3), np.zeros(3)
-            if chain.frames[link] >= 0:
-                frame = frames[chain.frames[link]]
+            if chain.frames[name] >= 0:
+                frame = frames[chain.frames[name]]
                 turn, origin = (part.astype(float) / 2.0**200 for part in frame[:2])
-            placed[link] = [
-                body._replace(points=body.points @ turn.T + origin) for body in bodies[link]
-            ]
-        for pair in pairs:
-            both = itertools.product(placed[pair[0]], placed[pair[1]])
-            overlaps[pair] += any(_overlap(one, other) for one, other in both)
-    for (link, other), count in overlaps.items():
-        if count < least:
-            raise Fault(f"{link} and {other} are apart in random poses")
+            placed[name] = one.placed(turn, origin)
+        for first, second in pairs:
+            if not touch(placed[first], placed[second]):
+                raise Fault(f"{first} and {second}, said to touch always, are apart in some pose")
+
+
+def _in_frame(name: str, robot: Robot, chain: ExactChain) -> LinkTriangles:
+    """Triangles of a link in the frame that moves it, [unit]."""
+    turn, origin = (np.array(part, dtype=np.float64) for part in chain.places[name])
+    return link_triangles(robot.links[name], float(chain.units)).placed(turn, origin)
+
+
+def _random_rows(chain: ExactChain) -> Iterator[list[Fraction]]:
+    """Random coordinates, and random ones at each end of the range of each of them."""
+    low, high = (np.array(one) for one in _usual_range(chain))
+    random = np.random.default_rng(0)
+    rows = random.uniform(low, high, (_POSES, len(low)))
+    for column, ends in enumerate(zip(low, high, strict=True)):
+        at_ends = random.uniform(low, high, (2, len(low)))
+        at_ends[:, column] = ends
+        rows = np.concatenate([rows, at_ends])
+    return ([Fraction(number) for number in row] for row in rows.tolist())
 
 
 def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
@@ -239,15 +259,3 @@ def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
     turns = ~np.array(chain.slides) & (low <= 0) & (high >= 0)
     turn = np.where(turns, np.pi, np.inf)
     return np.maximum(low, -turn).tolist(), np.minimum(high, turn).tolist()
-
-
-def _overlap(first: LinkPiece, second: LinkPiece) -> bool:
-    """Check whether two bodies overlap: their hulls are no farther apart than they are round."""
-    a, b = first.points, second.points
-    size = max(float(np.ptp(np.concatenate([a, b]), axis=0).max()), _NEAR)
-    middle = a.mean(axis=0)
-    sums = np.zeros((5, len(a) + len(b)))
-    sums[:3] = np.concatenate([a - middle, middle - b]).T / size
-    sums[3, : len(a)], sums[4, len(a) :] = _WHOLE, _WHOLE
-    away = float(scipy.optimize.nnls(sums, np.array([0, 0, 0, _WHOLE, _WHOLE]))[1])
-    return away <= _NEAR + (first.rounding + second.rounding) / size

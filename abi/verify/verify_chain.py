@@ -147,7 +147,8 @@ def check_chain(
     pairs = _pairs(certificate, len(capsules))
     bodies = _bodies(capsules)
     check_corners(scene.robot, chain, bodies)
-    allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies)
+    ends = [motion.rows[k] for k in (0, len(motion.rows) // 2, -1)]
+    allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies, ends)
     _check_all_named(capsules, pairs, allowed)
     if section.get("allowed") != certificate.get("allowed"):
         raise Fault("the plan lists other contacts that are allowed")

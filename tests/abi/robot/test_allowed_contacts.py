@@ -12,10 +12,11 @@ import trimesh
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from abi.arm_planning.motion import urdf_motion
 from abi.arm_planning.world.chain_distances import obstacle_distances
 from abi.arm_planning.world.collision_world import chain_world
 from abi.arm_planning.world.mount import mounts
-from abi.certification import convex_bodies
+from abi.certification import certify_motion, convex_bodies
 from abi.certification.certify import certify
 from abi.certification.convex_bodies import robot_bodies
 from abi.errors import SceneError
@@ -32,7 +33,6 @@ from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
-from abi.verify import allowed_contacts
 from abi.verify.allowed_contacts import are_joined, may_touch_floor
 from abi.verify.exact.chain import exact_chain, exact_joints
 from abi.verify.exact.link_corners import LinkPiece
@@ -279,13 +279,8 @@ def test_links_whose_bodies_overlap_always_may_touch_only_if_they_do(
     assert reasons == (["always"] if always else [])
 
 
-def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_begins(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for module in (allowed_pairs, convex_bodies):
-        monkeypatch.setattr(module, "always_touch", lambda *_: True)
-    files = {"a.zip": packed(pin_in_tube(0.2, "wrong"))}
-    scene = Scene.from_dict(
+def scene_of_pin(archive: bytes) -> Scene:
+    return Scene.from_dict(
         {
             "version": 1,
             "unit": "m",
@@ -294,8 +289,16 @@ def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_be
             "goal": {"joints": [0.17, 0.17]},
             "arm": {"model": "urdf", "urdf": "a.zip", "base": [0, 0, 0], "search": "joints"},
         },
-        files,
+        {"a.zip": archive},
     )
+
+
+def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_begins(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for module in (allowed_pairs, convex_bodies):
+        monkeypatch.setattr(module, "always_touch", lambda *_: True)
+    scene = scene_of_pin(packed(pin_in_tube(0.2, "wrong")))
     found = plan(scene)
     assert isinstance(found.arm, UrdfArm)
     assert [one.reason for one in found.arm.allowed].count("always") == 1
@@ -304,6 +307,25 @@ def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_be
     verdict = certify(None, ("x", "y"), [0.0, 1.0], [[0.0, 0.0], [0.17, 0.17]], scene)
     assert verdict.state == "undecided"
     assert [{one.link, one.obstacle} for one in verdict.doubts] == [{"tube", "pin"}]
+
+
+@pytest.mark.parametrize(("radius", "always"), [(0.2, False), (0.01, True)])
+def test_a_certificate_that_says_always_is_refused_unless_the_links_touch(
+    radius: float, always: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (allowed_pairs, convex_bodies):
+        monkeypatch.setattr(module, "always_touch", lambda *_: True)
+    for other in (urdf_motion, certify_motion):
+        monkeypatch.setattr(other, "_apart_though_allowed", lambda *_: ())
+    archive = packed(pin_in_tube(radius, f"said {radius}"))
+    scene = scene_of_pin(archive)
+    files = MeshSource({"a.zip": archive})
+    planned = plan(scene).to_dict()
+    motion = certify(None, ("x", "y"), [0.0, 1.0], [[0.0, 0.0], [0.17, 0.17]], scene).to_dict()
+    for data in (planned, motion):
+        arm = verify(json.loads(json.dumps(data)), files)[-1]
+        assert arm.proven == always
+        assert always or "said to touch always, are apart" in arm.reason
 
 
 PLATE = (
@@ -332,19 +354,6 @@ def test_links_that_overlap_only_by_a_little_are_fitted_in_finer_pieces(
     # their pieces are the plates themselves, so that finer ones are no smaller
     fits = finer_links._finer_links(robot, chain.names, tuple(chain.held.items()))
     assert fits == dict.fromkeys(links, "close")
-
-
-@given(st.floats(0.01, 1), st.floats(0.01, 1), st.floats(0.01, 3), seeds)
-def test_the_verifier_counts_what_is_round_about_a_hull(
-    one: float, other: float, away: float, seed: int
-) -> None:
-    assume(abs(away - one - other) > 1e-3)
-    way = np.random.default_rng(seed).normal(size=3)
-    ball = LinkPiece(np.zeros((2, 3)), one, np.zeros((1, 3)), one)
-    middle = away * way / np.linalg.norm(way)
-    ends = middle + np.outer([-1.0, 1.0], np.cross(way, [1, 0, 0]))
-    second = LinkPiece(ends, other, ends, other)
-    assert allowed_contacts._overlap(ball, second) == (away < one + other)
 
 
 @settings(deadline=None, max_examples=30)

@@ -1,0 +1,203 @@
+"""Contact of links by their own shapes, in floating point, with no code that plans.
+
+All is triangles: a ball is one whose corners are its centre, with a radius, and a cylinder's rim
+has 192 corners on it. Two links touch where triangles are as near as their radii, or where one has
+a point inside a shell of the other that is closed: the solid angle under which it sees the whole of
+that is a full one. Cavities are filled, since nothing gets into them.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.robot.urdf.robot import Link, LinkShape
+
+_NEAR = 1e-6
+"""Distance that counts as none, over the size of both links."""
+_SIDES = 192
+_CHUNK = 4096
+_WHOLE = 1e-4
+"""Accepted difference of a winding number from a whole one."""
+_EDGES = ([0, 1, 2], [1, 2, 0])
+_TINY = 1e-300
+
+
+class LinkTriangles(NamedTuple):
+    """Triangles of a link's shapes.
+
+    Attributes:
+        corners: (n, 3, 3).
+        radii: distance from each that belongs to the link, (n,).
+        shells: number of the connected surface that each is part of, (n,).
+        firsts: number of a triangle of each shell.
+    """
+
+    corners: FloatArray
+    radii: FloatArray
+    shells: IntArray
+    firsts: IntArray
+
+    def placed(self, turn: FloatArray, origin: FloatArray) -> LinkTriangles:
+        """The triangles turned by ``turn`` (3, 3) and moved by ``origin`` (3,)."""
+        return self._replace(corners=self.corners @ turn.T + origin)
+
+
+@lru_cache(maxsize=256)
+def link_triangles(link: Link, scale: float) -> LinkTriangles:
+    """Triangles of a link in its own frame, in units of which ``scale`` are one metre."""
+    parts, radii, shells = list[FloatArray](), list[FloatArray](), list[IntArray]()
+    count = 0
+    for shape in link.shapes:
+        triangles = _triangles(shape)
+        shells.append(count + _shells(triangles))
+        count = int(shells[-1].max()) + 1
+        radius = shape.size[0] if shape.kind == "sphere" else 0.0
+        radii.append(np.full(len(triangles), scale * radius))
+        parts.append(scale * (triangles @ shape.pose[:3, :3].T + shape.pose[:3, 3]))
+    numbers = np.concatenate(shells)
+    firsts = np.unique(numbers, return_index=True)[1].astype(np.int32)
+    return LinkTriangles(np.concatenate(parts), np.concatenate(radii), numbers, firsts)
+
+
+def _shells(triangles: FloatArray) -> IntArray:
+    """Number of the connected surface that each of triangles (n, 3, 3) is part of, (n,)."""
+    _, ids = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    sides = ids.reshape(-1, 3)
+    pairs = np.concatenate([sides[:, [0, 1]], sides[:, [1, 2]]]).T
+    graph = scipy.sparse.coo_array((np.ones(pairs.shape[1]), pairs), (ids.max() + 1,) * 2)
+    _, parts = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    return np.asarray(np.unique(parts[sides[:, 0]], return_inverse=True)[1])
+
+
+def touch(first: LinkTriangles, second: LinkTriangles) -> bool:
+    """Check whether two links touch, up to a millionth of their size."""
+    every = np.concatenate([first.corners.reshape(-1, 3), second.corners.reshape(-1, 3)])
+    near = _NEAR * float(np.ptp(every, axis=0).max())
+    if _any_inside(first, second) or _any_inside(second, first):
+        return True
+    return any(
+        _meet(first.corners[i], second.corners[j], first.radii[i] + second.radii[j] + near).any()
+        for i, j in _candidates(first, second, near)
+    )
+
+
+def _triangles(shape: LinkShape) -> FloatArray:
+    """Triangles (n, 3, 3) of a shape in its own frame, [m]."""
+    a, b, c = shape.size
+    if shape.kind == "mesh":
+        return np.asarray(shape.vertices[shape.faces])
+    if shape.kind == "sphere":
+        return np.zeros((1, 3, 3))
+    # a prism: two triangles for each side, and its ends
+    if shape.kind == "box":
+        rim, half = np.array([[a, b], [-a, b], [-a, -b], [a, -b]]) / 2, c / 2
+    else:
+        around = 2 * np.pi * np.arange(_SIDES) / _SIDES
+        rim, half = a * np.column_stack([np.cos(around), np.sin(around)]), b / 2
+    low, high = (np.column_stack([rim, np.full(len(rim), z)]) for z in (-half, half))
+    after = np.roll(np.arange(len(rim)), -1)
+    fan = np.array([[0, k, k + 1] for k in range(1, len(rim) - 1)])
+    sides = np.stack([low, low[after], high[after]], axis=1)
+    others = np.stack([low, high[after], high], axis=1)
+    return np.concatenate([sides, others, low[fan[:, ::-1]], high[fan]])
+
+
+def _any_inside(solid: LinkTriangles, other: LinkTriangles) -> bool:
+    """Check whether a corner of a shell of ``other`` is inside a closed shell of ``solid``."""
+    for point in other.corners[other.firsts, 0]:
+        a, b, c = (solid.corners - point).swapaxes(0, 1)
+        la, lb, lc = (np.linalg.norm(one, axis=1) for one in (a, b, c))
+        volume = (a * np.cross(b, c)).sum(axis=1)
+        spread = la * lb * lc + (a * b).sum(axis=1) * lc
+        spread += (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
+        turns = np.bincount(solid.shells, np.arctan2(volume, spread)) / (2 * np.pi)
+        whole = np.round(turns)
+        if ((whole != 0) & (abs(turns - whole) < _WHOLE)).any():
+            return True
+    return False
+
+
+def _candidates(
+    first: LinkTriangles, second: LinkTriangles, near: float
+) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Numbers of triangles of both whose bounds overlap, some thousand at a time."""
+    boxes = []
+    for one in (first, second):
+        reach = (one.radii + near / 2)[:, None]
+        boxes.append((one.corners.min(axis=1) - reach, one.corners.max(axis=1) + reach))
+    (low, high), (others_low, others_high) = boxes
+    beside = ((low <= others_high.max(axis=0)) & (high >= others_low.min(axis=0))).all(axis=1)
+    inside = (others_low <= high.max(axis=0)) & (others_high >= low.min(axis=0))
+    mine, theirs = np.flatnonzero(beside), np.flatnonzero(inside.all(axis=1))
+    if not len(theirs):
+        return
+    step = max(_CHUNK * 64 // len(theirs), 1)
+    for at in range(0, len(mine), step):
+        rows = mine[at : at + step]
+        both = np.ones((len(rows), len(theirs)), dtype=np.bool_)
+        for axis in range(3):
+            both &= low[rows, None, axis] <= others_high[None, theirs, axis]
+            both &= high[rows, None, axis] >= others_low[None, theirs, axis]
+        i, j = np.nonzero(both)
+        for start in range(0, len(i), _CHUNK):
+            few = slice(start, start + _CHUNK)
+            yield rows[i[few]], theirs[j[few]]
+
+
+def _meet(a: FloatArray, b: FloatArray, reach: FloatArray) -> BoolArray:
+    """Check which of triangles a (k, 3, 3) are within ``reach`` (k,) of b (k, 3, 3)."""
+    found = np.zeros(len(a), dtype=np.bool_)
+    for one, other in ((a, b), (b, a)):
+        found |= _pierces(one, other, reach)
+    for i, j in itertools.product(range(3), range(3)):
+        ends = (one[:, column[k]] for one, k in ((a, i), (b, j)) for column in _EDGES)
+        found |= _edge_distances(*ends) <= reach
+    return found
+
+
+def _pierces(a: FloatArray, b: FloatArray, reach: FloatArray) -> BoolArray:
+    """Check whether an edge of a triangle goes through another, or a corner is close above it."""
+    first, u, v = b[:, 0], b[:, 1] - b[:, 0], b[:, 2] - b[:, 0]
+    normal = np.cross(u, v)
+    square = (normal * normal).sum(axis=1)
+    flat = square <= _TINY
+    unit = normal / np.sqrt(np.where(flat, 1.0, square))[:, None]
+    heights = ((a - first[:, None]) * unit[:, None]).sum(axis=2)
+    above = _within(a - heights[..., None] * unit[:, None], b, normal, square)
+    found = ((abs(heights) <= reach[:, None]) & above).any(axis=1)
+    start, end = heights[:, _EDGES[0]], heights[:, _EDGES[1]]
+    crosses = start * end < 0
+    share = start / np.where(crosses, start - end, 1.0)
+    points = a[:, _EDGES[0]] + share[..., None] * (a[:, _EDGES[1]] - a[:, _EDGES[0]])
+    found |= (crosses & _within(points, b, normal, square)).any(axis=1)
+    return np.asarray(found & ~flat)
+
+
+def _within(points: FloatArray, b: FloatArray, normal: FloatArray, square: FloatArray) -> BoolArray:
+    """Check which of points (k, m, 3) in the planes of triangles (k, 3, 3) are in these."""
+    within = np.ones(points.shape[:2], dtype=np.bool_)
+    for start, end in zip(*_EDGES, strict=True):
+        edge, away = (b[:, end] - b[:, start])[:, None], points - b[:, None, start]
+        side = (np.cross(np.broadcast_to(edge, away.shape), away) * normal[:, None]).sum(axis=2)
+        within &= side >= 0
+    return within & (square > _TINY)[:, None]
+
+
+def _edge_distances(p: FloatArray, q: FloatArray, r: FloatArray, s: FloatArray) -> FloatArray:
+    """Distances (k,) of the segments from p to q from those from r to s, (k, 3) each."""
+    u, v, w = q - p, s - r, p - r
+    uu, vv = (np.maximum((one * one).sum(axis=1), _TINY) for one in (u, v))
+    uv, uw, vw = ((one * other).sum(axis=1) for one, other in ((u, v), (u, w), (v, w)))
+    cross = uu * vv - uv * uv
+    along = np.clip(np.where(cross > 0, (uv * vw - vv * uw) / np.maximum(cross, _TINY), 0), 0, 1)
+    other = np.clip((uv * along + vw) / vv, 0, 1)
+    along = np.clip((uv * other - uw) / uu, 0, 1)
+    return np.asarray(np.linalg.norm(w + along[:, None] * u - other[:, None] * v, axis=1))
