@@ -10,32 +10,79 @@ import itertools
 
 import numpy as np
 
-from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.motion.arm_clearance import distance_from_itself
 from abi.arrays import FloatArray
-from abi.obstacles.pose import METRES
+from abi.certification.clearance_proof import problem_of, separation
+from abi.certification.joint_limits import joint_limits
+from abi.certification.motion import Motion
+from abi.certification.robot_motion import RobotMotion, bezier_points
 from abi.planner.plan import Plan
+from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.chain_capsules import lever
 from abi.robot.kinematics.chain import Chain
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf.robot import LinkShape
-
-_DEGREE = 5
-_FIRST, _LAST = slice(None, -1), slice(1, None)
+from abi.scene.scene import Scene
 
 
 def polynomials_are_clear(plan: Plan) -> bool:
-    """Check whether quintic polynomials between the points keep clear of obstacles as well.
+    """Check whether quintic polynomials between the points are proven to keep clear as well.
 
-    They do where no point of the arm leaves what is proven, the straight way of the joints or the
-    curve of the paper's arm, by as much as the distance that is proven for it.
+    They keep clear of obstacles, the floor and the arm itself, and within limits of position. Those
+    of a URDF arm are proven as :func:`abi.certify` does it. Those of the paper's arm do where no
+    point of it leaves the curve by as much as the distance that is proven, and that measured of it.
 
     Args:
         plan: with a motion that is proven clear.
     """
-    return all(
-        leg.arm_clearance is not None
-        and leg.arm_clearance.distance > _departure(leg) + _from_curve(leg)
-        for leg in plan.legs or (plan,)
-    )
+    first = 0
+    for leg in plan.legs or (plan,):
+        assert leg.motion is not None
+        last = first + len(leg.motion.time) - 1  # where the next leg begins
+        moves = _polynomials(plan, slice(first, last + 1))
+        first = last
+        if any(one.quantity == "position" for one in joint_limits(moves).passed):
+            return False
+        if isinstance(leg.arm, PaperArm):
+            clearance, away = leg.arm_clearance, _departure(leg.arm, moves)
+            if clearance is None or clearance.distance <= away + _from_curve(leg):
+                return False
+            if _own_distance(leg) <= away:
+                return False
+        elif not _is_proven(moves, leg.scene):
+            return False
+    return True
+
+
+def _polynomials(plan: Plan, rows: slice) -> RobotMotion:
+    """Quintic polynomials between some points of a motion, [rad] and [m]."""
+    motion, arm = plan.motion, plan.arm
+    assert motion is not None
+    assert arm is not None
+    tables = motion.positions, motion.joint_velocities, motion.joint_accelerations
+    q, v, a = (one[rows] / arm.scales for one in tables)
+    given = Motion(arm.chain.names, motion.time[rows], q, v, a)
+    return RobotMotion(given, arm.chain, bezier_points(given), ())
+
+
+def _is_proven(moves: RobotMotion, scene: Scene) -> bool:
+    """Check whether a motion is proven clear, but for what the scene lets touch."""
+    asked = {frozenset(pair) for pair in scene.arm.allowed}
+    closely: frozenset[str] = frozenset()
+    for _ in range(2):
+        problem = problem_of(moves, scene, closely)
+        proof, bodies = separation(problem, 0.0), problem.bodies.bodies
+        left = {
+            (bodies[body].link, bodies[-2 - other].link if other <= -2 else other)
+            for body, other in zip(
+                proof.left_bodies.tolist(), proof.left_others.tolist(), strict=True
+            )
+        }
+        left = {pair for pair in left if frozenset(pair) not in asked}
+        if not left:
+            return True
+        closely = frozenset(one for pair in left for one in pair if isinstance(one, str))
+    return False
 
 
 def rows_warning(plan: Plan) -> str:
@@ -47,7 +94,9 @@ def rows_warning(plan: Plan) -> str:
     motion, clearance = plan.motion, plan.arm_clearance
     if motion is None or clearance is None or not clearance.certified:
         return ""
-    if _from_curve(plan) < clearance.distance:
+    if not isinstance(plan.arm, PaperArm):
+        return ""
+    if _from_curve(plan) < clearance.distance and _own_distance(plan) > 0:
         return ""
     return (
         "It is clear along its curve, but that is not proven for straight ways of the joints "
@@ -58,11 +107,10 @@ def rows_warning(plan: Plan) -> str:
 def _from_curve(plan: Plan) -> float:
     """Distance by which straight ways of the joints leave the curve of the paper's arm, [unit].
 
-    It is overestimated, as if every other pose were missing; 0 for arms whose straight ways are
-    proven.
+    It is overestimated, as if every other pose were missing.
     """
     motion, arm = plan.motion, plan.arm
-    if arm is None or motion is None or plan.scene.arm.model == "urdf" or len(motion.positions) < 3:
+    if arm is None or motion is None or len(motion.positions) < 3:
         return 0.0
     chords = (motion.positions[:-2] + motion.positions[2:]) / 2
     there, straight = arm.placed(motion.positions[1:-1]), arm.placed(chords)
@@ -72,33 +120,33 @@ def _from_curve(plan: Plan) -> float:
     )
 
 
-def _departure(plan: Plan) -> float:
-    """Bound of the distance from the straight way of any point of the arm, [unit]."""
-    assert plan.arm is not None
-    assert plan.motion is not None
-    metres, motion = METRES[plan.scene.unit], plan.motion
-    scale = np.array([metres if slides else 1.0 for slides in motion.slides])
-    between = _between(motion) * scale
-    return float((between @ _levers(plan.arm.chain).T).max(initial=0.0)) / metres
+def _own_distance(plan: Plan) -> float:
+    """Bound of the paper's arm's distance from floor and column on straight ways, [unit].
+
+    No point is farther from the nearest pose than half the way between two.
+    """
+    motion, arm = plan.motion, plan.arm
+    assert motion is not None
+    assert isinstance(arm, PaperArm)
+    half = _farthest(arm, np.abs(np.diff(motion.positions / arm.scales, axis=0))) / 2
+    return distance_from_itself(motion, arm, plan.scene.workspace.min[2]) - half
 
 
-def _between(motion: ArmMotion) -> FloatArray:
-    """Bound of each joint's departure from the straight way between two samples, (m - 1, n).
+def _departure(arm: AnyArm, moves: RobotMotion) -> float:
+    """Bound of the distance of any point of an arm from the straight way, [unit].
 
     By the control points of the polynomial and of the straight way, whose hulls hold both.
     """
-    steps = np.diff(motion.time)[:, None]
-    ends = motion.positions[:-1], motion.positions[1:]
-    by_speed = [steps * motion.joint_velocities[part] / _DEGREE for part in (_FIRST, _LAST)]
-    by_growth = [
-        steps**2 * motion.joint_accelerations[part] / (_DEGREE * (_DEGREE - 1))
-        for part in (_FIRST, _LAST)
-    ]
-    chord = (ends[1] - ends[0]) / _DEGREE
-    begin, end = by_speed[0] - chord, chord - by_speed[1]
-    found = [begin, 2 * begin + by_growth[0], 2 * end + by_growth[1], end]
-    bound: FloatArray = np.abs(found).max(axis=0)
-    return bound
+    points = moves.points
+    shares = np.linspace(0.0, 1.0, points.shape[1])[:, None]
+    straight = points[:, :1] + shares * (points[:, -1:] - points[:, :1])
+    return _farthest(arm, np.abs(points - straight).max(axis=1))
+
+
+def _farthest(arm: AnyArm, ways: FloatArray) -> float:
+    """Bound of how far a point of an arm gets, [unit], by ways of its joints (k, n), [rad], [m]."""
+    in_metres = float((ways @ _levers(arm.chain).T).max(initial=0.0))
+    return in_metres / arm.metres
 
 
 def _levers(chain: Chain) -> FloatArray:

@@ -15,7 +15,7 @@ import numpy as np
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world import paper_arm_distance_kernels
-from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
 from abi.arm_planning.world.paper_arm_distance_kernels import capsules_near_meshes
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
@@ -150,6 +150,18 @@ def arm_clearance(
     return proven_clearance(
         motion, arm, solid, contacts, required, collision_world.solids.in_use, certify
     )
+
+
+def distance_from_itself(motion: ArmMotion, arm: PaperArm, lowest: float) -> float:
+    """Least distance of the paper's arm from floor and column at the samples of a motion, [unit].
+
+    Args:
+        motion: the motion.
+        arm: the arm.
+        lowest: height of the workspace's bottom, [unit].
+    """
+    own = paper_arm_world(arm, ObstacleSet(()), lowest)
+    return float(_measured(place(arm, motion.positions), arm, own).distance.min())
 
 
 def proven_clearance(

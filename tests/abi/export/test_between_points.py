@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,9 +54,58 @@ def test_a_message_that_says_clear_is_clear_as_controllers_read_it(
     for name in ("a.ros.json", "a.ros.yaml"):
         text = ros_trajectory.write(plan, name)
         motion = read_motion(name, text, own_joints(plan.scene.arm.robot))
-        assert motion.interpolation == ("linear" if samples == 3 else "quintic")
+        assert motion.interpolation == "quintic"
         assert certify_motion(motion, plan.scene.replace(tasks=())).state == "clear"
-        assert (b"straight ways" in text) == (samples == 3 and name.endswith("yaml"))
+        assert b"straight ways" not in text
+
+
+LIFT = """<robot name="lift"><link name="base"><collision><origin xyz="{2} 0 0.5"/>
+<geometry><box size="0.1 0.1 1"/></geometry></collision></link><link name="between"/>
+<link name="hand"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<joint name="near" type="prismatic"><parent link="base"/><child link="between"/>
+<origin xyz="0 0 {1}"/><axis xyz="0 0 -1"/><limit lower="0" upper="{0}" velocity="5" effort="1"/>
+</joint><joint name="aside" type="prismatic"><parent link="between"/><child link="hand"/>
+<axis xyz="0 1 0"/><limit lower="0" upper="1" velocity="5" effort="1"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("samples", [3, 101])
+@pytest.mark.parametrize(
+    ("limit", "height", "post", "obstacles"),
+    [
+        (0.949, 1.0, 0.4, []),
+        (2.0, 1.0, 0.4, []),
+        (2.0, 2.0, 0.0, []),
+        (2.0, 2.0, 0.4, [{"shape": "box", "size": [0.4, 1, 1], "position": [0, 0, 0.5]}]),
+    ],
+    ids=["limit", "floor", "link", "obstacle"],
+)
+def test_velocities_are_left_out_where_with_them_a_joint_would_pass_what_it_nearly_reaches(
+    tmp_path: Path, limit: float, height: float, post: float, obstacles: list[Any], samples: int
+) -> None:
+    (tmp_path / "lift.urdf").write_text(LIFT.format(limit, height, post), encoding="utf-8")
+    low = 0.949 if limit < 1 else 0.94995
+    scene = abi.Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": [-1, -1, 0], "max": [1, 1, 3]},
+            "start": {"joints": [0.0, 0.0]},
+            "goal": {"joints": [low, 0.0]},
+            "obstacles": obstacles,
+            "motion": {"samples": samples, "speed": 5, "acceleration": 1, "deceleration": 10},
+            "spline": {"clearance": 0},
+            "arm": {"model": "urdf", "urdf": "lift.urdf", "base": [0, 0, 0], "search": "joints"},
+        },
+        folder=tmp_path,
+    )
+    plan = abi.plan(scene)
+    text = ros_trajectory.write(plan, "a.ros.yaml")
+    motion = read_motion("a.ros.yaml", text, own_joints(scene.arm.robot))
+    assert motion.interpolation == ("linear" if samples == 3 else "quintic")
+    verdict = certify_motion(motion, scene)
+    assert verdict.state == "clear"
+    assert not [one for one in verdict.limits.passed if one.quantity == "position"]
+    assert (b"straight ways" in text) == (samples == 3)
 
 
 def test_the_bound_of_the_departure_holds_for_the_polynomials() -> None:
@@ -72,11 +122,12 @@ def test_the_bound_of_the_departure_holds_for_the_polynomials() -> None:
     )
     values = np.stack([coarse.positions, coarse.joint_velocities, coarse.joint_accelerations], 1)
     polynomial = scipy.interpolate.BPoly.from_derivatives(coarse.time, values)
+    coarse_plan = replace(plan, motion=coarse)
     times = np.linspace(0.0, float(coarse.time[-1]), 500)
     straight = scipy.interpolate.make_interp_spline(coarse.time, coarse.positions, 1)
     away = [arm.chain.poses(positions(times))[..., 3] for positions in (polynomial, straight)]
     farthest = float(np.linalg.norm(away[0] - away[1], axis=-1).max())
-    bound = between_points._departure(replace(plan, motion=coarse))
+    bound = between_points._departure(arm, between_points._polynomials(coarse_plan, slice(None)))
     assert 1e-4 < farthest <= bound < 0.2
 
 
@@ -127,7 +178,8 @@ def test_of_the_papers_arm_what_is_left_out_between_poses_counts_too(
         scipy.interpolate.make_interp_spline(motion.time, motion.positions, 1),
     )
     there = arm.placed(true.positions)
-    bound = between_points._from_curve(plan) + between_points._departure(plan)
+    moves = between_points._polynomials(plan, slice(None))
+    bound = between_points._from_curve(plan) + between_points._departure(arm, moves)
     for way in ways:
         straight = arm.placed(way(true.time))
         away = max(
