@@ -37,7 +37,7 @@ def plain(field: str, value: object) -> object:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, Mapping):
-        return _with_pose({name: plain(f"{field}.{name}", one) for name, one in value.items()})
+        return _with_pose(field, value)
     if isinstance(value, list | tuple):
         items = enumerate(value)
         return type(value)([plain(f"{field}[{k}]", one) for k, one in items])
@@ -46,12 +46,20 @@ def plain(field: str, value: object) -> object:
     return value
 
 
-def _with_pose(data: dict[str, Any]) -> dict[str, Any]:
-    """Fields of an obstacle whose ``pose`` was an array, with its position and quaternion."""
+def _with_pose(field: str, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Plain fields, in place of an array as ``pose`` a position and a quaternion.
+
+    In files there is no such field, and it is refused as any other that is not known.
+    """
+    found = {name: plain(f"{field}.{name}", one) for name, one in data.items()}
     pose = data.get("pose")
-    if not isinstance(pose, dict):
-        return data
-    return {name: value for name, value in data.items() if name != "pose"} | pose
+    if not isinstance(pose, np.ndarray) or pose.shape != (4, 4):
+        return found
+    if twice := {"position", "wxyz"} & data.keys():
+        raise SceneError(f"{field}.pose", pose.tolist(), f"no {min(twice)} beside a pose")
+    standing = found.pop("pose")
+    assert isinstance(standing, dict)
+    return found | standing
 
 
 def _pose(field: str, matrix: FloatArray) -> dict[str, Any]:

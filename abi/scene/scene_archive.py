@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import PurePosixPath
 from typing import Any
@@ -129,17 +130,34 @@ def _stored_names(files: Sequence[str]) -> dict[str, str]:
 
 
 def _original_names(entries: Mapping[str, zipfile.ZipInfo]) -> dict[str, str]:
-    """Original name of the mesh file for each OBJ file converted from another format."""
+    """Original name of the mesh file for each OBJ file converted from another format.
+
+    Other programs write comments, too: only one that :func:`pack` may have written is a name, and
+    none that two files share.
+    """
     names = {
         file: entry.comment.decode(errors="replace")
         for file, entry in entries.items()
         if file.lower().endswith(_STORED)
     }
-    return {  # another program's comments are no names
+    given = Counter(names.values())
+    return {
         file: name
         for file, name in names.items()
-        if PurePosixPath(name).suffix.lower() in SUFFIXES and name not in entries
+        if PurePosixPath(name).suffix.lower() in SUFFIXES
+        and name not in entries
+        and given[name] == 1
+        and _may_be_stored(name, file)
     }
+
+
+def _may_be_stored(name: str, stored: str) -> bool:
+    """Check whether a mesh file may be stored under a name: its own with another suffix."""
+    mesh, path = PurePosixPath(name), PurePosixPath(stored)
+    number = path.stem.removeprefix(mesh.stem)
+    return mesh.parent == path.parent and (
+        path.stem == mesh.stem or (number.isdecimal() and path.stem == mesh.stem + number)
+    )
 
 
 def _renamed(data: Any, names: Mapping[str, str]) -> Any:

@@ -1,22 +1,21 @@
-"""Obstacles of a plan as written, each number taken exactly."""
+"""Obstacles of a plan's scene, each number taken exactly."""
 
 from __future__ import annotations
 
 import contextlib
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from abi.verify.exact.mesh import ExactMesh
-from abi.verify.exact.solids import ExactSolid
-from abi.verify.plan_fields import list_of, mapping, numbers_of, vector_of
+from abi.verify.exact.solids import ExactSolid, vector
 
 
 class PlanMeshes(MeshSource):
@@ -46,38 +45,32 @@ class PlanMeshes(MeshSource):
             raise SceneError(error.field, name, expected) from None
 
 
-def obstacles_of(data: Any, scene: Scene) -> list[ExactSolid | ExactMesh]:
-    """Solids of a plan's scene, whose meshes ``scene`` has read.
+def obstacles_of(scene: Scene) -> list[ExactSolid | ExactMesh]:
+    """Solids of a plan's scene as it was read: what was planned with, and nothing else of the file.
 
     Raises:
-        SceneError: a field has the wrong form.
+        SceneError: a shape cannot be checked.
     """
-    entries = list_of("scene.obstacles", mapping("scene", data).get("obstacles", []))
-    if len(entries) != len(scene.obstacles):
-        raise SceneError("scene.obstacles", len(entries), "those of the scene")
-    return [
-        _obstacle(mapping("scene.obstacles", entry), shape)
-        for entry, shape in zip(entries, scene.obstacles, strict=True)
-    ]
+    return [_obstacle(shape) for shape in scene.obstacles]
 
 
-def _obstacle(entry: dict[str, Any], shape: object) -> ExactSolid | ExactMesh:
-    position = vector_of("scene.obstacles.position", entry.get("position", (0.0, 0.0, 0.0)))
-    w, x, y, z = numbers_of("scene.obstacles.wxyz", entry.get("wxyz", (1.0, 0.0, 0.0, 0.0)))
+def _obstacle(shape: Obstacle) -> ExactSolid | ExactMesh:
+    position, turn = vector(shape.position), shape.wxyz
     if isinstance(shape, MeshShape):
         surface = shape.surface
         return ExactMesh(
-            surface.vertices, surface.faces, surface.closed, shape.factor, position, (w, x, y, z)
+            surface.vertices, surface.faces, surface.closed, shape.factor, position, turn
         )
     zero = Fraction(0)
     half, disc, ball = (zero, zero, zero), zero, zero
     if isinstance(shape, Box):
-        a, b, c = vector_of("scene.obstacles.size", entry["size"])
+        a, b, c = vector(shape.size)
         half = (a / 2, b / 2, c / 2)
-    else:
-        if not isinstance(shape, Sphere | Cylinder | Capsule):
-            raise SceneError("scene.obstacles.shape", entry.get("shape"), "one that can be checked")
-        radius = Fraction(entry["radius"])
+    elif isinstance(shape, Sphere | Cylinder | Capsule):
+        radius = Fraction(shape.radius)
         disc, ball = (radius, zero) if isinstance(shape, Cylinder) else (zero, radius)
-        half = (zero, zero, Fraction(entry.get("height", 0)) / 2)
-    return ExactSolid(half, disc, ball, position, (w, x, y, z))
+        height = 0.0 if isinstance(shape, Sphere) else shape.height
+        half = (zero, zero, Fraction(height) / 2)
+    else:
+        raise SceneError("scene.obstacles.shape", shape.shape, "one that can be checked")
+    return ExactSolid(half, disc, ball, position, turn)

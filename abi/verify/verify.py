@@ -83,7 +83,7 @@ def _plan_verdicts(
     if type(version := plan.get("version")) is not int or version != 1:
         raise SceneError("version", version, "1")
     scene = Scene.from_dict(plan["scene"], folder)
-    obstacles = obstacles_of(plan["scene"], scene)
+    obstacles = obstacles_of(scene)
     if is_leg:
         return (_arm_verdict(plan, scene, obstacles),)
     # a motion from the space of the joints follows no curve of the tool

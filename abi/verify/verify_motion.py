@@ -135,7 +135,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     scene = Scene.from_dict(data.get("scene"), folder)
     if scene.arm.model != "urdf":
         raise SceneError("scene.arm.model", scene.arm.model, "urdf")
-    obstacles = obstacles_of(data["scene"], scene)
+    obstacles = obstacles_of(scene)
     certificate = mapping(MOTION, data.get("certificate"))
     margin = _margin(data, certificate, obstacles)
     motion = _motion(mapping("motion", data.get("motion")), scene)

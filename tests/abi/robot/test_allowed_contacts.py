@@ -111,7 +111,7 @@ def test_an_arm_stands_on_what_the_verifier_finds_beneath_it(seed: int) -> None:
     one = urdf_arm(load_robot("ur5e", MeshSource()), "tool0", base, wxyz=wxyz)
     files = {shape.file: shape.surface for shape in obstacles if isinstance(shape, MeshShape)}
     data = {"version": 1, "obstacles": [shape.model_dump(mode="json") for shape in obstacles]}
-    exact = obstacles_of(data, Scene.from_dict(data, MeshSource(files)))
+    exact = obstacles_of(Scene.from_dict(data, MeshSource(files)))
     beneath = [is_beneath(solid, np.array(base), wxyz, 1.0) for solid in exact]
     assert list(mounts(one, ObstacleSet(tuple(obstacles)))) == np.flatnonzero(beneath).tolist()
 

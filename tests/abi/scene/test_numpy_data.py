@@ -71,3 +71,24 @@ def test_what_is_no_pose_is_refused_by_its_field(wrong: np.ndarray) -> None:
         Scene.from_dict(WHOLE | {"goal": wrong})
 
     assert refusal.value.field == "goal"
+
+
+@pytest.mark.parametrize("section", ["obstacles", "workspace", "mesh", "arm"])
+def test_a_pose_of_plain_data_changes_no_field_beside_it(section: str) -> None:
+    box = {"shape": "box", "size": [1, 1, 1], "pose": {"position": [3, 3, 3], "size": [2, 2, 2]}}
+    fields = {
+        "obstacles": [box],
+        "workspace": {"min": [-9] * 3, "max": [9] * 3, "pose": {"max": [5, 5, 5]}},
+        "mesh": {"pitch": 6.0, "pose": {"pitch": 3.0}},
+        "arm": {"pose": {"base": [1, 0, 0]}},
+    }
+    with pytest.raises(SceneError) as refusal:
+        Scene.from_dict(WHOLE | {section: fields[section]})
+    assert refusal.value.field.endswith("pose")
+
+
+@pytest.mark.parametrize("beside", [{"position": [1, 2, 3]}, {"wxyz": [1, 0, 0, 0]}])
+def test_an_obstacle_stands_at_one_place(beside: dict[str, list[int]]) -> None:
+    box = {"shape": "box", "size": [1, 1, 1], "pose": np.eye(4), **beside}
+    with pytest.raises(SceneError, match=f"no {next(iter(beside))} beside a pose"):
+        Scene.from_dict(WHOLE | {"obstacles": [box]})

@@ -77,16 +77,22 @@ def test_meshes_of_every_format_come_back_equal(tmp_path: Path) -> None:
         assert one.surface == other.surface
 
 
-def test_an_archive_of_obj_files_keeps_their_names_whatever_their_comments(tmp_path: Path) -> None:
-    obj = trimesh.creation.box().export(file_type="obj")
+@pytest.mark.parametrize("comment", ["drawn with v1.2", "part.stl", "exported from nut.stl"])
+def test_an_archive_of_obj_files_keeps_them_apart_whatever_their_comments(
+    tmp_path: Path, comment: str
+) -> None:
     path = tmp_path / "old.zip"
+    sizes = {"nut.obj": 1.0, "wall.obj": 3.0}
+    shapes = ", ".join(f"{{shape: mesh, file: {file}}}" for file in sizes)
     with zipfile.ZipFile(path, "w") as into:
-        into.writestr("scene.yaml", "version: 1\nobstacles: [{shape: mesh, file: nut.obj}]")
-        into.writestr("nut.obj", obj)
-        into.getinfo("nut.obj").comment = b"drawn with v1.2"
-    (shape,) = load_scene(path).obstacles
-    assert isinstance(shape, MeshShape)
-    assert shape.file == "nut.obj"
+        into.writestr("scene.yaml", f"version: 1\nobstacles: [{shapes}]")
+        for file, size in sizes.items():
+            into.writestr(file, trimesh.creation.box([size] * 3).export(file_type="obj"))
+            into.getinfo(file).comment = comment.encode()
+    for shape, (file, size) in zip(load_scene(path).obstacles, sizes.items(), strict=True):
+        assert isinstance(shape, MeshShape)
+        assert shape.file == file
+        assert shape.surface.extent == pytest.approx(size)
 
 
 def test_a_scene_comes_back_with_its_arm(tmp_path: Path) -> None:
