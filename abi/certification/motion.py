@@ -54,7 +54,8 @@ class Motion(ReadOnlyCopies):
 
     Raises:
         MotionError: fewer than two waypoints, a joint named twice, another number of values than
-            joints, a number that is not finite, or times that do not increase.
+            joints, a number that is not finite, times that do not increase, or velocities without
+            times, which leave open how the joints get from one waypoint to the next.
     """
 
     joints: tuple[str, ...]
@@ -85,6 +86,12 @@ class Motion(ReadOnlyCopies):
                 self._check(name, values)
         if self.accelerations is not None and self.velocities is None:
             raise MotionError("The motion has accelerations but no velocities.", "Give both.")
+        if self.velocities is not None and not self.timed:
+            raise MotionError(
+                "The motion has velocities but no times, so how its joints get from one waypoint "
+                "to the next is not known.",
+                "Give the times in seconds, or positions alone.",
+            )
         self._check_times()
 
     @property

@@ -55,6 +55,8 @@ def exact_path(motion: dict[str, Any], scales: Sequence[int]) -> ExactPath:
     rates = [_rows(motion, name, scales) for name in ("velocities", "accelerations")]
     if any(rows is not None and len(rows) != len(times) for rows in rates):
         raise Fault("its motion does not say how fast it is at each waypoint")
+    if rates[0] is not None and motion.get("timed", True) is not True:
+        raise Fault("its motion has velocities but no times")
     pieces: list[tuple[Row, ...]] = []
     for k, (before, after) in enumerate(itertools.pairwise(times)):
         span = after - before

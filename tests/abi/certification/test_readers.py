@@ -18,6 +18,8 @@ from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.errors import MotionError
 from abi.scene.scene_file import yaml_text
+from abi.verify.exact_path import exact_path
+from abi.verify.fault import Fault
 
 SCENE = robot_scene("ur5e")
 ROBOT = SCENE.arm.robot
@@ -85,6 +87,18 @@ def test_waypoints_without_times_are_numbered() -> None:
     motion = read_motion("a.csv", text.encode(), own_joints(ROBOT))
     assert not motion.timed
     assert motion.times.tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("untimed", [{}, {"timed": False, "times": TIMES}])
+def test_velocities_without_times_leave_the_way_open_and_are_refused(
+    untimed: dict[str, Any],
+) -> None:
+    plain = {"joints": list(JOINTS), "positions": TABLE}
+    assert read_message({**plain, **untimed}, []).interpolation == "linear"
+    with pytest.raises(MotionError, match="velocities but no times"):
+        read_message({**plain, **untimed, "velocities": TABLE}, [])
+    with pytest.raises(Fault, match="velocities but no times"):
+        exact_path({**plain, "times": TIMES, "timed": False, "velocities": TABLE}, [1] * 6)
 
 
 def rows_with(row: int, column: int, value: object) -> list[list[object]]:
