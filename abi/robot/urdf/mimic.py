@@ -17,7 +17,7 @@ def with_masters(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]
     """The joints, each follower resolved to a joint that moves by itself.
 
     What follows a fixed joint, or one that there is not, is fixed at its offset: as if that joint
-    were at 0.
+    were at 0. No joint is faster than those that follow it may be.
 
     Raises:
         SceneError: some follow each other in a ring.
@@ -41,7 +41,21 @@ def with_masters(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]
                     note = "Taken to follow past its own limits, which do not count:"
                     root.told.setdefault(note, []).append(f"joint {joint.name}")
         found.append(joint)
-    return tuple(found)
+    return _no_faster_than_followers(root, found)
+
+
+def _no_faster_than_followers(root: XmlElement, joints: Sequence[Joint]) -> tuple[Joint, ...]:
+    """The joints with limits of speed at which those that follow them keep their own."""
+    speeds = {joint.name: joint.speed for joint in joints}
+    for joint in joints:
+        if joint.kind != "fixed" and joint.mimic is not None and joint.mimic.factor != 0:
+            most = joint.speed / abs(joint.mimic.factor)
+            speeds[joint.mimic.joint] = min(speeds[joint.mimic.joint], most)
+    note = "No faster than the limits of speed of those that follow allow:"
+    for joint in joints:
+        if speeds[joint.name] < joint.speed:
+            root.told.setdefault(note, []).append(f"joint {joint.name}")
+    return tuple(replace(joint, speed=speeds[joint.name]) for joint in joints)
 
 
 def _is_past_limits(joint: Joint, mimic: Mimic, master: Joint) -> bool:

@@ -128,7 +128,8 @@ class Joint(ReadOnlyCopies):
         origin: parent link from joint, shape (4, 4).
         axis: unit vector in the joint's frame, shape (3,).
         low, high: limits, [rad] or [m]; those of a continuous joint are ±2π.
-        speed: largest, [rad/s] or [m/s]; inf where the file gives none.
+        speed: largest at which those that follow it keep their own limits, too, [rad/s] or [m/s];
+            inf where the file gives none.
         effort: largest torque or force, [N·m] or [N]; inf where the file gives none.
         mimic: the joint that it follows; None for one that moves by itself.
     """

@@ -322,6 +322,31 @@ def test_a_follower_that_its_master_takes_past_its_limits_is_told_of(
     assert ("past its own limits, which do not count: joint f" in notes) == passes
 
 
+@pytest.mark.parametrize(
+    ("follower", "velocity", "most"),
+    [
+        ('multiplier="-2" offset="0.1"', "0.5", 0.25),
+        ('multiplier="0.5"', "0.5", 1.0),
+        ('multiplier="2"', "0", 1.0),  # no limit
+        ('multiplier="0"', "0.5", 1.0),
+    ],
+)
+def test_no_joint_is_faster_than_one_that_follows_it_may_be(
+    follower: str, velocity: str, most: float
+) -> None:
+    follows_m = f'<limit lower="-9" upper="9" velocity="{velocity}"/><mimic joint="m" {follower}/>'
+    text = urdf(
+        *map(link, "abcd"),
+        joint("m", "a", "b"),
+        joint("f", "b", "c", extra=follows_m),
+        joint("g", "b", "d", extra=LIMIT + follows("f", 0.1)),
+    )
+    robot = read_of(text)
+    assert Chain.moved_by(robot, ("m",)).speeds.tolist() == [most]
+    said = "No faster than the limits of speed of those that follow allow: joint m."
+    assert (said in robot.notes) == (most < 1)
+
+
 def test_a_default_namespace_changes_nothing() -> None:
     named = arm(('<robot name="r">', '<robot xmlns="http://example.org/x" name="r">'))
     plain, read = read_of(arm()), read_of(named)
