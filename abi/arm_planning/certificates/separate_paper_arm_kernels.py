@@ -191,14 +191,15 @@ def _along_curve(
     neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
     allowance = allowance_of(around, neighbourhood.rates)
     span = Span(piece.start, piece.end, halves.at, allowance, bounded, True)
-    lists.work.clear()
+    _, candidates, work = lists
+    work.clear()
     for i in range(known[1] - 1, known[0] - 1, -1):
-        lists.work.append(lists.candidates[i])
+        work.append(candidates[i])
     outcome, pair, away, tried, _ = separate_pairs(
         around, span, lists, latest, capsule_of, level_at_ends, as_found, (table, neighbourhood)
     )
     if outcome == UNDECIDED:
-        pair = lists.candidates[len(lists.candidates) - 1]
+        pair = candidates[len(candidates) - 1]
     return Attempt(outcome, pair, away, tried[0] + tried[1], farthest)
 
 
