@@ -9,8 +9,7 @@ from typing import Any
 
 from abi import compiling
 from abi.errors import AbiError, SceneError
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene, load_scene
 from abi_sweep.row import Row, plan_row, versions
@@ -31,7 +30,7 @@ class SweepTask:
     """
 
     scene: Mapping[str, Any]
-    files: Mapping[str, bytes | Surface]
+    files: Files
     plans: tuple[tuple[str, Mapping[str, Any]], ...]
 
 

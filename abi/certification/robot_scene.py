@@ -8,7 +8,7 @@ from typing import Any
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
-from abi.robot.urdf.robot_files import SHIPPED, archive_of, load_robot
+from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.scene.scene import Scene
 
 _ROOM = 2.0
@@ -40,15 +40,15 @@ def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
     return scene.replace(files=files, arm=arm)
 
 
-def _files(robot: str) -> tuple[str, dict[str, bytes]]:
-    """Name of a robot as a scene has it, and its file as an archive."""
+def _files(robot: str) -> tuple[str, dict[str, Robot]]:
+    """Name of a robot as a scene has it, and what was read of its file."""
     if robot in SHIPPED:
         return robot, {}
     path = Path(robot)
-    return path.name, {path.name: archive_of(path.name, MeshSource(folder=path.parent))}
+    return path.name, {path.name: load_robot(path.name, MeshSource(folder=path.parent))}
 
 
-def _alone(name: str, files: dict[str, bytes]) -> Scene:
+def _alone(name: str, files: dict[str, Robot]) -> Scene:
     """A robot at the origin of a room that it cannot leave, whose floor it cannot reach."""
     half = _ROOM * max(_length(load_robot(name, MeshSource(files))), 0.1)
     return Scene.from_dict(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from types import MappingProxyType
 
 import numpy as np
 import scipy
@@ -72,7 +71,7 @@ def with_object(
     )
     return replace(
         robot,
-        links=MappingProxyType({**robot.links, name: link}),
+        links={**robot.links, name: link},
         joints=(*robot.joints, joint),
         attached=AttachedObject(name, tip, (shape, metres, inset)),
     )

@@ -131,8 +131,8 @@ class ArmSettings(Settings):
     radii: Rates = (1.0, 1.0, 1.0)
     dynamics: Literal["corrected", "as_printed"] = "corrected"
 
+    _whole: Robot | None = PrivateAttr(None)
     _robot: Robot | None = PrivateAttr(None)
-    _left_out: tuple[str, ...] = PrivateAttr(())
 
     @model_validator(mode="after")
     def _load(self, info: ValidationInfo) -> Self:
@@ -151,15 +151,9 @@ class ArmSettings(Settings):
             raise SceneError("arm.axis", self.exact_axis, expected)
         if self.model == "urdf":
             meshes = (info.context or {}).get("meshes", MeshSource())
-            self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)
+            self._whole = self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)
             if self.base_link is not None:
-                whole = self._robot
-                self._robot = self._from_base(whole, self.base_link)
-                self._left_out = tuple(
-                    name
-                    for name, link in whole.links.items()
-                    if link.shapes and name not in self._robot.links
-                )
+                self._robot = self._from_base(self._whole, self.base_link)
             joints_to(self._robot, self.tool)
         return self
 
@@ -263,9 +257,11 @@ class ArmSettings(Settings):
             return ()
         held = held_in_metres(self.robot, self.gripper, metres)
         notes = (planned_sentence(self.robot, self.tool, held), *self.robot.notes)
-        if not self._left_out:
+        links = self.whole_robot.links.values()
+        left_out = [one.name for one in links if one.shapes and one.name not in self.robot.links]
+        if not left_out:
             return notes
-        named = f"{self.base_link} does not carry them: {some_of(self._left_out)}"
+        named = f"{self.base_link} does not carry them: {some_of(left_out)}"
         return (*notes, f"Left out, so that nothing keeps clear of them, as {named}.")
 
     def _from_base(self, robot: Robot, base: str) -> Robot:
@@ -284,6 +280,12 @@ class ArmSettings(Settings):
         """The robot that ``urdf`` names, or the part on the base link, if that is the model."""
         assert self._robot is not None
         return self._robot
+
+    @property
+    def whole_robot(self) -> Robot:
+        """The robot that ``urdf`` names, with what its base link does not carry."""
+        assert self._whole is not None
+        return self._whole
 
     def with_attached(self, metres: float) -> Robot:
         """The robot with the object that it holds.

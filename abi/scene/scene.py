@@ -20,8 +20,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
 from abi.obstacles.per_shape import PerShape
 from abi.obstacles.pose import LARGEST, METRES, Vec3
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
@@ -211,9 +210,7 @@ class Scene(Settings):
         return self.arm.with_attached(METRES[self.unit])
 
     @classmethod
-    def from_dict(
-        cls, data: object, folder: Path | Mapping[str, bytes] | MeshSource | None = None
-    ) -> Self:
+    def from_dict(cls, data: object, folder: Path | Files | MeshSource | None = None) -> Self:
         """Build a scene from plain data, and check every field.
 
         Args:
@@ -245,12 +242,12 @@ class Scene(Settings):
 
     @property
     def meshes(self) -> MeshSource:
-        """Files of the scene by name: the surfaces of its meshes, and its arm as an archive."""
+        """Files of the scene by name, as they were read: the surfaces of its meshes, its robot."""
         solids = (*self.obstacles, self.arm.attached)
         shapes = [shape for shape in solids if isinstance(shape, MeshShape)]
-        files: dict[str, bytes | Surface] = {shape.file: shape.surface for shape in shapes}
+        files: dict[str, CheckedFile] = {shape.file: shape.surface for shape in shapes}
         if self.arm.model == "urdf" and self.arm.urdf not in SHIPPED:
-            files[self.arm.urdf] = self.arm.robot.archive
+            files[self.arm.urdf] = self.arm.whole_robot
         return MeshSource(files)
 
     @property
@@ -261,7 +258,7 @@ class Scene(Settings):
         on_arm = (f"{self.arm.urdf}: {note}" for note in self.arm.notes(METRES[self.unit]))
         return tuple(dict.fromkeys((*sentences, *on_arm)))
 
-    def replace(self, files: Mapping[str, bytes | Surface] | None = None, **changes: Any) -> Self:
+    def replace(self, files: Files | None = None, **changes: Any) -> Self:
         """Return a copy with changed fields, or the scene itself if nothing differs.
 
         Only fields that differ, and those that depend on them, are checked again, so that this can

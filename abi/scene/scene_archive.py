@@ -21,7 +21,9 @@ from abi.obstacles.mesh_files.obj import write_unit
 from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
+from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.urdf.robot import Robot
 from abi.scene.scene_file import parse_bytes, text_of
 
 SUFFIX = ".zip"
@@ -34,13 +36,12 @@ _STORED = ".obj"
 _FIELD = "scene"
 
 
-def pack(data: Mapping[str, Any], files: Mapping[str, bytes | Surface]) -> bytes:
+def pack(data: Mapping[str, Any], files: Files) -> bytes:
     """Pack a scene into an archive.
 
     Args:
         data: plain data, as in a scene file.
-        files: surfaces of its mesh files, and the file of its arm unless that is a shipped one, by
-            name.
+        files: surfaces of its mesh files, and its robot unless that is a shipped one, by name.
 
     Raises:
         SceneError: it is too large to be read again.
@@ -50,8 +51,10 @@ def pack(data: Mapping[str, Any], files: Mapping[str, bytes | Surface]) -> bytes
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
         archive.writestr(*text_of(_renamed(data, names)))
         for file, content in files.items():
-            if isinstance(content, bytes):
-                archive.writestr(file, content)
+            if not isinstance(content, Surface):
+                stored = content.archive if isinstance(content, Robot) else content
+                assert isinstance(stored, bytes)
+                archive.writestr(file, stored)
                 continue
             archive.writestr(names[file], _obj(content))
             if file != names[file]:
@@ -62,7 +65,7 @@ def pack(data: Mapping[str, Any], files: Mapping[str, bytes | Surface]) -> bytes
     return packed.getvalue()
 
 
-def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface]]:
+def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | CheckedFile]]:
     """Unpack the plain data of a scene, and the content of its meshes and arms by name.
 
     A mesh that was of another format than it is stored in is read, and comes as a surface.
@@ -94,7 +97,7 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
     except DAMAGED_ZIP:
         raise SceneError(_FIELD, name, "a whole zip archive, but this is damaged") from None
     names = _original_names(files)
-    contents: dict[str, bytes | Surface] = {}
+    contents: dict[str, bytes | CheckedFile] = {}
     for file, original in names.items():
         contents[original] = read_surface(stored.pop(file), file)
     data = _renamed(data, names)

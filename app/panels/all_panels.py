@@ -8,7 +8,7 @@ from dataclasses import replace
 import viser
 
 from abi.errors import AbiError, SceneError
-from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.mesh_source import Files
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 from app.panels.files.bug_report import BugReportButton
@@ -229,7 +229,7 @@ class AllPanels:
             scene = scene.replace(**without_obstacles(scene, (number,)))
         inputs = self._inputs if typed else (self.obstacles, self.ends)
         sections = {name: part for panel in inputs for name, part in panel.read().items()}
-        files: dict[str, bytes | Surface] = {**self.editor.surfaces, **self.stages.arm.model.files}
+        files: Files = {**self.editor.surfaces, **self.stages.arm.model.files}
         try:
             return scene.replace(files, **sections)
         except AbiError as error:

@@ -7,8 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
 from abi.robot.urdf.robot_files import SHIPPED, archive_of
 from abi.scene import scene_archive
 from abi.scene.scene import Scene, load_scene, scene_names
@@ -43,8 +42,8 @@ def load_local(name: str) -> Scene:
         reader.close()
 
 
-def _read(data: object, source: MeshSource, reader: Reader) -> dict[str, bytes | Surface]:
-    """Read the surfaces and the arm's archive that a scene names, by name.
+def _read(data: object, source: MeshSource, reader: Reader) -> Files:
+    """Read the surfaces and the robot that a scene names, by name.
 
     What is not there is left out: the scene is refused for it, with the name of the field.
     """
@@ -59,4 +58,4 @@ def _read(data: object, source: MeshSource, reader: Reader) -> dict[str, bytes |
             archives[name] = archive_of(name, source)
     surfaces = {name: reader.mesh(content, name) for name, content in contents.items()}
     robots = {name: reader.arm(content, name) for name, content in archives.items()}
-    return {**surfaces, **{name: robot.archive for name, robot in robots.items()}}
+    return {**surfaces, **robots}

@@ -15,10 +15,9 @@ from collections.abc import Callable, Mapping
 
 from abi.certification.motion import Motion, RobotState
 from abi.errors import MotionError, SceneError, SeveralTrajectoriesError
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.mesh_source import CheckedFile
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.urdf.robot import Robot
-from abi.robot.urdf.robot_files import load_robot
 from app.reading.reading import Job, ReadingResult
 from app.reading.reading_places import ReadingPlaces, Ticket
 from app.reading.running_reader import AT_ONCE, ReaderLimits, RunningReader
@@ -94,7 +93,7 @@ class Reader:
             SceneError: it is refused, or took too long or too much.
             StoppedError: ``stopped`` was set.
         """
-        return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name].surface()
+        return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name]
 
     def arm(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
@@ -111,12 +110,12 @@ class Reader:
         answer = self.read(Job("arm", name, content), stopped, delayed)
         if answer.choices:
             raise SeveralRobotsError(answer.choices)
-        return load_robot(name, MeshSource({name: answer.archives[name]}))
+        return answer.robots[name]
 
     def scene(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
-    ) -> tuple[object, Mapping[str, bytes | Surface]]:
-        """Plain data of a scene file, and the files packed with it, by name.
+    ) -> tuple[object, Mapping[str, CheckedFile]]:
+        """Plain data of a scene file, and the meshes and robots packed with it, by name.
 
         Arguments are those of :meth:`mesh`.
 
@@ -125,8 +124,7 @@ class Reader:
             StoppedError: ``stopped`` was set.
         """
         answer = self.read(Job("scene", name, content), stopped, delayed)
-        surfaces = {file: one.surface() for file, one in answer.surfaces.items()}
-        return json.loads(answer.data), {**answer.archives, **surfaces}
+        return json.loads(answer.data), {**answer.robots, **answer.surfaces}
 
     def motion(
         self,

@@ -7,17 +7,14 @@ server run code.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from typing import Any, Literal
 
 import msgspec
-import numpy as np
 
-from abi.arrays import read_only
 from abi.certification.read_motion import read_motion
 from abi.errors import MotionError, SceneError, SeveralTrajectoriesError
 from abi.obstacles.triangle_mesh import mesh_reader
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
@@ -25,6 +22,7 @@ from abi.robot.urdf.robot_files import file_of, load_plain_robot, robots_in
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 from app.reading import sample_bag, sample_meshes
+from app.reading.messages import encode
 
 Kind = Literal["mesh", "arm", "scene", "motion"]
 
@@ -47,30 +45,6 @@ class Job(msgspec.Struct):
     topic: str | None = None
 
 
-class SurfaceBytes(msgspec.Struct):
-    """A surface as bytes: float64 vertices, int32 faces."""
-
-    vertices: bytes
-    faces: bytes
-    closed: bool
-    notes: tuple[str, ...]
-    metres: float | None
-
-    @classmethod
-    def of(cls, surface: Surface) -> SurfaceBytes:
-        """Encode a surface."""
-        vertices = surface.vertices.astype("<f8").tobytes()
-        faces = surface.faces.astype("<i4").tobytes()
-        return cls(vertices, faces, surface.closed, surface.notes, surface.metres)
-
-    def surface(self) -> Surface:
-        """Decode the surface."""
-        vertices = np.frombuffer(self.vertices, "<f8").reshape(-1, 3).astype(np.float64)
-        faces = np.frombuffer(self.faces, "<i4").reshape(-1, 3).astype(np.int32)
-        arrays = read_only(vertices), read_only(faces)
-        return Surface(*arrays, self.closed, self.notes, self.metres)
-
-
 class Refusal(msgspec.Struct):
     """A :class:`SceneError` as plain data."""
 
@@ -88,7 +62,7 @@ class ReadingResult(msgspec.Struct):
         fault: name of an error that no reader should have raised; empty otherwise.
         data: plain data of a scene or a motion, as JSON.
         surfaces: repaired meshes, by their names.
-        archives: arms with their meshes as zips, by their names.
+        robots: arms, by their names.
         choices: URDF files of an archive with several, or trajectories of a bag, of which one is to
             be named.
     """
@@ -97,8 +71,8 @@ class ReadingResult(msgspec.Struct):
     wrong: tuple[str, str] | None = None
     fault: str = ""
     data: bytes = b""
-    surfaces: dict[str, SurfaceBytes] = {}
-    archives: dict[str, bytes] = {}
+    surfaces: dict[str, Surface] = {}
+    robots: dict[str, Robot] = {}
     choices: tuple[str, ...] = ()
 
 
@@ -148,22 +122,22 @@ def rehearse() -> None:
     for name, motion in (("a.csv", b"time,a\n0,0\n1,1\n"), ("a.mcap", sample_bag.mcap("a"))):
         files.append(Job("motion", name, motion, {"a": False}))
     for job in files:
-        read(job)
+        encode(read(job))
 
 
 def _mesh(name: str, content: bytes) -> ReadingResult:
     surface = mesh_reader.read_surface(content, name)
-    return ReadingResult(surfaces={name: SurfaceBytes.of(surface)})
+    return ReadingResult(surfaces={name: surface})
 
 
 def _arm(name: str, content: bytes) -> ReadingResult:
     if file_of(name) == name and len(choices := robots_in(content)) > 1:
         return ReadingResult(choices=choices)
-    return ReadingResult(archives={name: _whole(name, {file_of(name): content}).archive})
+    return ReadingResult(robots={name: _whole(name, {file_of(name): content})})
 
 
 def _scene(name: str, content: bytes) -> ReadingResult:
-    files: dict[str, bytes | Surface] = {}
+    files: dict[str, bytes | CheckedFile] = {}
     if name.lower().endswith(scene_archive.SUFFIX):
         data, files = scene_archive.unpack(content, name)
     else:
@@ -178,12 +152,13 @@ def _scene(name: str, content: bytes) -> ReadingResult:
     for file in meshes & files.keys():
         found = files[file]
         if isinstance(found, Surface):
-            answer.surfaces[file] = SurfaceBytes.of(found)
+            answer.surfaces[file] = found
         else:
-            answer.surfaces |= _mesh(file, found).surfaces
+            assert isinstance(found, bytes)
+            answer.surfaces[file] = mesh_reader.read_surface(found, file)
     for arm in arms:
         if arm in files or file_of(arm) in files:
-            answer.archives[arm] = _whole(arm, files, srdf).archive
+            answer.robots[arm] = _whole(arm, files, srdf)
     return answer
 
 
@@ -214,10 +189,11 @@ def named_files(data: object) -> tuple[set[str], set[str]]:
     )
 
 
-def _whole(name: str, files: Mapping[str, bytes | Surface], srdf: str | None = None) -> Robot:
+def _whole(name: str, files: Files, srdf: str | None = None) -> Robot:
     """Check an arm by fitting the bodies of its links, as planning does.
 
-    Its archive has only meshes in formats of our own readers: the server reads it again.
+    Its archive has only meshes in formats of our own readers: a server that is started again reads
+    it from its store.
     """
     robot = load_plain_robot(name, MeshSource(files), srdf)
     for link in robot.links.values():

@@ -9,9 +9,8 @@ import sys
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-import msgspec
-
 from app.process.process_memory import memory_in_all
+from app.reading.messages import decode, encode
 from app.reading.reader_process import READY, receive, send
 from app.reading.reading import Job, ReadingResult
 
@@ -75,11 +74,11 @@ class RunningReader:
         try:
             if not self._ready:
                 self._ready = receive(self._answers) == READY
-            send(self._jobs, msgspec.msgpack.encode(job))
+            send(self._jobs, encode(job))
             content = receive(self._answers)
         except OSError:
             return None
-        return None if content is None else msgspec.msgpack.decode(content, type=ReadingResult)
+        return None if content is None else decode(content, ReadingResult)
 
     def kill(self) -> None:
         """Kill the process."""

@@ -17,14 +17,16 @@ import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from abi.arrays import read_only
+from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.urdf.robot import Robot
 from abi.user_cache import user_cache
 
 MAX_STORED = 500_000_000
@@ -41,12 +43,12 @@ def folder() -> Path:
     return user_cache() / "uploads"
 
 
-def keys(files: Mapping[str, bytes | Surface]) -> dict[str, str]:
+def keys(files: Files) -> dict[str, str]:
     """Keys of a scene's files by name."""
     return {name: _key(content) for name, content in files.items()}
 
 
-def keep(files: Mapping[str, bytes | Surface]) -> None:
+def keep(files: Files) -> None:
     """Store a scene's files; if the folder is not writable, they last as long as the tab."""
     for content in files.values():
         path = folder() / _key(content)
@@ -55,7 +57,7 @@ def keep(files: Mapping[str, bytes | Surface]) -> None:
                 path.touch()
                 continue
             path.parent.mkdir(parents=True, exist_ok=True)
-            packed = content if isinstance(content, bytes) else _packed(content)
+            packed = _packed(content)
             _make_room(path.parent, len(packed))
             _write(path, packed)
         except OSError as error:
@@ -97,8 +99,8 @@ def _warn(reason: str) -> None:
     _log.warning("uploads are not kept", extra={"folder": str(folder()), "reason": reason})
 
 
-def _key(content: bytes | Surface) -> str:
-    return content.digest if isinstance(content, Surface) else _hash(content)
+def _key(content: bytes | CheckedFile) -> str:
+    return _hash(content) if isinstance(content, bytes) else content.digest
 
 
 @lru_cache(maxsize=8)
@@ -106,15 +108,20 @@ def _hash(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _packed(surface: Surface) -> bytes:
+def _packed(content: bytes | CheckedFile) -> bytes:
+    if isinstance(content, bytes):
+        return content
+    if isinstance(content, Robot):
+        return content.archive
+    assert isinstance(content, Surface)
     packed = io.BytesIO()
     np.savez(
         packed,
-        vertices=surface.vertices,
-        faces=surface.faces,
-        closed=np.array(surface.closed),
-        notes=np.array(surface.notes, dtype=np.str_),
-        metres=np.array([] if surface.metres is None else [surface.metres]),
+        vertices=content.vertices,
+        faces=content.faces,
+        closed=np.array(content.closed),
+        notes=np.array(content.notes, dtype=np.str_),
+        metres=np.array([] if content.metres is None else [content.metres]),
     )
     return packed.getvalue()
 

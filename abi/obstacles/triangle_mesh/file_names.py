@@ -27,6 +27,9 @@ def same_path(folder: Path, name: str) -> Path:
     Raises:
         OSError: a folder cannot be listed.
     """
+    path = folder / name
+    if path.exists():
+        return path
     path = folder
     for part in name.split("/"):
         if (path / part).exists():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath
+from typing import Protocol
 
 from abi.errors import SceneError, short
 from abi.obstacles.triangle_mesh.file_names import same_name, same_path
@@ -16,24 +17,36 @@ _MOST_NAMED = 100
 """Most files of one name that are looked at in a folder."""
 
 
+class CheckedFile(Protocol):
+    """What was in a file, read and checked: a surface, or a robot."""
+
+    @property
+    def digest(self) -> str:
+        """Hash of its content."""
+
+
+Files = Mapping[str, bytes | CheckedFile]
+"""Files of a scene by their names: bytes that are still to be read, or what was read of them."""
+
+
 class MeshSource:
     """Surfaces of mesh files by their names in the scene.
 
     Args:
-        files: content or surface of each file by its name, looked at first.
+        files: content of each file by its name, or what was read of it; looked at first.
         folder: the folder that holds the scene file; nothing outside it is opened.
     """
 
     def __init__(
         self,
-        files: Mapping[str, bytes | Surface] | Mapping[str, bytes] | None = None,
+        files: Files | None = None,
         folder: Path | None = None,
     ) -> None:
-        self.files: dict[str, bytes | Surface] = dict(files or {})
+        self.files: dict[str, bytes | CheckedFile] = dict(files or {})
         self.folder = folder
 
     @classmethod
-    def of(cls, origin: str | Path | Mapping[str, bytes] | MeshSource | None) -> MeshSource:
+    def of(cls, origin: str | Path | Files | MeshSource | None) -> MeshSource:
         """A source for a scene's folder, for uploaded files by name, or for no files."""
         if isinstance(origin, MeshSource):
             return origin
@@ -50,7 +63,7 @@ class MeshSource:
         _check_name(name)
         if PurePosixPath(name).suffix.lower() not in SUFFIXES:
             raise SceneError("file", name, f"a file that ends in {', '.join(SUFFIXES)}")
-        content = self._given(name)
+        content = self.given(name)
         if isinstance(content, Surface):
             return content
         if not isinstance(content, bytes | None):
@@ -64,7 +77,7 @@ class MeshSource:
             SceneError: there is no such file, or it is outside the folder.
         """
         _check_name(name)
-        content = self._given(name)
+        content = self.given(name)
         return content if isinstance(content, bytes) else self._content(name)
 
     def named(self, name: str, beside: PurePosixPath) -> dict[str, bytes]:
@@ -86,10 +99,20 @@ class MeshSource:
                 contents[path] = self.content(path)
         return contents
 
-    def _given(self, name: str) -> bytes | Surface | None:
-        """File given under a name, up to Unicode normalisation."""
+    def given(self, name: str) -> bytes | CheckedFile | None:
+        """File given under a name, up to Unicode normalisation; None if it is in the folder."""
         same = same_name(name, self.files)
         return None if same is None else self.files[same]
+
+    @cached_property
+    def _resolved(self) -> Path:
+        """The folder without links.
+
+        Raises:
+            OSError: it is not there.
+        """
+        assert self.folder is not None
+        return self.folder.resolve(strict=True)
 
     def _content(self, name: str) -> bytes:
         if self.folder is None:
@@ -101,9 +124,8 @@ class MeshSource:
             )
             raise SceneError("file", name, expected)
         try:
-            folder = self.folder.resolve(strict=True)
-            path = same_path(folder, name).resolve(strict=True)
-            if not path.is_relative_to(folder):
+            path = same_path(self._resolved, name).resolve(strict=True)
+            if not path.is_relative_to(self._resolved):
                 raise SceneError("file", name, "a file in the scene's folder, not a link out of it")
             if not path.is_file():
                 raise SceneError("file", name, "a file, not a folder")

@@ -38,10 +38,13 @@ class MeshLookup:
     Args:
         files: content by path.
         folder: of the URDF.
+        plain: whether meshes are as :meth:`plain` converts them, with the digits of an STL.
     """
 
-    def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
-        self._files, self._folder = files, folder
+    def __init__(
+        self, files: Mapping[str, bytes], folder: PurePosixPath, plain: bool = False
+    ) -> None:
+        self._files, self._folder, self._rounds = files, folder, plain
         self._packages = packages(files)
         self._read: dict[str, Parts] = {}
         self._taken: set[str] = set()
@@ -61,7 +64,10 @@ class MeshLookup:
         """
         found = self.path(name)
         if found not in self._read:
-            self._read[found] = self._mesh(self._files[found], PurePosixPath(found).name)
+            mesh = self._mesh(self._files[found], PurePosixPath(found).name)
+            if self._rounds and not is_plain(found):
+                mesh = stl.read(stl.write(*mesh), MAX_TRIANGLES).parts
+            self._read[found] = mesh
         mesh = self._read[found]
         if self._triangles + len(mesh.faces) > MAX_TRIANGLES:
             expected = f"meshes of at most {MAX_TRIANGLES:,} triangles in all"

@@ -7,8 +7,10 @@ The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masse
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -261,6 +263,16 @@ class Robot(ShortRepr):
     attached: AttachedObject | None = None
     couplings: tuple[Coupling, ...] = ()
 
+    def __post_init__(self) -> None:
+        """Let nobody change its mappings."""
+        for name in ("links", "groups"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of its archive."""
+        return hashlib.sha256(self.archive).hexdigest()
+
     @property
     def _key(self) -> tuple[bytes | int, str, AttachedObject | None]:
         # without an archive nothing but itself says what it is
@@ -352,7 +364,7 @@ def part_from(robot: Robot, base: str) -> Robot:
     joints = _joints_below(robot, base)
     names = {base, *(joint.child for joint in joints)}
     links = {name: link for name, link in robot.links.items() if name in names}
-    return replace(robot, root=base, links=MappingProxyType(links), joints=joints)
+    return replace(robot, root=base, links=links, joints=joints)
 
 
 def _joints_below(robot: Robot, base: str) -> tuple[Joint, ...]:

@@ -41,6 +41,8 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 def load_robot(name: str, source: MeshSource, srdf: str | None = None) -> Robot:
     """Load a shipped arm by name, or the arm of a ``.urdf`` or ``.zip`` file.
 
+    A robot that was read before is the one that the source holds.
+
     Args:
         name: in :data:`SHIPPED`, or of a file.
         source: of the files.
@@ -54,22 +56,27 @@ def load_robot(name: str, source: MeshSource, srdf: str | None = None) -> Robot:
         if srdf is not None:
             raise SceneError("arm.srdf", srdf, "none, as the shipped arms have no SRDF")
         return _shipped(name)
-    content = archive_of(name, source)
+    given = source.given(name)
     if srdf is not None:
-        content = packed(_with_one_srdf(unpacked(content), source, srdf))
-    return robot_from_archive(content)
+        beside = _srdf_beside(source, srdf)
+        alone = [PurePosixPath(srdf).name]
+        if isinstance(given, Robot) and beside is None and _srdfs_in(given.archive) == alone:
+            return given
+        return _robot_with_srdf(archive_of(name, source), srdf, beside)
+    return given if isinstance(given, Robot) else robot_from_archive(archive_of(name, source))
 
 
 def load_plain_robot(name: str, source: MeshSource, srdf: str | None = None) -> Robot:
     """Load the arm of a file with an archive that can be read without trimesh.
 
-    The file is unpacked once, and each mesh in it is read once. Arguments and errors are those of
-    :func:`load_robot`; no shipped arm is found.
+    The file is unpacked once, and each mesh in it is read once; the archive holds the same robot,
+    to the last digit. Arguments and errors are those of :func:`load_robot`; no shipped arm is
+    found.
     """
     archive, files = _unpacked_files(name, source)
     if srdf is not None:
-        archive, files = None, _with_one_srdf(files, source, srdf)
-    robot, plain = _read(files)
+        archive, files = None, _with_one_srdf(files, srdf, _srdf_beside(source, srdf))
+    robot, plain = _read(files, plain=True)
     require_motion(robot)
     if not all(map(is_plain, files)):
         archive = packed(plain)
@@ -99,7 +106,7 @@ def _unpacked_files(name: str, source: MeshSource) -> tuple[bytes | None, dict[s
     archive = _archive_itself(name, source)
     if archive is not None:
         return archive, unpacked(archive)
-    if name not in source.files and (outer := file_of(name)) != name:
+    if source.given(name) is None and (outer := file_of(name)) != name:
         files = unpacked(_content(source, outer))
         return None, _with_one(files, name.removeprefix(f"{outer}/"))
     return None, _with_meshes(source, name)
@@ -115,7 +122,9 @@ def _archive_itself(name: str, source: MeshSource) -> bytes | None:
     if ending not in (".zip", ".urdf"):
         expected = f"one of {', '.join(SHIPPED)}, or a file that ends in .urdf or .zip"
         raise SceneError("arm.urdf", name, expected)
-    if name not in source.files and file_of(name) != name:
+    if isinstance(given := source.given(name), Robot):
+        return given.archive
+    if given is None and file_of(name) != name:
         return None
     content = _content(source, name)
     # an arm that a scene has read already is kept as an archive, whatever it was
@@ -151,6 +160,19 @@ def robot_from_archive(content: bytes) -> Robot:
     robot = replace(_read(unpacked(content))[0], archive=content)
     require_motion(robot)
     return robot
+
+
+@lru_cache(maxsize=8)
+def _robot_with_srdf(archive: bytes, srdf: str, beside: bytes | None) -> Robot:
+    """The robot in an archive with one SRDF alone: arguments as for :func:`_with_one_srdf`."""
+    return robot_from_archive(packed(_with_one_srdf(unpacked(archive), srdf, beside)))
+
+
+def _srdfs_in(content: bytes) -> list[str]:
+    """Names of the SRDFs in an archive, without their folders."""
+    with _opened(content) as archive:
+        names = [name for name in members_of(archive) if name.lower().endswith(_SRDF)]
+    return [PurePosixPath(name).name for name in names]
 
 
 def packed(files: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
@@ -197,8 +219,11 @@ def _opened(content: bytes) -> Iterator[zipfile.ZipFile]:
         raise SceneError("arm.urdf", str(error)[:60], expected) from None
 
 
-def _read(files: Mapping[str, bytes]) -> tuple[Robot, dict[str, bytes]]:
-    """A robot still without archive, and its files, each mesh in a format that needs no trimesh."""
+def _read(files: Mapping[str, bytes], plain: bool = False) -> tuple[Robot, dict[str, bytes]]:
+    """A robot still without archive, and its files, each mesh in a format that needs no trimesh.
+
+    With ``plain`` the robot is the one that those files hold.
+    """
     found = sorted(name for name in files if name.lower().endswith(".urdf"))
     if len(found) != 1:
         names = some_of(found) or "none"
@@ -206,7 +231,7 @@ def _read(files: Mapping[str, bytes]) -> tuple[Robot, dict[str, bytes]]:
         if found:
             expected += f", or one of them named after it, such as robots.zip/{found[0]}"
         raise SceneError("arm.urdf", names, expected)
-    lookup = MeshLookup(files, PurePosixPath(found[0]).parent)
+    lookup = MeshLookup(files, PurePosixPath(found[0]).parent, plain)
     robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
     robot = replace(robot, notes=(*robot.notes, *lookup.notes))
     texts = {name: files[name] for name in files if name.lower().endswith(_TEXTS)}
@@ -224,19 +249,31 @@ def _with_one(files: Mapping[str, bytes], name: str) -> dict[str, bytes]:
     return {file: files[file] for file in files if file not in urdfs or file in found}
 
 
-def _with_one_srdf(files: Mapping[str, bytes], source: MeshSource, name: str) -> dict[str, bytes]:
-    """Files with only one SRDF: one from the source, or the one of its name among them."""
-    inside = [file for file in files if f"/{file}".endswith(f"/{PurePosixPath(name).name}")]
-    others = {file: files[file] for file in files if not file.lower().endswith(_SRDF)}
+def _srdf_beside(source: MeshSource, name: str) -> bytes | None:
+    """An SRDF of the source; None if it has none of that name."""
     if not name.lower().endswith(_SRDF):
         raise SceneError("arm.srdf", name, f"a file that ends in {_SRDF}")
     try:
-        found = source.content(name)
-    except SceneError as error:
-        if len(inside) != 1:
-            raise SceneError("arm.srdf", error.value, error.expected) from None
-        found = files[inside[0]]
-    return {**others, PurePosixPath(name).name: found}
+        return source.content(name)
+    except SceneError:
+        return None
+
+
+def _with_one_srdf(files: Mapping[str, bytes], name: str, beside: bytes | None) -> dict[str, bytes]:
+    """Files with only one SRDF: the one beside the scene, or else the one of its name among them.
+
+    Raises:
+        SceneError: there is neither.
+    """
+    srdfs = sorted(file for file in files if file.lower().endswith(_SRDF))
+    inside = [file for file in srdfs if f"/{file}".endswith(f"/{PurePosixPath(name).name}")]
+    others = {file: content for file, content in files.items() if file not in srdfs}
+    if beside is None and len(inside) != 1:
+        came = some_of(srdfs, 6) or "none"
+        expected = f"a file inside the scene's folder, or one SRDF that came with the arm: {came}"
+        raise SceneError("arm.srdf", name, expected)
+    content = files[inside[0]] if beside is None else beside
+    return {**others, PurePosixPath(name).name: content}
 
 
 def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:

@@ -59,7 +59,7 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
             groups[group.text("name")] = _joints(group, robot, groups)
     touching, states = _may_touch(root, robot), _states(root, robot)
     notes = tuple(f"{note} {some_of(named)}." for note, named in root.told.items())
-    return Srdf(root.text("name"), touching, MappingProxyType(groups), states, notes)
+    return Srdf(root.text("name"), touching, groups, states, notes)
 
 
 def _may_touch(root: XmlElement, robot: Robot) -> frozenset[frozenset[str]]:

@@ -6,8 +6,6 @@ damaged, ambiguous or too large is refused with one sentence.
 
 from __future__ import annotations
 
-from types import MappingProxyType
-
 from abi.errors import Missing
 from abi.robot.urdf.couplings import coupling_notes, read_couplings
 from abi.robot.urdf.link_names import rename_links
@@ -60,4 +58,4 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     notes += [*renamed, *unused(root), *coupling_notes(couplings)]
     add_colours(root, links)
     title = root.text("name", "robot")
-    return Robot(title, base, MappingProxyType(links), ordered, tuple(notes), couplings=couplings)
+    return Robot(title, base, links, ordered, tuple(notes), couplings=couplings)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
 from abi.obstacles.triangle_mesh.signed_distance import body_frame
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
@@ -25,11 +24,11 @@ class SceneFile:
 
     Attributes:
         data: plain data of the scene.
-        files: meshes and arms that came with it, by name.
+        files: meshes and robots that came with it, by name.
     """
 
     data: object
-    files: Mapping[str, bytes | Surface]
+    files: Files
 
 
 def read(content: bytes, dealing: UploadJob[SceneFile]) -> SceneFile:

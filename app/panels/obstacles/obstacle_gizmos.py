@@ -6,7 +6,7 @@ A body is a child of its gizmo, so it moves in the browser at once; the server r
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -16,6 +16,7 @@ import viser
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
+from abi.obstacles.triangle_mesh.mesh_source import Files
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.drawing.obstacle_body import Body, add_body, add_edges
@@ -118,7 +119,7 @@ class ObstacleGizmos:
         found = [one.obstacle if one.read == one.valid else one.read for one in self.shown]
         return {"obstacles": found}
 
-    def accept(self, scene: Scene, files: Mapping[str, bytes | Surface]) -> Scene:
+    def accept(self, scene: Scene, files: Files) -> Scene:
         """The scene with the obstacles as they were read; a refused one is as it was before.
 
         It is turned and moved all the same, where that was not what was refused.

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.mesh_source import Files
 from abi.scene.scene import Scene
 
 _NUMBER = re.compile(r"obstacles\[(\d+)\]")
 
 
 def accepted_obstacles(
-    scene: Scene, files: Mapping[str, bytes | Surface], choices: Sequence[Sequence[Any]]
+    scene: Scene, files: Files, choices: Sequence[Sequence[Any]]
 ) -> tuple[Scene, list[Any]]:
     """Replace the obstacles of a scene, each by the first of its choices that is not refused.
 
     Args:
         scene: the scene.
-        files: content of mesh files by name.
+        files: of the scene by name.
         choices: of each obstacle, as in :meth:`Scene.replace`.
 
     Returns:

@@ -55,13 +55,13 @@ class ArmModelPanel:
     """Widgets to choose arm, tip, base link, tool's direction and mounting, and to upload a URDF.
 
     Attributes:
-        files: archives of the arms that were uploaded, by name.
+        files: the arms that were uploaded, by name.
     """
 
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
         self._client = client
         gui = client.gui
-        self.files: dict[str, bytes] = {}
+        self.files: dict[str, Robot] = {}
         self.model = gui.add_dropdown(
             "arm", (_PAPER, *_SHIPPED.values()), hint="The paper's arm, or a robot by its URDF."
         )
@@ -168,8 +168,8 @@ class ArmModelPanel:
             self.model.value = self._model_shown = _PAPER
             return
         if arm.urdf not in SHIPPED:
-            is_new = self.files.get(arm.urdf) != arm.robot.archive
-            self._add(arm.urdf, arm.robot.archive)
+            is_new = self.files.get(arm.urdf) != arm.whole_robot
+            self._add(arm.urdf, arm.whole_robot)
             if is_new:
                 self._tell(arm.urdf, arm.notes(METRES[scene.unit]))
         self.model.value = self._model_shown = _SHIPPED.get(arm.urdf, arm.urdf)
@@ -205,7 +205,7 @@ class ArmModelPanel:
     def _take(self, name: str, robot: Robot) -> None:
         """Choose an arm that was read."""
         name = _zip_of(name)
-        self._add(name, robot.archive)
+        self._add(name, robot)
         self.model.value = name
         self._list_tips(name, None)
         planned = planned_sentence(robot, self.tip.value, NOT_HELD)
@@ -216,8 +216,8 @@ class ArmModelPanel:
         for note in notes:
             self._client.add_notification(name, note, auto_close_seconds=8)
 
-    def _add(self, name: str, archive: bytes) -> None:
-        self.files[name] = archive
+    def _add(self, name: str, robot: Robot) -> None:
+        self.files[name] = robot
         self.model.options = (_PAPER, *_SHIPPED.values(), *self.files)
 
     def _show(self, shown: bool) -> None:

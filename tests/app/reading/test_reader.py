@@ -8,8 +8,10 @@ import resource
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,10 +19,13 @@ import trimesh
 
 from abi.certification.motion import RobotState
 from abi.certification.read_motion import read_motion
-from abi.errors import SceneError
+from abi.errors import ArgumentError, SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.urdf import robot_files
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.scene.scene import Scene
+from app.reading import messages
 from app.reading import reader as module
 from app.reading.reader import Reader, StoppedError
 from app.reading.running_reader import AT_ONCE, ReaderLimits, reading_memory
@@ -92,7 +97,7 @@ def test_a_scene_comes_with_its_meshes_and_its_arm(reader: Reader) -> None:
         "arm": {"model": "urdf", "urdf": "own.zip"},
     }
     scene = Scene.from_dict(data, files)
-    again = Scene.from_dict(*reader.scene(scene.pack(), "scene.zip"))  # type: ignore[arg-type]
+    again = Scene.from_dict(*reader.scene(scene.pack(), "scene.zip"))
 
     assert again.arm.robot == scene.arm.robot
     surface, other = (
@@ -112,6 +117,53 @@ def test_an_arm_comes_without_the_dae_that_it_is_drawn_with(reader: Reader) -> N
     assert "cannot be read: a." in reader.arm(packed(files), "a.zip").notes[0]
     assert not reader.lost
     assert not reader.faults
+
+
+def test_a_robot_is_that_of_its_archive_and_is_not_read_again(
+    reader: Reader, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ball = '<mesh filename="solid.dae" scale="1 1.1 0.7"/>'
+    text = looking("a.dae", text=arm(('<box size="0.1 0.1 0.3"/>', ball)))
+    srdf = '<robot name="r"><disable_collisions link1="b" link2="d"/></robot>'
+    one, other = dae(0.1), dae(0.3)
+    files: dict[str, str | bytes] = {"a.urdf": text, "a.dae": one, "solid.dae": other}
+    robot = reader.arm(packed({**files, "a.srdf": srdf, "b.srdf": srdf}), "a.zip")
+    kept = robot_from_archive(robot.archive)
+
+    assert robot == kept
+    assert (robot.notes, robot.may_touch) == (kept.notes, kept.may_touch)
+    pairs = list(zip(_arrays(robot), _arrays(kept), strict=True))
+    assert len(pairs) > 30
+    for found, wanted in pairs:
+        np.testing.assert_array_equal(found, wanted, strict=True)
+        assert not found.flags.writeable
+
+    monkeypatch.setattr(robot_files, "_read", None)
+    data = {"version": 1, "arm": {"model": "urdf", "urdf": "a.zip", "base_link": "b"}}
+    scene = Scene.from_dict(data, {"a.zip": robot}).replace(arm={"base": (1.0, 0.0, 0.0)})
+    assert scene.arm.whole_robot is robot
+    assert scene.meshes.files == {"a.zip": robot}
+
+
+def _arrays(value: object) -> Iterator[np.ndarray[Any, Any]]:
+    """All arrays in a robot, in order."""
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, Mapping):
+        yield from _arrays([*value.values()])
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _arrays(one)
+    elif is_dataclass(value):
+        yield from _arrays([getattr(value, one.name) for one in fields(value)])
+
+
+def test_a_message_is_checked_by_the_class_that_it_is_of() -> None:
+    mesh = read_surface(meshes.stl(meshes.box()), "a.stl")
+    content = messages.encode({**vars(mesh), "faces": mesh.faces[:, :2].copy()})
+    with pytest.raises(ArgumentError, match="faces"):
+        messages.decode(content, Surface)
+    assert messages.decode(messages.encode(mesh), Surface) == mesh
 
 
 @pytest.mark.slow
