@@ -164,7 +164,7 @@ class MotionVerdict(ShortRepr):
             "stretches": [one._asdict() for one in self.stretches],
             "limits": self.limits.to_dict(),
             "allowed": [one._asdict() for one in self.problem.bodies.allowed],
-            "notes": list(self.problem.motion.notes),
+            "notes": [*self.problem.motion.notes, *self.scene.file_notes],
             "motion": motion.to_dict(),
             "scene": self.scene.to_dict(),
             "certificate": None if self.proof is None else _certificate(self.problem, self.proof),

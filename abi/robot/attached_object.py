@@ -43,8 +43,8 @@ def with_object(
     Raises:
         SceneError: a mesh is flat.
     """
-    name = _NAME
-    while name in robot.links:
+    name, joints = _NAME, {one.name for one in robot.joints}
+    while name in robot.links or f"{name}_joint" in joints:
         name = f"{name}_"
     nothing = np.zeros(3), np.zeros((3, 3))
     whole = tuple(_shapes(shape, metres, 0.0))

@@ -256,13 +256,19 @@ class ArmSettings(Settings):
         if self.model != "urdf":
             return ()
         held = held_in_metres(self.robot, self.gripper, metres)
-        notes = (planned_sentence(self.robot, self.tool, held), *self.robot.notes)
+        return (planned_sentence(self.robot, self.tool, held), *self.file_notes)
+
+    @property
+    def file_notes(self) -> tuple[str, ...]:
+        """Sentences on what is taken, guessed or left out of a URDF."""
+        if self.model != "urdf":
+            return ()
         links = self.whole_robot.links.values()
         left_out = [one.name for one in links if one.shapes and one.name not in self.robot.links]
         if not left_out:
-            return notes
+            return self.robot.notes
         named = f"{self.base_link} does not carry them: {some_of(left_out)}"
-        return (*notes, f"Left out, so that nothing keeps clear of them, as {named}.")
+        return (*self.robot.notes, f"Left out, so that nothing keeps clear of them, as {named}.")
 
     def _from_base(self, robot: Robot, base: str) -> Robot:
         """The part of a robot that its base link carries, the tip among it."""

@@ -6,7 +6,7 @@ of the visualiser read, and the only input of a plan.
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -253,10 +253,18 @@ class Scene(Settings):
     @property
     def notes(self) -> tuple[str, ...]:
         """Sentences on its files: units of meshes, and what is planned, left out or repaired."""
+        return self._notes(self.arm.notes(METRES[self.unit]))
+
+    @property
+    def file_notes(self) -> tuple[str, ...]:
+        """The same but for what is planned."""
+        return self._notes(self.arm.file_notes)
+
+    def _notes(self, on_arm: Sequence[str]) -> tuple[str, ...]:
+        """Sentences on its meshes, and some on its arm, each with the name of the file."""
         shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
         sentences = (f"{shape.file}: {note}" for shape in shapes for note in shape.notes)
-        on_arm = (f"{self.arm.urdf}: {note}" for note in self.arm.notes(METRES[self.unit]))
-        return tuple(dict.fromkeys((*sentences, *on_arm)))
+        return tuple(dict.fromkeys((*sentences, *(f"{self.arm.urdf}: {note}" for note in on_arm))))
 
     def replace(self, files: Files | None = None, **changes: Any) -> Self:
         """Return a copy with changed fields, or the scene itself if nothing differs.

@@ -65,7 +65,7 @@ def certify(
     print_text(
         text
         if as_json or str(out) == STANDARD
-        else "\n".join([verdict.sentence, *remarks(verdict)])
+        else "\n".join([verdict.sentence, *remarks(verdict), *place.file_notes])
     )
     if verdict.state != "clear":
         raise SystemExit(INCOMPLETE if verdict.state == "touches" else UNDECIDED)

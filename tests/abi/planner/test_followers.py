@@ -12,6 +12,7 @@ import pytest
 import yourdfpy
 
 from abi.arrays import FloatArray
+from abi.certification.certify import certify
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
@@ -187,3 +188,29 @@ def test_lines_stand_for_the_links_of_a_robot_without_shapes() -> None:
         scene(text, obstacles=[ball], arm={**one.arm.model_dump(), "avoid": False})
     )
     assert not blocked["arm"] or not blocked["arm"]["certified"]
+
+
+@pytest.mark.parametrize("factor", [3.0, -3.0, 0.5])
+def test_a_joint_is_no_faster_than_what_follows_it_may_be(factor: float) -> None:
+    text = crane(follows("lift", factor))
+    limit = min(2.0, 2.0 / abs(factor))
+    one = scene(text, motion={"law": "time_optimal", "acceleration": 50})
+    plan, _ = planned(one)
+    assert plan.motion is not None
+    fastest = np.abs(plan.motion.joint_velocities).max(axis=0)
+    assert fastest[1] <= limit * (1 + 1e-6)
+
+    rows = [[0.0, 0.0, 0.0], [0.0, 0.2, 0.0]]
+    times = np.array([0.0, 0.2 / limit])
+    for pace, passed in ((0.99, [("speed", "lift")]), (1.01, [])):
+        verdict = certify(None, ("turn", "lift", "bend"), pace * times, rows, one)
+        assert [(each.quantity, each.joint) for each in verdict.limits.passed] == passed
+
+
+def test_a_verdict_tells_what_is_taken_of_the_files_as_a_plan_does() -> None:
+    text = crane(follows("lift", 3.0))
+    one = scene(text)
+    rows = [[0.0, 0.0, 0.0], [0.0, 0.2, 0.0]]
+    told = certify(None, ("turn", "lift", "bend"), [0.0, 9.0], rows, one).to_dict()["notes"]
+    (past,) = (note for note in one.notes if "past its own limits" in note)
+    assert past in told

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.attached_object import STANDING, with_object
 from abi.robot.urdf.robot_files import robot_from_archive
@@ -38,3 +39,13 @@ def test_a_held_mesh_loses_little_at_its_sides_and_no_more_than_twice_that_at_it
         for corner in corners
     ]
     assert max(nearest) == pytest.approx(0, abs=2 * STANDING + 1e-6)
+
+
+def test_a_held_object_and_its_joint_have_names_that_the_robot_has_not() -> None:
+    text = arm().replace('name="q"', 'name="held_object_joint"')
+    robot = robot_from_archive(packed({"a.urdf": text}))
+    holding = with_object(robot, "d", Box(size=(0.1, 0.1, 0.1)), 1.0)
+    assert len(holding.links) == len(robot.links) + 1
+    names = [one.name for one in holding.joints]
+    assert "held_object_joint" in names
+    assert len({*names}) == len(names) == len(robot.joints) + 1
