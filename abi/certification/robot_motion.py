@@ -120,6 +120,8 @@ def robot_motion(
         raise MotionError(error.message) from None
     _check_state(motion, chain, scene.arm.attached is not None)
     notes += _standing(chain)
+    if scene.obstacles:
+        notes.append(f"The robot stands at ({x:g}, {y:g}, {z:g}) {scene.unit}.")
     return RobotMotion(motion, chain, read_only(bezier_points(motion)), (*motion.notes, *notes))
 
 

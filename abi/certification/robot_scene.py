@@ -18,7 +18,7 @@ _ROOM = 2.0
 def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
     """A scene with a robot.
 
-    Where a scene has a robot, the other one stands in its place; else it stands at the origin.
+    The robot stands at ``arm.base`` where the scene gives one or has a robot, else at the origin.
 
     Args:
         robot: a shipped arm's name, or a ``.urdf`` or ``.zip`` file; None for the scene's own.
@@ -35,8 +35,8 @@ def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
     if scene is None:
         return _alone(name, files)
     arm: dict[str, Any] = {"model": "urdf", "urdf": name, "tip": None, "base_link": None}
-    if scene.arm.model != "urdf":
-        arm["base"] = (0.0, 0.0, 0.0)
+    if scene.arm.model != "urdf" and "base" not in scene.arm.model_fields_set:
+        arm["base"] = (0.0, 0.0, 0.0)  # the default is where the paper's arm stands
     return scene.replace(files=files, arm=arm)
 
 

@@ -73,9 +73,7 @@ def check_tool_points(
 
 def _check_speeds(section: dict[str, Any], steps: FloatArray) -> None:
     """Raise if a joint's mean speed between two samples exceeds its stated peak."""
-    if "peak_joint_speed" not in section:
-        return
-    peaks = numbers_of("arm.peak_joint_speed", section["peak_joint_speed"])
+    peaks = numbers_of("arm.peak_joint_speed", section.get("peak_joint_speed"))
     rows = [numbers_of("arm.positions", row) for row in section["positions"]]
     if any(len(row) != len(peaks) for row in rows):
         raise Fault("its joints have not one peak speed each")

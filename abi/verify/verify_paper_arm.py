@@ -119,7 +119,10 @@ def check_arm(
             raise Fault("the base is inside a mesh")
     count = sum(map(len, planes.values()))
     kept = words_of(margin, scene.unit)
-    return f"{kept}, and clear of the floor and each other, by {count} directions"
+    return (
+        f"{kept}, and clear of the floor and its column, all along the curve, by {count} "
+        "directions; forearm and upper arm are not compared"
+    )
 
 
 def _others(

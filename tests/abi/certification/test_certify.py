@@ -236,3 +236,21 @@ def test_a_beam_that_the_first_joint_swings_into_the_floor_touches_it(tmp_path: 
         else:
             (proof,) = verify(json.loads(json.dumps(verdict.to_dict())), scene.meshes)
             assert proof.proven, proof.reason
+
+
+@pytest.mark.parametrize("arm", [{}, {"model": "urdf", "urdf": "ur5e"}, {"a3": 1.1}])
+def test_a_robot_stands_where_the_scene_says_whatever_its_own_arm_is(arm: dict[str, Any]) -> None:
+    box = {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [1.0, 0.0, 0.6]}
+    data = {
+        **{"version": 1, "unit": "m", "workspace": {"min": [-1] * 3, "max": [2] * 3}},
+        **{"start": [0, 0, 0], "goal": [1, 1, 1], "obstacles": [box]},
+    }
+    for base, state in (((1.0, 0.0, 0.0), "touches"), ((0.0, 0.0, 0.0), "clear")):
+        scene = Scene.from_dict({**data, "arm": {**arm, "base": base}})
+        upright = [[0.0, -1.5708, 0.0, -1.5, 0.0, 0.0], [0.3, -1.5708, 0.0, -1.5, 0.0, 0.0]]
+        verdict = abi.certify("ur5e", JOINTS, [0, 2], upright, scene)
+        assert verdict.state == state
+        stands = f"The robot stands at ({base[0]:g}, 0, 0) m."
+        assert stands in verdict.problem.motion.notes
+    unsaid = abi.certify("ur5e", JOINTS, [0, 2], upright, Scene.from_dict(data))
+    assert "The robot stands at (0, 0, 0) m." in unsaid.problem.motion.notes

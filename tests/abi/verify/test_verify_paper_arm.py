@@ -98,12 +98,26 @@ def mirrored(rows: list[list[float]]) -> None:
         row[:3] = [row[0] + math.pi, -row[1], -row[2]]
 
 
-@pytest.mark.parametrize("damage", [backwards, one_joint_off, longer, two_exchanged, mirrored])
+def turned_around(rows: list[list[float]]) -> None:
+    for row in rows[len(rows) // 2 :]:
+        row[0] += 2 * math.pi
+
+
+def turned_over(rows: list[list[float]]) -> None:
+    for row in rows[100:]:
+        row[1] -= 2 * math.pi
+
+
+DAMAGES = (backwards, one_joint_off, longer, two_exchanged, mirrored, turned_around, turned_over)
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
 def test_joints_that_do_not_lead_the_tool_along_the_curve_are_refused(
     honest: Data, damage: Callable[[list[list[float]]], None]
 ) -> None:
     data = copy.deepcopy(honest)
     damage(data["arm"]["positions"])
+    data["arm"]["peak_joint_speed"] = [1e6] * 6
     assert not of_arm(data).proven
 
 
