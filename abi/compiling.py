@@ -213,28 +213,30 @@ class _Compilation:
         events = [threading.Event() for _ in missing]
         for kernel, event in zip(missing, events, strict=True):
             kernel.elsewhere = event
-        threads = [
-            threading.Thread(target=self._from_child, args=(k >= undisturbed,), daemon=True)
-            for k in range(min(count, len(missing)))
-        ]
-        for thread in threads:
-            thread.start()
+        threads = []
+        for k in range(min(count, len(missing))):
+            child = _start_child(k >= undisturbed)
+            if child is None:
+                break
+            with self._lock:
+                self._children.append(child)
+            # the first is told before the second: what a plan waits for does not give way
+            first = None
+            with suppress(BrokenPipeError):  # it has ended
+                first = self._tell_next(child)
+            threads.append(threading.Thread(target=self._from, args=(child, first), daemon=True))
+            threads[-1].start()
         for thread in threads:
             thread.join()
         for event in events:  # of what no process has come to
             event.set()
 
-    def _from_child(self, gives_way: bool) -> None:
-        """Let another process compile the kernels, one after the other, until none is left."""
-        child = _start_child(gives_way)
-        if child is None:
-            return
+    def _from(self, child: subprocess.Popen[str], kernel: Kernel[..., Any] | None) -> None:
+        """Let a process compile the kernel that it was told, and others until none is left."""
         assert child.stdout is not None
-        with self._lock:
-            self._children.append(child)
         # a killed child breaks the pipe twice: what it was not told is written again at the end
         with suppress(BrokenPipeError), child:
-            while (kernel := self._tell_next(child)) is not None:
+            while kernel is not None:
                 try:
                     if child.stdout.readline().strip() != kernel.name:
                         return
@@ -242,6 +244,7 @@ class _Compilation:
                     _let_be(kernel)
                 if not self._load(kernel):  # it could not be cached, nor could others
                     return
+                kernel = self._tell_next(child)
 
     def _tell_next(self, child: subprocess.Popen[str]) -> Kernel[..., Any] | None:
         """Tell a process the kernel that comes next; None if none is left or this process ends."""
@@ -285,7 +288,7 @@ def _start_child(gives_way: bool) -> subprocess.Popen[str] | None:
             stderr=subprocess.DEVNULL,
             text=True,
             creationflags=_IDLE if gives_way else 0,
-            start_new_session=True,  # a terminal interrupts all of a session
+            process_group=0,  # a terminal interrupts all of the group in front
         )
     except OSError:
         return None

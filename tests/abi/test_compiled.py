@@ -368,7 +368,7 @@ def waiting_kernel(kernel: Kernel[..., Any]) -> Kernel[..., Any]:
     return kernel
 
 
-def test_a_compiling_process_that_is_gone_ends_its_thread_in_silence(
+def test_a_compiling_process_that_is_gone_is_passed_over_in_silence(
     kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def gone(_: bool) -> subprocess.Popen[str]:
@@ -379,9 +379,7 @@ def test_a_compiling_process_that_is_gone_ends_its_thread_in_silence(
         return child
 
     monkeypatch.setattr(compiling, "_start_child", gone)
-    compilation = compiling._Compilation()
-    compilation._waiting = [waiting_kernel(kernel)]
-    compilation._from_child(gives_way=False)
+    compiling._Compilation()._from_children([kernel])
     assert kernel.elsewhere is not None
     assert kernel.elsewhere.is_set()
 
