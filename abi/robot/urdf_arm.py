@@ -20,6 +20,7 @@ from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
 from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.bodies.floor_contacts import FloorPiece, on_floor
 from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.closed_forms import closed_positions
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
 from abi.robot.urdf.couplings import require_followed
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
@@ -311,8 +312,10 @@ class UrdfArm(ShortRepr):
     def first_poses(self, point: FloatArray, most: int = TRIED) -> tuple[FloatArray, ...]:
         """At most ``most`` different joint positions (n,) with the tip at ``point`` (3,).
 
-        Poses in the middle of the joints' limits come first. If none reaches the point, the result
-        is one that comes near it. Of a redundant arm further poses follow if so many are asked for.
+        They are those of the arm's closed form, if it has one, or else those that are found from
+        random poses. Poses in the middle of the joints' limits come first. If none reaches the
+        point, the result is one that comes near it. Of a redundant arm further poses follow if so
+        many are asked for.
         Equal calls give equal poses, and the latest are remembered.
         """
         x, y, z = arguments.numbers("point", point, (3,)).tolist()
@@ -354,10 +357,13 @@ def _first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
     low, high = arm.chain.usual_range().T
     target = np.array(point)[None] * arm.metres
     starts = [(low + high) / 2, *random.uniform(low, high, (_STARTS, len(low)))]
-    solved = [arm.chain.follow(start, target) for start in starts]
-    found = [(pose[0], float(error[0])) for pose, error in solved]
-    reached = [pose for pose, error in found if error <= REACHED]
-    if not reached:
+    for some in (closed_positions(arm.chain, target[0]), starts):
+        solved = [arm.chain.follow(start, target) for start in some]
+        found = [(pose[0], float(error[0])) for pose, error in solved]
+        reached = [pose for pose, error in found if error <= REACHED]
+        if reached:
+            break
+    else:
         return (read_only(min(found, key=itemgetter(1))[0] * arm.scales),)
     middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-9)
     reached.sort(key=lambda pose: float(np.abs((pose - middle) / half).max()))
