@@ -41,6 +41,8 @@ from abi.verify.separation import check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at
 
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+_PHASES, _WITHOUT_PHASES = ("three_phase", "slowed"), ("time_optimal", "jerk_limited")
+"""Laws whose motions have three phases, and never have; of any other a plan has them or has not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,15 +166,15 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     inertia = mass5 * radius5**2 + mass6 * radius6**2
     if settings.dynamics == "corrected":
         inertia = 2 * (mass5 + mass6)
-    if motion.law not in ("three_phase", "slowed"):
+    if motion.law in _WITHOUT_PHASES or (motion.law not in _PHASES and timing.get("t1") is None):
         duration = Fraction(finite("timing.duration", timing.get("duration")))
         return anywhere(start, start + force / inertia * duration**2)
-    names = ("t1", "t2", "t3", "peak_speed")  # of three phases, slowed down or not
+    names = ("t1", "t2", "t3", "peak_speed")  # of three phases, of any law
     t1, t2, t3, peak = (Fraction(finite(f"timing.{name}", timing.get(name))) for name in names)
     rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
     if not any((t1, t2, t3)):
         return anywhere(start, start)
-    if (motion.law == "slowed" or motion.time_step is not None) and t1 and t3:
+    if (motion.law != "three_phase" or motion.time_step is not None) and t1 and t3:
         rates = peak / t1, peak / t3
     return moving(curve, ExactTiming(t1, t2, t3, peak, *rates), start, force / inertia)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
 from abi.robot.kinematics.chain import Chain
@@ -76,6 +77,6 @@ def _plane_across(axis: FloatArray) -> FloatArray:
     return np.stack([first, np.cross(axis, first)])
 
 
-def _complex(flat: FloatArray) -> FloatArray:
+def _complex(flat: FloatArray) -> NDArray[np.complex128]:
     """Points of a plane, (2,) or (2, k), as complex numbers."""
-    return flat[0] + 1j * flat[1]
+    return np.asarray(flat[0] + 1j * flat[1])
