@@ -220,17 +220,17 @@ class DirectionNotHeld(StageError):
         within = f"{math.degrees(tolerance):.3g}°"
         begin, end = (f"{100 * share:.3g} %" for share in part)
         message = (
-            f"No motion was found that keeps the tool within {within} of its direction from "
+            f"No motion was found that keeps the gripper within {within} of its direction from "
             f"{begin} to {end} of its time."
         )
         hint = "Allow a larger tolerance (arm.axis.tolerance), or a shorter part of the motion."
         if where != "path":
             message = (
-                f"At the {where} the tool is {math.degrees(angle):.3g}° off the direction that it "
-                f"has to keep within {within} there."
+                f"At the {where} the gripper is {math.degrees(angle):.3g}° off the direction that "
+                f"it has to keep within {within} there."
             )
             name = "from" if where == "start" else "to"
-            hint = f"Turn the tool at the {where}, or let arm.axis.{name} leave the {where} out."
+            hint = f"Turn the gripper at the {where}, or let arm.axis.{name} leave the {where} out."
         super().__init__("arm", "direction_not_held", message, hint)
         self.where = where
 

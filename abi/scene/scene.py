@@ -158,8 +158,8 @@ class Scene(Settings):
                     continue
                 if getattr(self.arm, name) is not None:
                     bounds = with_minus(f"{low:g} and {high:g}")
-                    expected = f"the tool in the workspace, {axis} between {bounds} {self.unit}"
-                    raise SceneError(f"arm.{name}", f"the tool at {point}", expected)
+                    expected = f"the tool tip in the workspace, {axis} between {bounds} {self.unit}"
+                    raise SceneError(f"arm.{name}", f"the tool tip at {point}", expected)
                 if name not in self.model_fields_set:  # a default, which nobody has given
                     expected = f"a point of the workspace, as the default {point} is outside"
                     raise SceneError(name, Missing(), expected)

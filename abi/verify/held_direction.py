@@ -52,10 +52,10 @@ def check_held(
             continue
         if end - start < _SHORTEST:
             within = f"within {axis.tolerance:g} rad at {float(middle / last):.3f} of its time"
-            raise Fault(f"the tool does not keep its direction {within}")
+            raise Fault(f"the gripper does not keep its direction {within}")
         waiting += [(middle, end), (start, middle)]
     return (
-        f", the tool within {axis.tolerance:g} rad of its direction from {axis.begin:g} to "
+        f", the gripper within {axis.tolerance:g} rad of its direction from {axis.begin:g} to "
         f"{axis.end:g} of the time"
     )
 

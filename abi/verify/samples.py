@@ -62,12 +62,12 @@ def check_tool_points(
     """
     rows, points = (list_of(f"arm.{name}", section.get(name)) for name in ("positions", "tool"))
     if len(rows) != len(points):
-        raise Fault("its samples have not one place of the tool each")
+        raise Fault("its samples have not one place of the tool tip each")
     for number, (row, point) in enumerate(zip(rows, points, strict=True)):
         at = placed([Fraction(one) for one in numbers_of("arm.positions", row)])
         if max(map(abs, sub(at, vector_of("arm.tool", point)))) > allowed:
             raise Fault(
-                f"at sample {number} the tool is told to be where the joints do not take it"
+                f"at sample {number} the tool tip is told to be where the joints do not take it"
             )
 
 

@@ -85,7 +85,7 @@ def check_tool(
         ends = [first] * (number == 0) + [last] * (number == len(rows) - 1)
         found = path.next(tool, at, allowed)
         if found is None or any(_gap(tool, end) > allowed for end in ends):
-            raise Fault(f"at {time:g} s the tool is not where it is on the curve")
+            raise Fault(f"at {time:g} s the tool tip is not where it is on the curve")
         at = found
         slid, q5 = slide.within(Fraction(at), Fraction(at)), Fraction(row[4])
         if not slid.low - allowed <= q5 <= slid.high + allowed:

@@ -191,7 +191,7 @@ def _claimed_axis(scene: Scene, section: dict[str, Any]) -> HeldAxis | None:
     claimed = mapping("arm.axis", section["axis"])
     tolerance = finite("arm.axis.tolerance", claimed.get("tolerance"))
     if not _LEAST_ANGLE <= tolerance <= math.pi / 2:
-        raise Fault(f"that the tool is within {tolerance:g} rad of its direction is not checked")
+        raise Fault(f"that the gripper is within {tolerance:g} rad of its direction is not checked")
     return HeldAxis.model_construct(
         direction=scene.arm.exact_axis, tolerance=tolerance, begin=0.0, end=1.0
     )

@@ -62,7 +62,7 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
             )
         _check_same(label, data, whole, gripper)
         if data["arm"]["axis"] != (task.get("axis") if number > 0 else whole["arm"]["axis"]):
-            raise Fault(f"{label} keeps another direction of the tool than is asked for")
+            raise Fault(f"{label} keeps another direction of the gripper than is asked for")
         asked = scene.tasks[number].goal if scene.tasks else None
         if number == 0:
             if (here.start, here.arm.start) != (scene.start, scene.arm.start):
@@ -97,7 +97,7 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
     if [numbers_of("trajectory", row) for row in trajectory.get("positions", [])] != rows:
         raise Fault("its trajectory is not that of the legs")
     moved = sum(task.attach is not None for task in scene.tasks)
-    carried = ", and what is held is where the tool took it" if moved else ""
+    carried = ", and what is held is where the gripper took it" if moved else ""
     unproven = f"; not proven is how the gripper moves before leg {', '.join(moving)}"
     joined = f"{len(legs)} legs join without a jump of the joints{carried}"
     return f"{joined}{unproven}" if moving else joined

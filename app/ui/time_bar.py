@@ -42,7 +42,7 @@ _LOOKS: dict[State, _BarLook] = {
     "touches": _BarLook("touching", _plain(style.VIOLATION), 6),
 }
 
-_HELD = _BarLook("direction of the tool kept", _plain(style.TAUT), 2)
+_HELD = _BarLook("direction of the gripper kept", _plain(style.TAUT), 2)
 
 
 def bar_style(stretches: Sequence[TimeStretch], end: float, held: Sequence[HeldSpan] = ()) -> str:

@@ -102,7 +102,7 @@ def test_what_is_planned_in_part_is_not_planned_as_a_whole() -> None:
     assert whole.error is not None
     assert whole.error.kind == "direction_not_held"
     off = math.degrees(angle_off(planned(0.0, 0.5), np.array(TURNED)))
-    assert f"At the goal the tool is {off:.3g}° off" in whole.error.message
+    assert f"At the goal the gripper is {off:.3g}° off" in whole.error.message
     assert whole.motion is None
     reason = explain(whole.scene, whole)
     assert reason is not None
@@ -116,7 +116,7 @@ def test_a_start_that_points_elsewhere_is_told_of() -> None:
     scene = kitchen().replace(start={"joints": TURNED}, goal={"joints": ALIGNED})
     refused = plan(scene.replace(arm={"axis": {**DOWN, "to": 0.5}}))
     assert refused.error is not None
-    assert refused.error.message.startswith("At the start the tool is")
+    assert refused.error.message.startswith("At the start the gripper is")
 
 
 @pytest.mark.slow

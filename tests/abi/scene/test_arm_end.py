@@ -135,5 +135,5 @@ def test_the_papers_arm_and_a_tool_outside_the_workspace_are_refused() -> None:
     with pytest.raises(SceneError, match="only of an arm from a URDF"):
         Scene.from_dict({"version": 1, "start": {"joints": [0, 0, 0]}})
     space = {"min": [3, 3, 3], "max": [9, 9, 9]}
-    with pytest.raises(SceneError, match=r"arm.goal is 'the tool at .* in the workspace"):
+    with pytest.raises(SceneError, match=r"arm.goal is 'the tool tip at .* in the workspace"):
         scene(start=[3, 3, 3], goal={"state": "ready"}, workspace=space, mesh={})
