@@ -24,9 +24,11 @@ _FOOT = 0.07, 0.25
 """Radius and height of what the arm stands on, as parts of the scene's size."""
 _MOST = 0.25, 0.5
 """Largest hidden parts of the curve and of the obstacles' centres that still count as in view."""
-_UNSEEN, _TURNING = 4.0, 1.0
-"""Penalties of a motion that is never in view and of a quarter turn away from the default
-direction."""
+_COVERED, _UNSEEN, _TURNING, _END_ON = 2.0, 4.0, 1.0, 1.5
+"""Penalties of a curve behind obstacles, of a motion that is never in view, of a quarter turn away
+from the default direction, and of ends that lie behind each other."""
+_APART = 0.75
+"""Seen distance of the ends, over their true one, from which on they count as apart."""
 
 
 @once_a_plan
@@ -47,7 +49,8 @@ def best_direction(plan: Plan, target: Vec3, size: float) -> FloatArray:
     covered = behind.reshape(len(eyes), len(curve)).mean(axis=1)
     unseen = 1 - in_view(plan, curve, eyes, size).mean(axis=1)
     cosine = directions @ USUAL / (USUAL @ USUAL)
-    scores = covered + _UNSEEN * unseen + _TURNING * (1 - cosine)
+    end_on = np.maximum(_APART - _seen_apart(curve[-1] - curve[0], directions), 0.0)
+    scores = _COVERED * covered + _UNSEEN * unseen + _TURNING * (1 - cosine) + _END_ON * end_on
     return np.asarray(directions[int(np.argmin(scores))])
 
 
@@ -86,6 +89,15 @@ def in_view(plan: Plan, curve: FloatArray, eyes: FloatArray, size: float) -> Boo
     if len(middles):
         seen &= of_obstacles.mean(axis=-1) <= _MOST[1]
     return np.asarray(seen & are_open)
+
+
+def _seen_apart(way: FloatArray, directions: FloatArray) -> FloatArray:
+    """Length of a way (3,) as seen from directions (n, 3), over its true length, (n,)."""
+    length = np.linalg.norm(way)
+    if length == 0:
+        return np.ones(len(directions))
+    cosine = directions @ way / (np.linalg.norm(directions, axis=1) * length)
+    return np.asarray(np.sqrt(np.maximum(1 - cosine**2, 0.0)))
 
 
 def _directions() -> FloatArray:

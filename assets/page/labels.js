@@ -1,5 +1,6 @@
 // Labels in the scene keep apart on the screen, from wherever one looks: one that would lie over
-// another, or below what is written over the scene, stands a little beside its place.
+// another, over the curve that the arm follows or its ends, or below what is written over the scene,
+// stands a little beside its place.
 window.abiLabels = {
   EM: 12,  // [px] of a label of scale 1, and its font: viser's
   FONT: '16px -apple-system, BlinkMacSystemFont, "Segoe UI", "Roboto", "Helvetica Neue", Arial, sans-serif',
@@ -7,6 +8,7 @@ window.abiLabels = {
   GAP: [16, 6],  // [px] between two labels, beside and above each other: less, and two read as one
   STEP: [9, 6],  // [px] between two places that are tried
   FARTHEST: 14,  // steps to each side
+  KEPT_FREE: 3,  // [px] to each side of a point of the curve
 
   placed: new Map(),  // by name: position as the server gave it, as it was set here, and shift [px]
   sizes: new Map(),
@@ -99,6 +101,16 @@ window.abiLabels = {
       .map(box => [box.left - view.left, box.top - view.top, box.right - view.left, box.bottom - view.top]);
   },
 
+  // Boxes around points of the curve that the arm follows, and around its ends, [px].
+  curve(view) {
+    const {nodeRefFromName: nodes, camera} = window.__viserMutable, far = this.KEPT_FREE;
+    const [ends, along] = window.abiSight?.targets(nodes, window.__viserSceneTree.getState()) ?? [[], []];
+    return [...ends.slice(0, 2), ...along].map(point => {
+      const {x, y} = point.project(camera), left = view.width * (1 + x) / 2, top = view.height * (1 - y) / 2;
+      return [left - far, top - far, left + far, top + far];
+    });
+  },
+
   // Again after each picture that is drawn, since a camera that turns or a name that is new would
   // leave two over each other until the next round.
   watch({scene}) {
@@ -114,10 +126,10 @@ window.abiLabels = {
     this.tint();
     const view = viser.canvas.getBoundingClientRect();
     viser.camera.updateMatrixWorld();
-    const labels = this.seen(view), taken = this.written(view);
+    const labels = this.seen(view), taken = this.written(view), kept = this.curve(view);
     let moved = false;
     for (const label of labels) {
-      const shift = this.free(label, taken, view);
+      const shift = this.free(label, taken, view, kept);
       const [a, b, c, d] = label.box, [x, y] = shift;
       const [beside, above] = this.GAP;
       taken.push([a + x - beside, b + y - above, c + x + beside, d + y + above]);
@@ -126,12 +138,18 @@ window.abiLabels = {
     if (moved) viser.requestRender();
   },
 
-  // The least shift to where nothing is; the last one while it will do.
-  free({box: [a, b, c, d], shift}, taken, view) {
-    const fits = ([x, y]) => a + x >= 0 && c + x <= view.width && b + y >= 0 && d + y <= view.height
-      && taken.every(([e, f, g, h]) => c + x <= e || g <= a + x || d + y <= f || h <= b + y);
-    if (fits([0, 0])) return [0, 0];
-    return (shift && fits(shift)) ? shift : this.shifts.find(fits) ?? [0, 0];
+  // The least shift to where nothing is, nor what is to be kept free if that goes, too; the last one while it will do.
+  free({box: [a, b, c, d], shift}, taken, view, kept = []) {
+    const beside = boxes => ([x, y]) => boxes.every(([e, f, g, h]) => c + x <= e || g <= a + x || d + y <= f || h <= b + y);
+    const [apart, clear] = [beside(taken), beside(kept)];
+    const fits = ([x, y]) => a + x >= 0 && c + x <= view.width && b + y >= 0 && d + y <= view.height && apart([x, y]);
+    let apartOnly;
+    for (const place of [[0, 0], ...(shift ? [shift] : []), ...this.shifts]) {
+      if (!fits(place)) continue;
+      if (clear(place)) return place;
+      apartOnly ??= place;
+    }
+    return apartOnly ?? [0, 0];
   },
 
   // Put a label beside its place; whether that is news.

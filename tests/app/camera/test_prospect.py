@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import abi
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import load_scene, scene_names
 from app.camera.camera import _view
 from app.camera.occlusion import hidden
@@ -49,3 +50,22 @@ def test_path_ends_and_obstacles_stay_in_view(name: str) -> None:
     ]
     assert seen[0] >= 0.9
     assert seen[0] >= seen[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["arm-in-the-way", "find-a-base"])
+@pytest.mark.parametrize("factor", [1.0, 1.72])
+def test_no_end_is_behind_the_other_nor_the_curve_behind_obstacles(
+    name: str, factor: float
+) -> None:
+    plan = abi.plan(load_scene(name))
+    assert plan.bspline is not None
+    curve = plan.bspline.curve(np.linspace(*plan.bspline.curve.interval, 24))
+    _, target, size = _view(plan.scene, factor)
+    x, y, z = target.tolist()
+    direction = best_direction(plan, (x, y, z), factor * size)
+    way, eye = curve[-1] - curve[0], target + factor * size * direction
+    across = np.linalg.norm(np.cross(way, direction)) / np.linalg.norm(direction)
+    assert across >= 0.5 * np.linalg.norm(way)
+    eyes = np.tile(eye, (len(curve), 1))
+    assert ObstacleSet(plan.scene.obstacles).blocked(curve, eyes, 0.0).mean() <= 0.5
