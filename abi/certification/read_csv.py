@@ -54,14 +54,14 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     lines = [line for line in filled if not line.startswith("#")]
     if not lines:
         raise MotionError("The file is empty.", "Give a header with the joints' names, then rows.")
-    delimiter = max(_DELIMITERS, key=lines[0].count)
+    delimiter = max(_DELIMITERS, key=lambda one: _fits(lines[0], one, slides))
     if delimiter != ",":
         lines[1:] = [_DECIMAL_COMMA.sub(r"\1.\2", line) for line in lines[1:]]
     rows = [_cells(number, line, delimiter) for number, line in enumerate(lines[:_MOST_LINES])]
     _check_widths(rows)
-    columns = [_column(k, cell) for k, cell in enumerate(rows[0])]
-    time = [one for one in columns if one.name.lower() in _TIMES and one.name not in slides]
-    found = [one for one in columns if one.name in slides]
+    columns = [_column(k, cell, slides) for k, cell in enumerate(rows[0])]
+    found = [one for one in columns if one.name in slides and not _must_be_time(one)]
+    time = [one for one in columns if one.name.lower() in _TIMES and one not in found]
     if not found:
         names = ", ".join(short(one.name) for one in columns[:6])
         raise MotionError(
@@ -114,11 +114,29 @@ def _cells(row: int, line: str, delimiter: str) -> list[str]:
     return cells
 
 
-def _column(place: int, cell: str) -> _Column:
+def _fits(header: str, delimiter: str, slides: Mapping[str, bool]) -> tuple[int, int]:
+    """Joints that a header names between such delimiters, which names may contain, and these."""
+    try:
+        cells = next(csv.reader([header], delimiter=delimiter))
+    except csv.Error:
+        cells = []
+    named = sum(_column(k, cell, slides).name in slides for k, cell in enumerate(cells))
+    return named, header.count(delimiter)
+
+
+def _column(place: int, cell: str, slides: Mapping[str, bool]) -> _Column:
+    """A column by its cell in the header; what looks like a unit may be part of a joint's name."""
+    if cell.strip() in slides:
+        return _Column(place, cell.strip(), "")
     match = _HEADING.match(cell.strip().strip('"'))
     assert match is not None  # every text is a name
     unit = (match["unit"] or "").strip().lower()
     return _Column(place, match["name"].strip(), unit)
+
+
+def _must_be_time(column: _Column) -> bool:
+    """Check whether a column is the time though a joint is called so: by its unit."""
+    return column.name.lower() in _TIMES and column.unit in _DURATIONS and column.unit != ""
 
 
 def _numbers(rows: list[list[str]], column: _Column, factors: Mapping[str, float]) -> FloatArray:

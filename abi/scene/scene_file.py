@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,6 +17,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.constructor import DuplicateKeyError
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent, CollectionStartEvent, ScalarEvent
+from ruamel.yaml.nodes import ScalarNode
+from ruamel.yaml.representer import SafeRepresenter
+from ruamel.yaml.resolver import implicit_resolvers as _OTHERS
 
 from abi.atomic_file import replace_file
 from abi.errors import SceneError
@@ -27,6 +31,9 @@ MAX_JSON_BYTES = 2_000_000
 _MAX_DEPTH = 16
 _MOST_EVENTS = 60_000
 """Most YAML events, such as scalars and starts of lists: some 2,500 obstacles."""
+_TAG = "tag:yaml.org,2002:"
+_WORDS = re.compile(r"[^\W\d](?:[\w ./-]*\w)?")
+"""Text in which YAML has no signs of its own."""
 _MANY = 1_000  # obstacles that are not tried to be written as YAML
 
 ENDINGS = (".yaml", ".yml", ".json")
@@ -125,10 +132,38 @@ def dump(data: dict[str, Any], name: str) -> str:
     return text
 
 
+class _Representer(SafeRepresenter):
+    """Writes what YAML 1.1, which ROS reads, and 1.2 take for the same."""
+
+    def of_text(self, text: str) -> ScalarNode:
+        """Text, in quotes unless both take it for text, as neither ``on`` nor ``1:30``."""
+        style: str | None = "'"
+        if not text.isprintable():
+            style = '"'  # escapes line breaks, of which 1.1 has more
+        elif _WORDS.fullmatch(text) and not any(one.match(text) for _, _, one, _ in _OTHERS):
+            style = None
+        return self.represent_scalar(f"{_TAG}str", text, style=style)
+
+    def of_number(self, number: float) -> ScalarNode:
+        """A number with a point, without which 1.1 takes ``1e-05`` for text."""
+        text = repr(number)
+        return self.represent_scalar(
+            f"{_TAG}float", text if "." in text else text.replace("e", ".0e")
+        )
+
+
+_Representer.add_representer(str, _Representer.of_text)
+_Representer.add_representer(float, _Representer.of_number)
+
+
 def yaml_text(data: dict[str, Any], width: int | None = None) -> str:
-    """``data`` as YAML in its order, with lists of numbers in lines of ``width`` letters."""
+    """``data`` as YAML in its order, with lists of numbers in lines of ``width`` letters.
+
+    Numbers are finite. Readers of YAML 1.1 and 1.2 find the same in it.
+    """
     stream = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
+    yaml.Representer = _Representer
     yaml.default_flow_style = None
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
     yaml.width = width

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,11 @@ import yourdfpy
 from mcap.reader import make_reader
 
 from abi import assets
+from abi.certification.read_motion import read_motion
 from abi.errors import ExportError
 from abi.export import formats
 from abi.export.formats import FORMATS
+from abi.export.joint_trajectory import joint_trajectory
 from abi.obstacles.pose import METRES, rotation
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
@@ -81,6 +84,34 @@ def test_the_table_is_the_motion_to_the_last_bit(planned: Plan) -> None:
     assert (table[:, 1:7] == motion.positions).all()
     assert (table[:, 7:10] == motion.tool).all()
     assert (table[:, 10:] == motion.tool_velocity).all()
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("x", "y", "z", "vx", "q5", "tool_x"),
+        ("time", "t", "state", "Time", "tool_state", "timestamp"),
+        ("on", "1:30", "1e3", "j(1)", "lift [mm]", "~"),
+        ("a;b;c;d", "a;b;c", "; ;", "a,b", "#1", "it's: 0?"),
+    ],
+)
+@pytest.mark.parametrize("file", ["a.csv", "a.ros.yaml", "a.ros.json"])
+def test_a_motion_of_joints_of_any_names_is_read_back(
+    planned: Plan, names: tuple[str, ...], file: str
+) -> None:
+    motion = planned.motion
+    assert motion is not None
+    renamed = replace(planned, motion=replace(motion, joints=names))
+    written = content(renamed, formats.format_of(Path(file)), file)
+    read = read_motion(file, written, dict(zip(names, motion.slides, strict=True)))
+    assert read.joints == names
+    np.testing.assert_allclose(read.times, motion.time, atol=1e-8)
+    np.testing.assert_allclose(read.positions, joint_trajectory(planned).positions, rtol=1e-12)
+    if file == "a.csv":
+        header = next(csv.reader(io.StringIO(written.decode(), newline="")))
+        assert len({*header}) == len(header)
+    if file == "a.ros.yaml":
+        assert read_yaml(written)["joint_names"] == list(names)
 
 
 def test_the_json_is_the_full_plan(planned: Plan) -> None:

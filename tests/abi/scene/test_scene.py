@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -17,7 +18,7 @@ from abi.errors import SceneError
 from abi.scene import scene_file
 from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene, load_scene, scene_names
-from abi.scene.scene_file import dump, parse_bytes
+from abi.scene.scene_file import dump, parse_bytes, yaml_text
 from abi.scene.settings import MeshSettings, Workspace
 
 BOX = {"shape": "box", "size": [1, 1, 1]}
@@ -55,6 +56,20 @@ scenes = st.fixed_dictionaries(
         "arm": st.fixed_dictionaries({"elbow": st.sampled_from(["up", "down"]), "a3": lengths}),
     },
 )
+
+
+odd_words = st.sampled_from(
+    ["on", "n", "1:30", "0o17", "017", "1e3", "~", "=", "<<", "2001-01-01", "a: b", "0?", "a\x85b"]
+)
+words = odd_words | st.text(max_size=6)
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(st.dictionaries(words, st.lists(words | finite | st.integers() | st.none()), max_size=3))
+def test_readers_of_both_versions_of_yaml_find_what_was_written(data: dict[str, Any]) -> None:
+    text = yaml_text(data)
+    assert parse_bytes(text.encode(), "a.yaml") == data
+    assert yaml.safe_load(text) == data
 
 
 @pytest.mark.slow
