@@ -34,7 +34,9 @@ from app.__main__ import main
 from benchmarks.certificates import as_plan, name_of, true_clearance
 from tests.abi import meshes
 from tests.abi.solids import support
+from tests.abi.verify.verdicts import verdict_on
 from tests.random_geometry import random_curve, random_obstacle
+from tests.thorough import of_each_kind
 
 seeds = st.integers(0, 2**32 - 1)
 Data = dict[str, Any]
@@ -49,11 +51,13 @@ def certified(
 
 
 def verdict(data: Data, name: str = "bspline", folder: MeshSource | None = None) -> Verdict:
-    return next(one for one in verify(data, folder) if one.curve == name)
+    return verdict_on(name, data, folder)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize(
+    "name", of_each_kind(scene_names(), "paper", "two-boxes", "sculpture", "kitchen-ur5e", "no-way")
+)
 def test_every_certificate_of_a_plan_is_accepted(name: str) -> None:
     scene = load_scene(name)
     data = json.loads(json.dumps(plan(scene).to_dict(), allow_nan=False))
