@@ -30,7 +30,7 @@ DOCS := .venv/.installed-docs
 # else each process that a test starts compiles all modules anew
 unexport PYTHONDONTWRITEBYTECODE
 
-PARALLEL := --numprocesses auto --dist loadgroup --durations 60 --durations-min 1
+PARALLEL := --numprocesses auto --dist loadfile --durations 60 --durations-min 1
 PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
-from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, settings
 import abi
 from app.process.scratch import ScratchFolder, remove_abandoned
 from tests.thorough import EXAMPLES
+from tests.workers import ByFile, in_order
 
-_EXAMPLES = Path(__file__).parent / "examples"
 _GIVES_WAY = pytest.StashKey[bool]()
 
 # How long an example takes says more of the machine than of the code. What stays on is the check
@@ -35,8 +35,7 @@ def pytest_make_parametrize_id(val: object) -> str | None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """First those of examples, which take longest one by one: nobody is to wait for the last."""
-    items.sort(key=lambda item: item.path.parent != _EXAMPLES)
+    in_order(items)
 
 
 def pytest_collection_finish() -> None:
@@ -48,6 +47,11 @@ def pytest_collection_finish() -> None:
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """One worker a processor, and two more where two of them have browsers and mostly wait."""
     return (os.cpu_count() or 1) + 2 * ("not browser" not in config.option.markexpr)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByFile:
+    return ByFile(config, log)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

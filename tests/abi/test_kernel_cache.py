@@ -159,7 +159,6 @@ def ready(folder: Path, brought: Path, tmp_path: Path, monkeypatch: pytest.Monke
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("wheel")
 def test_what_a_wheel_brings_is_neither_compiled_nor_written(folder: Path, ready: Path) -> None:
     before = {file: file.read_bytes() for file in ready.iterdir()}
     loaded = dispatcher()
@@ -174,7 +173,6 @@ def test_what_a_wheel_brings_is_neither_compiled_nor_written(folder: Path, ready
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("wheel")
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
 def test_what_is_missing_of_a_wheel_is_compiled_and_kept_for_the_user(
     folder: Path, ready: Path, ending: str

@@ -21,8 +21,6 @@ from tests.browser.page import FLAGS, Page
 PAPER = load_scene("paper")
 
 _HERE = Path(__file__).parent
-_MIDDLE = "test_le"
-"""First name of the files of the second browser: both take about as long."""
 _FLAGS = (*FLAGS, "--js-flags=--no-turbofan")
 """A page is closed again before what an optimising compiler costs has paid: a fifth of all."""
 _PASSED = pytest.StashKey[bool]()
@@ -31,12 +29,9 @@ _NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    # Two workers drive a browser each, with a server of its own, while the others go on.
     for item in items:
         if _HERE in item.path.parents:
             item.add_marker(pytest.mark.browser)
-            half = "first" if item.path.name < _MIDDLE else "second"
-            item.add_marker(pytest.mark.xdist_group(f"{half} browser"))
             # beside all the others a software renderer may be slower than any patience
             item.add_marker(pytest.mark.flaky(reruns=2))
 

@@ -40,8 +40,6 @@ OPEN = {
     "triangle": (np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)),
 }
 
-# numba compiles what it calls once in each process: so one has all of them
-pytestmark = pytest.mark.xdist_group("winding numbers")
 declare_helpers()
 _number: Any = numba.njit(triangle_kernels.winding_number)
 _is_inside: Any = numba.njit(triangle_kernels.is_inside)
