@@ -165,26 +165,37 @@ def _may_be_stored(name: str, stored: str) -> bool:
 
 def _renamed(data: Any, names: Mapping[str, str]) -> Any:
     """Plain data of an unvalidated scene with mesh files renamed."""
-    if not isinstance(data, Mapping) or not isinstance(data.get("obstacles"), list):
+    if not isinstance(data, Mapping):
         return data
-    obstacles = [
-        {**one, "file": names[one["file"]]}
-        if isinstance(one, dict) and isinstance(one.get("file"), str) and one["file"] in names
-        else one
-        for one in data["obstacles"]
-    ]
-    return {**data, "obstacles": obstacles}
+    found, arm = dict(data), data.get("arm")
+    if isinstance(data.get("obstacles"), list):
+        found["obstacles"] = [_with_name(one, names) for one in data["obstacles"]]
+    if isinstance(arm, Mapping) and "attached" in arm:
+        found["arm"] = {**arm, "attached": _with_name(arm["attached"], names)}
+    return found
+
+
+def _with_name(shape: Any, names: Mapping[str, str]) -> Any:
+    """Plain data of a shape with its mesh file renamed."""
+    file = shape.get("file") if isinstance(shape, Mapping) else None
+    return {**shape, "file": names[file]} if isinstance(file, str) and file in names else shape
+
+
+def named_meshes(data: Any) -> set[str]:
+    """Names of mesh files in plain data of an unvalidated scene: of obstacles and a held object."""
+    fields = data if isinstance(data, Mapping) else {}
+    entries, arm = fields.get("obstacles"), fields.get("arm")
+    shapes = [*(entries if isinstance(entries, list) else ())]
+    shapes.append(arm.get("attached") if isinstance(arm, Mapping) else None)
+    names = (one.get("file") for one in shapes if isinstance(one, Mapping))
+    return {name for name in names if isinstance(name, str)}
 
 
 def _named(data: Any) -> set[str]:
     """Names of files in plain data of an unvalidated scene."""
-    if not isinstance(data, Mapping):
-        return set()
-    entries = data["obstacles"] if isinstance(data.get("obstacles"), list) else []
-    names = [one.get("file") for one in entries if isinstance(one, dict)]
-    if isinstance(arm := data.get("arm"), dict):
-        names += [arm.get("urdf"), arm.get("srdf")]
-    return {name for name in names if isinstance(name, str)}
+    arm = data.get("arm") if isinstance(data, Mapping) else None
+    names = [arm.get(key) for key in ("urdf", "srdf")] if isinstance(arm, Mapping) else []
+    return named_meshes(data) | {name for name in names if isinstance(name, str)}
 
 
 def _obj(surface: Surface) -> str:

@@ -20,6 +20,7 @@ from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import file_of, load_plain_robot, robots_in
 from abi.scene import scene_archive
+from abi.scene.scene_archive import named_meshes
 from abi.scene.scene_file import parse_bytes
 from app.reading import sample_bag, sample_meshes
 from app.reading.messages import encode
@@ -178,15 +179,9 @@ def _srdf_of(data: object) -> str | None:
 
 def named_files(data: object) -> tuple[set[str], set[str]]:
     """Names of the mesh and arm files in a scene that is not validated yet."""
-    fields = data if isinstance(data, dict) else {}
-    obstacles, arm = fields.get("obstacles"), fields.get("arm")
-    entries = obstacles if isinstance(obstacles, list) else []
-    meshes = [one.get("file") for one in entries if isinstance(one, dict)]
+    arm = data.get("arm") if isinstance(data, dict) else None
     arms = [arm.get("urdf")] if isinstance(arm, dict) and arm.get("model") == "urdf" else []
-    return (
-        {name for name in meshes if isinstance(name, str)},
-        {name for name in arms if isinstance(name, str)},
-    )
+    return named_meshes(data), {name for name in arms if isinstance(name, str)}
 
 
 def _whole(name: str, files: Files, srdf: str | None = None) -> Robot:

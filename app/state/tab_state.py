@@ -223,7 +223,8 @@ def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple
         content = mesh_store.find(str(key))
         if content is not None:
             here[name] = content
-        elif name not in here and not _is_shipped(name, meshes):
+        elif not _is_same(name, key, meshes):
+            here.pop(name, None)
             missing.append(str(name))
     if missing and isinstance(data, dict) and isinstance(data.get("obstacles"), list):
         obstacles = data["obstacles"]
@@ -234,6 +235,10 @@ def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple
         ]
         left = [one for number, one in enumerate(obstacles) if number not in gone]
         data = {**data, "obstacles": left, "arm": _arm_without(data.get("arm", {}), gone)}
+    if missing and isinstance(data, dict) and isinstance(arm := data.get("arm"), dict):
+        held = arm.get("attached")
+        if isinstance(held, dict) and held.get("file") in missing:
+            data = {**data, "arm": {**arm, "attached": None}}
     return Scene.from_dict(data, MeshSource(here, meshes.folder)), tuple(missing)
 
 
@@ -247,12 +252,15 @@ def _arm_without(arm: object, gone: Collection[int]) -> object:
     return {**arm, "allowed": contacts_without([(a, b) for a, b in pairs], gone)}
 
 
-def _is_shipped(name: str, meshes: MeshSource) -> bool:
-    try:
-        meshes.content(name)
-    except SceneError:
-        return False
-    return True
+def _is_same(name: str, key: object, meshes: MeshSource) -> bool:
+    """Check whether a source's file of a name is the one that was meant, and not just called so."""
+    content = meshes.given(name)
+    if isinstance(content, bytes | None) and not name.lower().endswith((".urdf", ".zip")):
+        try:
+            content = meshes.surface(name)
+        except SceneError:
+            return False
+    return content is not None and mesh_store.keys({name: content})[name] == key
 
 
 def _unpack(text: str) -> object:

@@ -77,3 +77,18 @@ def test_a_scene_that_names_no_file_starts_no_process(monkeypatch: pytest.Monkey
     monkeypatch.setattr("app.reading.running_reader.subprocess.Popen", refuse)
     assert load_local("paper").to_dict() == load_scene("paper").to_dict()
     assert load_local("kitchen-ur5e").arm.urdf == "ur5e"
+
+
+def test_a_held_mesh_comes_from_its_file_and_from_its_zip(tmp_path: Path) -> None:
+    (tmp_path / "held.stl").write_bytes(meshes.stl(meshes.bumpy(2)))
+    held = {"shape": "mesh", "file": "held.stl", "scale": 0.02}
+    arm = {"model": "urdf", "urdf": "ur5e", "base": [0, 0, 0], "attached": held}
+    workspace = {"min": [-1, -1, 0], "max": [1, 1, 1.5]}
+    data = {"version": 1, "unit": "m", "workspace": workspace, "mesh": {"pitch": 0.3}, "arm": arm}
+    data |= {"start": [0.4, -0.3, 0.5], "goal": [0.4, 0.3, 0.5]}
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(data))
+    scene = load_scene(path)
+    (tmp_path / "scene.zip").write_bytes(scene.pack())
+    for name in ("scene.json", "scene.zip"):
+        assert load_local(str(tmp_path / name)) == load_scene(tmp_path / name) == scene

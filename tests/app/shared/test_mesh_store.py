@@ -50,6 +50,49 @@ def test_a_mesh_that_is_not_here_is_named_and_the_rest_comes_back() -> None:
     assert again.scene == load_scene("paper")
 
 
+@pytest.mark.parametrize("stored", [False, True])
+def test_another_mesh_of_the_same_name_is_not_taken_for_one_that_is_not_here(stored: bool) -> None:
+    other = {"shape": "mesh", "file": "bumpy.stl", "position": [5, 5, 1], "scale": 0.1}
+    here = load_scene("paper").replace(
+        obstacles=[other], files={"bumpy.stl": meshes.stl(meshes.bumpy(3, seed=1))}
+    )
+    shipped = next(iter(load_scene("sculpture").meshes.files))
+    state = TabState("paper", _scene())
+    data = [one.model_dump() for one in state.scene.obstacles]
+    files = {"bumpy.stl": state.scene.meshes.files["bumpy.stl"]}
+    surface = MeshSource({"a.stl": meshes.stl(meshes.bumpy(1))}).surface("a.stl")
+    named = state.scene.replace(
+        obstacles=[*data, {**data[1], "file": shipped}],
+        files={**files, shipped: surface},
+    )
+    if stored:
+        mesh_store.keep(named.meshes.files)
+    source = MeshSource(here.meshes.files, SHIPPED.folder)
+    again = TabState.decode(TabState("paper", named).encode(), source)
+    assert again.missing == (() if stored else ("bumpy.stl", shipped))
+    assert again.scene == (named if stored else load_scene("paper"))
+
+
+def test_an_arm_holds_no_other_mesh_than_the_one_that_was_meant() -> None:
+    def holding(content: bytes) -> Scene:
+        held = {"shape": "mesh", "file": "held.stl", "scale": 0.03}
+        return Scene.from_dict(
+            {
+                **load_scene("kitchen-ur5e").to_dict(),
+                "obstacles": [],
+                "arm": {"model": "urdf", "urdf": "ur5e", "base": [0, 0, 0], "attached": held},
+            },
+            {"held.stl": content},
+        )
+
+    one, other = (holding(meshes.stl(meshes.bumpy(2, seed=seed))) for seed in (0, 1))
+    again = TabState.decode(TabState("mine", one).encode(), MeshSource(other.meshes.files))
+    assert again.missing == ("held.stl",)
+    assert again.scene.arm.attached is None
+    same = TabState.decode(TabState("mine", one).encode(), MeshSource(one.meshes.files))
+    assert same.scene == one
+
+
 def test_the_meshes_of_shipped_scenes_are_always_here() -> None:
     state = TabState("sculpture", load_scene("sculpture"))
     assert TabState.decode(state.encode(), SHIPPED) == state
