@@ -243,12 +243,17 @@ class Scene(Settings):
     @property
     def meshes(self) -> MeshSource:
         """Files of the scene by name, as they were read: the surfaces of its meshes, its robot."""
-        solids = (*self.obstacles, self.arm.attached)
-        shapes = [shape for shape in solids if isinstance(shape, MeshShape)]
+        shapes = self._mesh_shapes
         files: dict[str, CheckedFile] = {shape.file: shape.surface for shape in shapes}
         if self.arm.model == "urdf" and self.arm.urdf not in SHIPPED:
             files[self.arm.urdf] = self.arm.whole_robot
         return MeshSource(files)
+
+    @property
+    def _mesh_shapes(self) -> list[MeshShape]:
+        """Its obstacles, and what its arm holds, that are meshes."""
+        solids = (*self.obstacles, self.arm.attached)
+        return [shape for shape in solids if isinstance(shape, MeshShape)]
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -262,8 +267,7 @@ class Scene(Settings):
 
     def _notes(self, on_arm: Sequence[str]) -> tuple[str, ...]:
         """Sentences on its meshes, and some on its arm, each with the name of the file."""
-        shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
-        sentences = (f"{shape.file}: {note}" for shape in shapes for note in shape.notes)
+        sentences = (f"{one.file}: {note}" for one in self._mesh_shapes for note in one.notes)
         return tuple(dict.fromkeys((*sentences, *(f"{self.arm.urdf}: {note}" for note in on_arm))))
 
     def replace(self, files: Files | None = None, **changes: Any) -> Self:

@@ -318,6 +318,23 @@ def test_a_field_that_stands_there_twice_is_named(ending: str, level: str) -> No
         parse_bytes(text.encode(), f"a.{ending}")
 
 
+def test_a_mesh_that_is_held_has_the_notes_that_it_has_as_an_obstacle() -> None:
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    text = f"# File units = inches\n{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nl 1 2\n"
+    mesh = {"shape": "mesh", "file": "part.obj"}
+    base = load_scene("paper").replace(arm={"model": "urdf", "urdf": "ur5e"})
+    files = {"part.obj": text.encode()}
+    told = [
+        [note for note in scene.notes if note.startswith("part.obj: ")]
+        for scene in (
+            base.replace(files=files, obstacles=[mesh]),
+            base.replace(files=files, arm={"attached": mesh}),
+        )
+    ]
+    assert told[0] == told[1]
+    assert len(told[0]) == 2
+
+
 def test_the_shipped_scenes_are_there() -> None:
     assert scene_names()[0] == "paper"
     assert {"two-boxes", "wall-with-window", "thin-plate", "no-way"} <= set(scene_names())
