@@ -67,7 +67,7 @@ class LimitsKept(ShortRepr):
 
 
 def joint_limits(motion: RobotMotion, acceleration: float | None = None) -> LimitsKept:
-    """Find the limits that a motion passes.
+    """Find the limits that a motion passes; a continuous joint has none of its position.
 
     Positions, speeds and accelerations are polynomials, whose largest values are found at the roots
     of their derivatives; torques are computed at places so near that no joint moves by more than
@@ -80,7 +80,9 @@ def joint_limits(motion: RobotMotion, acceleration: float | None = None) -> Limi
     chain, passed = motion.chain, list[LimitPassed]()
     spans = np.diff(motion.motion.times)
     low, high = chain.limits.T
-    middle, half = (low + high) / 2, (high - low) / 2
+    kinds = {joint.name: joint.kind for joint in chain.joints}
+    turns_on = np.array([kinds[name] == "continuous" for name in chain.names])
+    middle, half = (low + high) / 2, np.where(turns_on, math.inf, (high - low) / 2)
     passed += _past(motion, "position", motion.points - middle, half, middle)
     speed = growth = None
     if motion.motion.timed:

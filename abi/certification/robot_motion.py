@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -22,9 +23,12 @@ from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 
-_PAST, _FAR, _APART = 1.0, 0.05, 1e-3
-"""Angle past a limit from which on degrees are suspected, distance of the first waypoint from the
-start state that is refused, and that of a joint which stands still, [rad] or [m]."""
+_FAR, _APART = 0.05, 1e-3
+"""Distance of the first waypoint from the start state that is refused, and that of a joint which
+stands still, [rad] or [m]."""
+_PAST, _TURN, _TURNS = 1.0, 2 * math.pi, 6 * math.pi
+"""Angle past a limit, and angle of such a joint and of a continuous one, from which on degrees are
+suspected, [rad]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -192,16 +196,20 @@ def _missing(robot: Robot, given: Sequence[str]) -> str:
 
 
 def _suspect_degrees(motion: Motion, robot: Robot) -> None:
-    """Raise where angles are far past their limits, and all would fit in degrees."""
+    """Raise where angles are far past their limits and large, and all would fit in degrees.
+
+    What is smaller is judged as it is given, and so are a few turns of a continuous joint.
+    """
     joints = {joint.name: joint for joint in robot.joints}
     turning = [k for k, name in enumerate(motion.joints) if joints[name].kind != "prismatic"]
     if not turning:
         return
-    limits = np.array(
-        [(joints[motion.joints[k]].low, joints[motion.joints[k]].high) for k in turning]
-    )
+    named = [joints[motion.joints[k]] for k in turning]
+    limits = np.array([(joint.low, joint.high) for joint in named])
+    most = np.array([_TURNS if joint.kind == "continuous" else _TURN for joint in named])
     angles = motion.positions[:, turning]
     past = np.maximum(limits[:, 0] - angles, angles - limits[:, 1])
+    past = np.where(np.abs(angles) > most, past, 0.0)
     row, k = np.unravel_index(int(past.argmax()), past.shape)
     fits = np.radians(angles)
     if past[row, k] > _PAST and ((fits >= limits[:, 0]) & (fits <= limits[:, 1])).all():

@@ -18,6 +18,7 @@ from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
+from abi.errors import MotionError
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
 from tests.abi.robot.robots import joint, link, urdf
@@ -254,3 +255,33 @@ def test_a_robot_stands_where_the_scene_says_whatever_its_own_arm_is(arm: dict[s
         assert stands in verdict.problem.motion.notes
     unsaid = abi.certify("ur5e", JOINTS, [0, 2], upright, Scene.from_dict(data))
     assert "The robot stands at (0, 0, 0) m." in unsaid.problem.motion.notes
+
+
+def test_a_continuous_joint_may_have_turned_before(tmp_path: Path) -> None:
+    path = tmp_path / "turn.urdf"
+    turn = joint("turn", "b", "c", "continuous", "0 1 0", '<limit velocity="1" effort="9"/>')
+    path.write_text(urdf(*map(link, "abcd"), joint("p", "a", "b"), turn, joint("q", "c", "d")))
+    ball = {"shape": "sphere", "radius": 0.1, "position": [0.5, 0.5, 1.0]}
+    scene = robot_scene(path).replace(obstacles=[ball])
+    positions = np.array([[0.1, -0.2, 0.1], [0.3, 0.5, -0.4]])
+    found = []
+    for turns in (0, 1, -2):
+        turned = positions + np.array([0.0, 2 * np.pi * turns, 0.0])
+        verdict = abi.certify(None, ["p", "turn", "q"], [0, 2], turned, scene)
+        assert verdict.limits.passed == ()
+        assert verdict.state == "clear"
+        found.append(verdict.clearance)
+        (proof,) = verify(json.loads(json.dumps(verdict.to_dict())), scene.meshes)
+        assert proof.proven, proof.reason
+    np.testing.assert_allclose(found, found[0], atol=1e-9)
+
+
+def test_degrees_are_suspected_only_where_angles_are_large() -> None:
+    scene = scene_with([])
+    small = np.array([UP, UP])
+    small[1, 2] = 5.5  # past 3.14, and no angle that a file in degrees has much less than
+    verdict = verdict_of(scene, {"times": [0, 9], "positions": small})
+    assert [one.quantity for one in verdict.limits.passed if one.joint == JOINTS[2]] == ["position"]
+    small[1, 2] = 40
+    with pytest.raises(MotionError, match="would fit in degrees"):
+        verdict_of(scene, {"times": [0, 9], "positions": small})
