@@ -7,7 +7,6 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,28 +16,13 @@ from abi.errors import MotionError
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
 from abi.robot.bodies.always_touching import always_touch
 from abi.robot.bodies.chain_capsules import lever, meeting
-from abi.robot.bodies.floor_contacts import FloorPiece, on_floor
+from abi.robot.bodies.convex_body import ConvexBody
+from abi.robot.bodies.floor_contacts import on_floor
 from abi.robot.bodies.link_bodies import Fit, link_bodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
 
 _SAMPLES, _ALWAYS = 200, 0.95
-
-
-class ConvexBody(NamedTuple):
-    """All points within ``radius`` of the convex hull of points.
-
-    Attributes:
-        link: name of the link that it holds a part of.
-        frame: number of the joint that moves it, -1 where it stands still.
-        points: in that frame, or in the world where it stands still, shape (k, 3), [m].
-        radius: [m].
-    """
-
-    link: str
-    frame: int
-    points: FloatArray
-    radius: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,7 +79,7 @@ class RobotBodies(ShortRepr):
     @cached_property
     def on_floor(self) -> tuple[str, ...]:
         """Names of the links that may touch the floor."""
-        return on_floor(self.chain, (FloorPiece(*body) for body in self.bodies), self.floor)
+        return on_floor(self.chain, self.bodies, self.floor)
 
     @cached_property
     def hulls(self) -> Hulls:

@@ -76,20 +76,8 @@ class _Pose(NamedTuple):
     end: FloatArray
 
 
-class _NearPose(NamedTuple):
-    """Bodies near a pose.
-
-    Attributes:
-        bodies: the bodies.
-        ends: of all capsules at the pose, flat (6 c,), [unit], world.
-        ways: of the coordinates from the pose, at most, (n,).
-        poses: of the joints there, flat (12 (m + 1),).
-    """
-
-    bodies: Bodies
-    ends: FloatArray
-    ways: FloatArray
-    poses: FloatArray
+_NearPose = tuple[Bodies, _Pose]
+"""Bodies near a pose."""
 
 
 @jitable
@@ -162,7 +150,7 @@ def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, flo
         Whether what follows is of the hulls; CERTIFIED, REFUTED at the pose or UNDECIDED; the
         distance there; the direction; the ways of both beside each other, at most, [unit].
     """
-    bodies, ends, ways, poses = near
+    bodies, (_, ways, ends, poses, _) = near
     count = len(ways)
     i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
     p, a = vec3_at(ends, 6 * i), vec3_at(ends, 6 * i + 3)
@@ -195,7 +183,7 @@ def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, flo
 @jitable(forceinline=True)
 def _capsule_of(near: _NearPose, c: int) -> Moving:
     """Capsule c near a pose."""
-    bodies, ends, ways, _ = near
+    bodies, (_, ways, ends, _, _) = near
     moves = 0.0
     for j in range(len(ways)):
         moves += bodies.levers[c * len(ways) + j] * ways[j]
@@ -214,7 +202,7 @@ def _refined(
     near: _NearPose, around: Obstacles, c: int, s: int, allowance: float, found: Found
 ) -> tuple[bool, Found]:
     """What is found of the hull in capsule c and row s."""
-    bodies, _, ways, poses = near
+    bodies, (_, ways, _, poses, _) = near
     moves = 0.0
     for j in range(len(ways)):
         moves += bodies.point_levers[c * len(ways) + j] * ways[j]
@@ -238,7 +226,7 @@ def _go_to(problem: _AlongKnots, piece: Piece, at: float) -> _NearPose:
     _joints_at(knots, at, joints)
     _ways_of(knots, piece, joints, end, ways)
     place_bodies(chain, bodies, joints, 0, poses, ends)
-    return _NearPose(bodies, ends, ways, poses)
+    return bodies, pose
 
 
 @jitable

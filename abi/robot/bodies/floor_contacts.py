@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
 
-from abi.arrays import FloatArray
+from abi.robot.bodies.convex_body import ConvexBody
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
@@ -16,23 +15,7 @@ _UPRIGHT = 1e-6
 _POSES = 64
 
 
-class FloorPiece(NamedTuple):
-    """A piece of a link: all points within ``rounding`` of the hull of ``points``.
-
-    Attributes:
-        link: name of the link.
-        frame: number of the joint that moves it, -1 where it stands still.
-        points: in that frame, shape (k, 3), [m].
-        rounding: [m].
-    """
-
-    link: str
-    frame: int
-    points: FloatArray
-    rounding: float
-
-
-def on_floor(chain: Chain, pieces: Iterable[FloorPiece], floor: float) -> tuple[str, ...]:
+def on_floor(chain: Chain, bodies: Iterable[ConvexBody], floor: float) -> tuple[str, ...]:
     """Names of the links that may touch the floor.
 
     Those that stand still may, and those that the first joint moves where it turns about an upright
@@ -41,16 +24,16 @@ def on_floor(chain: Chain, pieces: Iterable[FloorPiece], floor: float) -> tuple[
 
     Args:
         chain: the chain.
-        pieces: of its links.
+        bodies: of its links.
         floor: height of the floor, [m].
     """
     still: dict[str, None] = {}
-    first: dict[str, list[FloorPiece]] = {}
-    for piece in pieces:
-        if piece.frame < 0:
-            still[piece.link] = None
-        elif piece.frame == 0:
-            first.setdefault(piece.link, []).append(piece)
+    first: dict[str, list[ConvexBody]] = {}
+    for body in bodies:
+        if body.frame < 0:
+            still[body.link] = None
+        elif body.frame == 0:
+            first.setdefault(body.link, []).append(body)
     if not first or _keeps_heights(chain):
         return (*still, *first)
     coordinate = int(chain.table.source[0])
@@ -60,7 +43,7 @@ def on_floor(chain: Chain, pieces: Iterable[FloorPiece], floor: float) -> tuple[
     up = chain.poses(positions)[:, 0, 2]
     found = []
     for link, of_link in first.items():
-        lowest = [(up[:, :3] @ one.points.T).min(axis=1) - one.rounding for one in of_link]
+        lowest = [(up[:, :3] @ one.points.T).min(axis=1) - one.radius for one in of_link]
         if (np.min(lowest, axis=0) + up[:, 3] <= floor).all():
             found.append(link)
     return (*still, *found)

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Vec3
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
-from abi.robot.kinematics.inverse_dynamics import RigidBody, joined
+from abi.robot.kinematics.inverse_dynamics import joined
+from abi.robot.urdf.urdf_masses import RigidBody
 
 DENSITY = 2700.0
 """Density of every solid, [kg/m³]: aluminium."""

@@ -15,23 +15,10 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray
 from abi.robot.kinematics.chain import Chain
+from abi.robot.urdf.urdf_masses import RigidBody
 
 GRAVITY = 9.80665
 """Standard gravity, downwards along z, [m/s²]."""
-
-
-class RigidBody(NamedTuple):
-    """A rigid body in some frame.
-
-    Attributes:
-        mass: [kg].
-        centre: of mass, (3,), [m].
-        inertia: about it, (3, 3), [kg·m²].
-    """
-
-    mass: float
-    centre: FloatArray
-    inertia: FloatArray
 
 
 def has_masses(chain: Chain) -> bool:

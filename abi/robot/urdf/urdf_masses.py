@@ -14,18 +14,24 @@ _ROUNDING = 1e-9
 """Negative moment of inertia that counts as 0, over 1 kg·m²."""
 
 
-class Inertial(NamedTuple):
-    """Mass of a link, its centre (3,), and its inertia about that along the link's axes (3, 3)."""
+class RigidBody(NamedTuple):
+    """Mass of a link, or of several that move as one, in some frame.
+
+    Attributes:
+        mass: [kg].
+        centre: of mass, (3,), [m].
+        inertia: about it, along the axes of the frame, (3, 3), [kg·m²].
+    """
 
     mass: float
     centre: FloatArray
     inertia: FloatArray
 
 
-WEIGHTLESS = Inertial(0.0, read_only(np.zeros(3)), read_only(np.zeros((3, 3))))
+WEIGHTLESS = RigidBody(0.0, read_only(np.zeros(3)), read_only(np.zeros((3, 3))))
 
 
-def read_inertial(link: XmlElement) -> Inertial:
+def read_inertial(link: XmlElement) -> RigidBody:
     """Read the mass and inertia of a link; none if the file has none.
 
     Raises:
@@ -40,7 +46,7 @@ def read_inertial(link: XmlElement) -> Inertial:
     pose = inertial.origin()
     turn = pose[:3, :3]
     inertia = turn @ _tensor(inertial) @ turn.T
-    return Inertial(mass, read_only(pose[:3, 3].copy()), read_only(inertia))
+    return RigidBody(mass, read_only(pose[:3, 3].copy()), read_only(inertia))
 
 
 def has_sense(link: XmlElement) -> bool:
