@@ -108,7 +108,7 @@ HULLS = Hulls(IDS, IDS, FLOATS, FLOATS, FLOATS, IDS, FLOATS, 1.0)
 
 
 class HullPose(NamedTuple):
-    """Pose on a stretch, and room to work it out.
+    """Joint positions in the middle of a piece of a motion, and arrays for the hulls there.
 
     Attributes:
         joints: coordinates (n,).
@@ -190,7 +190,7 @@ def from_body(
 
 @jitable
 def new_pose(chain: ChainTable, hulls: Hulls, count: int, width: int) -> HullPose:
-    """Room for a pose."""
+    """Arrays for one pose, not yet filled."""
     poses, points = np.empty(POSE * (len(chain.source) + 1)), np.empty(len(hulls.points))
     return HullPose(
         *(np.empty(count), np.zeros(count), poses, points, np.empty(6 * len(hulls.frames))),

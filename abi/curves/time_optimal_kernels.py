@@ -27,7 +27,7 @@ _FLAT = 1e-12
 def _row(
     rates: tuple[FloatArray, FloatArray], i: int, k: int, count: int, step: float
 ) -> tuple[float, float]:
-    """Factors of u and x in acceleration ``k`` of step ``i``: at its start, or at its end."""
+    """Factors of u = s'' and x = s'² in acceleration ``k`` at the start or end of step ``i``."""
     first, second = rates
     if k < count:
         return first[count * i + k], second[count * i + k]

@@ -38,7 +38,7 @@ WIDTH = 4 / (BUCKETS - 4)
 
 
 class _BestFirstLabels(NamedTuple):
-    """Knowledge of the nodes: cost, parent, and whether that was looked at since it changed.
+    """Labels of the nodes: cost, parent, and whether they were expanded since they changed.
 
     And what is left to the goal by the heuristic, once the cost is finite: in a lattice that takes
     as long as to look at its edges, and nodes are queued about twice.
@@ -237,7 +237,7 @@ def estimates(problem: Problem) -> FloatArray:
 
 @jitable
 def _slack(problem: Problem) -> float:
-    """By how much links to the goal may be shorter than the heuristic says."""
+    """Largest excess of the heuristic over the length of a link to the goal."""
     adjacency, _, links, ends, _, metric = problem
     slack = 0.0
     count = len(links.tails)

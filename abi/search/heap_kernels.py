@@ -154,7 +154,7 @@ def _key(labels: _LifelongLabels, estimates: FloatArray, node: int) -> Key:
 
 @jitable
 def _look_ahead(arcs: ArcRows, labels: _LifelongLabels, node: int) -> int:
-    """Find the best that the neighbours of a node say; the number of arcs looked at."""
+    """Find a node's least cost by way of a neighbour; return the number of arcs examined."""
     least, parent = np.inf, -1
     for k in range(arcs.indptr[node], arcs.indptr[node + 1]):
         through = labels.cost[arcs.indices[k]] + arcs.weights[k]
@@ -172,7 +172,7 @@ def _settle(
     ends: tuple[int, int],
     queue: list[Key],
 ) -> tuple[list[int], int]:
-    """Expand what disagrees with its neighbours, until the goal's cost is sure.
+    """Expand nodes whose cost is not that by their neighbours, until the goal's cost is certain.
 
     The estimates are consistent but for rounding: what promises as much as the goal does waits only
     if it is no nearer to the start.

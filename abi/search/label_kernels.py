@@ -32,7 +32,7 @@ from abi.tet_mesh.adjacency_kernels import (
 
 
 class _RoundLabels(NamedTuple):
-    """Knowledge of the nodes.
+    """Labels of the nodes in a search by rounds: cost, parent, and those that wait.
 
     Attributes:
         cost: (n,) from the start, so far.
@@ -122,7 +122,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
 def _lower(
     labels: _RoundLabels, node: int, neighbour: int, through: float, little: float, last: int
 ) -> int:
-    """Reach a neighbour by way of a node if that costs less; where the order ends then.
+    """Lower a neighbour's cost by way of a node, and queue it; return the new end of the queue.
 
     Args:
         labels: written.

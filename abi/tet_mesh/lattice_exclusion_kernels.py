@@ -110,7 +110,7 @@ Found = tuple[IntArray, IntArray, IntArray, IntArray]
 
 
 class PrimitiveBody(NamedTuple):
-    """A primitive.
+    """A convex primitive: its axes and core, and the margin around it.
 
     Attributes:
         axes: the body's axes.

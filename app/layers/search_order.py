@@ -57,5 +57,5 @@ class SearchOrderLayer(Layer):
 
 
 def _thinned(nodes: IntArray) -> IntArray:
-    """Every second, third … of more than the budget."""
+    """Thin out the nodes to be drawn to those that the budget allows."""
     return nodes[:: -(-len(nodes) // NODE_BUDGET)]

@@ -148,7 +148,7 @@ def _tree(state: SearchState) -> bytes:
 
 
 def few(nodes: IntArray, n: int) -> IntArray:
-    """At most about ``NODE_BUDGET`` of the nodes, by a lot that each has drawn for good."""
+    """Choose about ``NODE_BUDGET`` of the nodes at random, the same ones each time."""
     if n <= NODE_BUDGET:
         return nodes
     return nodes[lots(nodes) < NODE_BUDGET / n * 2.0**31]

@@ -133,14 +133,14 @@ class AllPanels:
         )
 
     def close(self) -> None:
-        """Read no more of the tab's files."""
+        """Stop reading uploads, because the tab is closed."""
         arms = self.stages.arm.model
         for panel in (self.files, self.check, self.editor, arms):
             panel.uploads.close()
 
     @property
     def held(self) -> bool:
-        """Whether a hand holds an obstacle or an end: until it lets go the drag is one change."""
+        """Whether the user drags an obstacle or an end: a drag is one change in the history."""
         return self.obstacles.held or self.ends.held
 
     def note(self, event: object) -> None:

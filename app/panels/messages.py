@@ -278,7 +278,7 @@ def _change_label(reason: Reason) -> str:
 
 
 def _kept(axis: dict[str, Any]) -> str:
-    """How to keep a direction of the tool for a part of the motion."""
+    """Advice on how to hold the tool's direction for a part of the motion only."""
     begin, end = 100 * axis["from"], 100 * axis["to"]
     within = math.degrees(axis["tolerance"])
     return f"keep the direction within {within:.3g}° from {begin:.3g} to {end:.3g} % of the time"

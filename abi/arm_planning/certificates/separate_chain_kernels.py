@@ -59,7 +59,7 @@ rotations."""
 
 
 class _Pose(NamedTuple):
-    """Pose of a stretch, and room to work it out.
+    """Joint positions in the middle of a piece of a motion, and arrays for the bodies there.
 
     Attributes:
         joints: coordinates (n,).
@@ -77,12 +77,12 @@ class _Pose(NamedTuple):
 
 
 _NearPose = tuple[Bodies, _Pose]
-"""Bodies near a pose."""
+"""Bodies at a pose, and how far the joints get from it on a piece."""
 
 
 @jitable
 def _joints_at(knots: FloatArray, at: float, joints: FloatArray) -> None:
-    """Write the coordinates at a place between two knots."""
+    """Interpolate the joint coordinates linearly at a parameter of the motion."""
     count = len(joints)
     knot = min(int(at), len(knots) // count - 2)
     share = at - knot
@@ -95,7 +95,7 @@ def _joints_at(knots: FloatArray, at: float, joints: FloatArray) -> None:
 def _ways_of(
     knots: FloatArray, stretch: Piece, joints: FloatArray, end: FloatArray, ways: FloatArray
 ) -> None:
-    """Write how far each coordinate gets from ``joints`` on a stretch; ``end`` is room."""
+    """Write how far each coordinate gets from ``joints`` on a piece of the motion, at most."""
     count = len(joints)
     for j in range(count):
         ways[j] = 0.0
@@ -182,7 +182,7 @@ def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, flo
 
 @jitable(forceinline=True)
 def _capsule_of(near: _NearPose, c: int) -> Moving:
-    """Capsule c near a pose."""
+    """Capsule c at a pose, with the largest displacement of its points on the piece."""
     bodies, (_, ways, ends, _, _) = near
     moves = 0.0
     for j in range(len(ways)):
@@ -193,7 +193,7 @@ def _capsule_of(near: _NearPose, c: int) -> Moving:
 
 @jitable(forceinline=True)
 def _level_at_ends(near: _NearPose, capsule: Moving, way: Vec3) -> float:
-    """Least product of a direction and a capsule's segment at the ends of a stretch: unknown."""
+    """No bound of a capsule at the ends of a piece: the one around its middle counts."""
     return -math.inf
 
 
@@ -201,7 +201,7 @@ def _level_at_ends(near: _NearPose, capsule: Moving, way: Vec3) -> float:
 def _refined(
     near: _NearPose, around: Obstacles, c: int, s: int, allowance: float, found: Found
 ) -> tuple[bool, Found]:
-    """What is found of the hull in capsule c and row s."""
+    """Separate the hull inside capsule c from obstacle row s, where its capsule is not."""
     bodies, (_, ways, _, poses, _) = near
     moves = 0.0
     for j in range(len(ways)):
@@ -220,7 +220,7 @@ wanted, and room for a pose and for directions."""
 
 @jitable
 def _go_to(problem: _AlongKnots, piece: Piece, at: float) -> _NearPose:
-    """The bodies near the pose at a parameter, on a piece."""
+    """Place the bodies at a parameter, with bounds of their displacement on a piece."""
     chain, bodies, knots, _, _, pose, _ = problem
     joints, ways, ends, poses, end = pose
     _joints_at(knots, at, joints)

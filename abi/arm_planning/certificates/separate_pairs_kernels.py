@@ -58,7 +58,7 @@ def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
 
 @jitable(forceinline=True)
 def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
-    """Check whether row s is beyond one of the directions."""
+    """Check whether one of the kept directions separates the part of a mesh in row s, too."""
     mesh = around.meshes[s]
     axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
     centre, margin = centre_of(around.primitives, s), around.margins[s]
@@ -92,7 +92,7 @@ Found = tuple[int, float, Vec3]
 
 
 class Moving(NamedTuple):
-    """A capsule at a pose, and how far from there it may be.
+    """A capsule at a pose, with bounds of the displacement of its points on a piece of a motion.
 
     Attributes:
         number: of the capsule.
@@ -112,7 +112,7 @@ class Moving(NamedTuple):
 
 
 class Span(NamedTuple):
-    """A piece of a way, seen from a pose on it.
+    """A piece of a motion, and the pose in it around which a proof holds.
 
     Attributes:
         start, end, at: its first and last parameter, and that of the pose.
@@ -255,5 +255,5 @@ def separate_pairs(
 def as_found(
     arm: _Arm, around: Obstacles, c: int, s: int, allowance: float, found: Found
 ) -> tuple[bool, Found]:
-    """What is found of a capsule, where there is no closer body."""
+    """Result for a capsule that contains no closer body: it stays as it is."""
     return False, found

@@ -71,7 +71,7 @@ _ANYWHERE = (0.0, 0.0, 0.0)
 
 
 class Slide(NamedTuple):
-    """Bounds of q5 along the curve, which does not fall.
+    """Bounds of the slide q5 along the curve, where q5 does not decrease.
 
     Attributes:
         parameters: increasing, from the curve's first to its last (m,).
@@ -119,7 +119,7 @@ class PoseNeighbourhood(NamedTuple):
 def neighbourhood_of(
     arm: ArmNumbers, pose: PaperArmPose, ways: tuple[float, float]
 ) -> tuple[PoseNeighbourhood, bool]:
-    """Neighbourhood of a pose, and whether rates are finite and limits are kept in it."""
+    """Bounds of the arm's motion near a pose; whether they are finite and limits are kept."""
     rates = rates_near(arm, pose, ways[0], ways[1])
     bounded = not math.isinf(rates.elbow)
     bounded = bounded and limits_hold_near(arm, pose, rates, ways[0], ways[1])
@@ -152,13 +152,13 @@ def level_at_ends(near: tuple[ArmTable, PoseNeighbourhood], capsule: Moving, way
 
 @jitable(forceinline=True)
 def allowance_of(around: Obstacles, rates: Rates) -> float:
-    """Room for rounding, [unit]."""
+    """Margin for rounding errors, [unit]."""
     return ALLOWANCE * around.size * (1.0 if math.isinf(rates.elbow) else 1 + rates.elbow)
 
 
 @jitable(forceinline=True)
 def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
-    """Distance of a piece from its middle, at most."""
+    """Upper bound of the distance of a piece's points from its middle, [unit]."""
     farthest = 0.0
     for i in range(3 * piece.first, 3 * piece.last, 3):
         farthest = max(farthest, distance(middle, vec3_at(points, i)))

@@ -106,7 +106,7 @@ NO_SEGMENTS = ArmSegments(NO_ARM, NO_OBSTACLES, 1.0, 0.0, MOST_TRIES)
 
 @jitable
 def new_touched() -> Touched:
-    """Nothing touched yet."""
+    """Memory of the last contact, without one."""
     return Touched(np.full(1, -1, np.int32), np.empty(DEPTH, np.int32))
 
 
@@ -237,7 +237,7 @@ _CUT = (0.45, 0.2)
 
 
 class _Around(NamedTuple):
-    """Surroundings of tool and arm.
+    """Obstacles and margins of a path that tool and arm are both to keep.
 
     Attributes:
         tool: what the tool does.
@@ -265,7 +265,7 @@ def _clear(around: _Around, points: tuple[Vec3, ...]) -> bool:
 
 @jitable
 def _shortcuts(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
-    """From each vertex straight to the farthest in sight, found by doubling, then halving."""
+    """Path from each vertex to the farthest that it sees, found by doubling, then halving."""
     kept, i, last = [path[0]], 0, len(path) - 1
     while i < last:
         near, step = i + 1, 2
@@ -288,7 +288,7 @@ def _shortcuts(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> 
 
 @jitable
 def _moved(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
-    """Vertices dropped, or moved towards the chord of their neighbours."""
+    """Path with vertices dropped, or moved towards the chord of their neighbours."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
         a, vertex, b = kept[-1], path[k], path[k + 1]
@@ -310,7 +310,7 @@ def _moved(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list
 
 @jitable
 def _cut_corners(path: list[Vec3], around: _Segments, clear: Clear[_Segments]) -> list[Vec3]:
-    """Bends cut where that is clear."""
+    """Path with its corners cut where tool and arm stay clear."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
         vertex = path[k]

@@ -56,7 +56,7 @@ class Nodes(NamedTuple):
 
 
 class SpreadLimits(NamedTuple):
-    """Conditions on a configuration.
+    """Largest error of a configuration, and largest step of a joint between neighbouring nodes.
 
     Attributes:
         error: what a configuration may lack, over the reach or in [rad].
@@ -196,7 +196,7 @@ def touches_row(
 
 
 class _PoseWorkspace(NamedTuple):
-    """Room for a pose.
+    """Arrays that the frames and capsules of one configuration are written to.
 
     Attributes:
         poses: of the joints, flat (12 (m + 1),).
@@ -302,7 +302,7 @@ def _comes_near(bodies: Bodies, boxes: FloatArray, at: int, around: Obstacles, s
 
 
 def one_by_one(configurations: FloatArray) -> ConfigurationTree:
-    """Configurations, flat (k n,), of which each is to be looked at by itself."""
+    """Configurations, flat (k n,), without a tree: each is checked by itself."""
     return NO_CONFIGURATIONS._replace(configurations=configurations)
 
 

@@ -157,7 +157,7 @@ def is_beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: fl
 
 @jitable(forceinline=True)
 def outline(table: ArmTable) -> tuple[int, float, float, float]:
-    """Width of the capsules that move.
+    """Number of capsules that stand still, and how far the others reach from the arm's lines.
 
     Returns:
         The number of those of the column, which come first and are not at shoulder, elbow and tool;

@@ -58,7 +58,7 @@ class _Widths(NamedTuple):
 
 
 class _Near(NamedTuple):
-    """Knowledge of a ball.
+    """What is known of the arm while its tool is anywhere in a ball.
 
     Attributes:
         upper, fore: whether upper arm and forearm are clear all over it.
@@ -74,7 +74,7 @@ class _Near(NamedTuple):
 
 @jitable
 def _widths_of(table: ArmTable, forearm: float) -> _Widths:
-    """Reaches of the capsules.
+    """How far the capsules stand out from the arm's lines, and past their ends.
 
     A point at a share t of the forearm goes no farther than abs(1 - t) + abs(t) times what goes
     farther, the elbow or the tool.
@@ -131,7 +131,7 @@ def _near_ball(
     widths: _Widths,
     waiting: IntArray,
 ) -> _Near:
-    """Verdict on a ball from the pose in its middle.
+    """Decide from the pose in the middle of a ball of tool positions whether all of it is clear.
 
     Args:
         table: the arm.

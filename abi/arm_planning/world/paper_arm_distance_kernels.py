@@ -46,7 +46,7 @@ _ROUNDING = 1e-12
 
 @jitable(forceinline=True)
 def way(ends: FloatArray, k: int, before: int) -> float:
-    """Largest distance of a segment's points from where they were; both by their rows."""
+    """Upper bound of the displacement of a segment's points between two poses, given as rows."""
     a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
     at_a, at_b = vec3_at(ends, 6 * before), vec3_at(ends, 6 * before + 3)
     return (1 + _ROUNDING) * max(distance(a, at_a), distance(b, at_b)) + _ROUNDING

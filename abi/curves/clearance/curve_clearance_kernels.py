@@ -88,7 +88,7 @@ def _cut(control: FloatArray, breaks: FloatArray, parts: int) -> tuple[list[floa
 def _joints(
     primitives: FloatArray, points: list[float], places: list[float], required: float
 ) -> tuple[list[Sample], Nearest]:
-    """Samples at the ends of pieces that are one curve, and the nearest of these."""
+    """Sample the distance where pieces of a curve meet, and find the nearest of these points."""
     count = len(places) - 1
     nearest = Nearest(math.inf, places[0], -1)
     joints = [Sample(places[0], math.inf, math.inf)] * (count + 1)

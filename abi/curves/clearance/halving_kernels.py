@@ -27,7 +27,7 @@ SPENT = 4
 
 
 class Piece(NamedTuple):
-    """A stretch of a path.
+    """A part of a path between two parameters.
 
     Attributes:
         first: point of a curve, or knot of a motion, with which it begins.
@@ -68,7 +68,7 @@ class ProofLists(NamedTuple):
 
 @jitable
 def new_lists() -> ProofLists:
-    """Lists without a candidate; those of planes begin with one that means nothing."""
+    """Empty lists of a proof; that of planes begins with one that means nothing."""
     lists = ProofLists([NO_PLANE], [0], [0])
     lists.candidates.clear()
     return lists
@@ -88,7 +88,7 @@ class PairsLeft(NamedTuple):
 
 @jitable
 def none_left() -> PairsLeft:
-    """No pair; both lists begin with one that means nothing."""
+    """Empty lists of pairs that are not separated; both begin with one that means nothing."""
     return PairsLeft([NO_PLANE], [0])
 
 
@@ -109,7 +109,7 @@ def _leave(
 
 
 class Attempt(NamedTuple):
-    """What was found of a piece; the pairs that are left were added to the candidates.
+    """Result of the try to separate a piece; pairs that are left were added to the candidates.
 
     Attributes:
         outcome: UNDECIDED, or why the piece cannot be separated.
@@ -127,7 +127,7 @@ class Attempt(NamedTuple):
 
 
 class HalvingLimits(NamedTuple):
-    """Where halving ends.
+    """Conditions under which pieces are not halved any more, and in which order they are tried.
 
     Attributes:
         width: points of one polynomial of a curve; 1 of a motion.

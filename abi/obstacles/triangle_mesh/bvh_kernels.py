@@ -50,14 +50,14 @@ class _Bins(NamedTuple):
 
 @jitable
 def _empty(boxes: FloatArray, box: int) -> None:
-    """Let a box enclose nothing."""
+    """Make a box empty, so that it grows with what it is to enclose."""
     for k in range(box, box + 3):
         boxes[k], boxes[k + 3] = math.inf, -math.inf
 
 
 @jitable
 def _enclose(boxes: FloatArray, box: int, others: FloatArray, other: int) -> None:
-    """Let a box enclose another one, too."""
+    """Grow a box to enclose another one, too."""
     for k in range(3):
         boxes[box + k] = min(boxes[box + k], others[other + k])
         boxes[box + 3 + k] = max(boxes[box + 3 + k], others[other + 3 + k])

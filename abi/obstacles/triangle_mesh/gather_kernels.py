@@ -22,7 +22,7 @@ _MOST = 96  # with more, descents are quicker
 
 
 class Gathered(NamedTuple):
-    """Room for triangles.
+    """Arrays for the triangles around a segment.
 
     Attributes:
         numbers: (``_MOST``,) their places in the tree.
@@ -41,7 +41,7 @@ class Gathered(NamedTuple):
 
 @jitable
 def no_triangles() -> Gathered:
-    """Room for triangles."""
+    """Arrays for the triangles around a segment."""
     rows = np.empty((4, _MOST)), np.empty((6, _MOST))
     return Gathered(np.empty(_MOST, np.int32), *rows, np.empty(_MOST))
 
@@ -137,7 +137,7 @@ def comes_near_gathered(
 
 @jitable
 def _fill_beside(gathered: Gathered, count: int, p: Vec3, q: Vec3) -> None:
-    """Distances of the segment from p to q to planes and boxes, whichever is larger, or less.
+    """Write lower bounds of the segment's distances to triangles, by their planes and boxes.
 
     Without branches, so that several are computed at a time.
     """

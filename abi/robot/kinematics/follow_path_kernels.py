@@ -19,7 +19,7 @@ _SMALL = 1e-12
 def _error(
     chain: ChainTable, poses: FloatArray, targets: FloatArray, sample: int, error: FloatArray
 ) -> float:
-    """Write what the task lacks, over the reach and in [rad]; its largest part."""
+    """Write the error of the task, over the reach and in [rad], and return its largest part."""
     tip = POSE * len(chain.source)
     size = 0.0
     for r in range(3):
@@ -65,7 +65,7 @@ def _solve(matrix: FloatArray, right: FloatArray, rows: int) -> None:
 
 
 class FollowWorkspace(NamedTuple):
-    """Room for the steps of inverse kinematics.
+    """Arrays that a step of inverse kinematics is computed in.
 
     Attributes:
         poses: flat (12 (m + 1),).
@@ -86,7 +86,7 @@ class FollowWorkspace(NamedTuple):
 
 @jitable
 def room_of(chain: ChainTable, count: int) -> FollowWorkspace:
-    """Room for a chain with n coordinates."""
+    """Arrays for the inverse kinematics of a chain with n coordinates."""
     return FollowWorkspace(
         np.zeros(POSE * (len(chain.source) + 1)),
         np.zeros(6 * count),
@@ -151,7 +151,7 @@ def _move(chain: ChainTable, q: FloatArray, step: FloatArray, longest: float) ->
 
 
 class Drift(NamedTuple):
-    """Motion of joints that the task leaves free.
+    """Positions to which joints drift that the task leaves free, and how fast.
 
     Attributes:
         home: coordinates to drift to, (n,).

@@ -42,7 +42,7 @@ COLUMN, UPPER_ARM, FOREARM = 0, 1, 2
 
 
 class ArmNumbers(NamedTuple):
-    """An arm, as kernels take it.
+    """Lengths, base and limits of the paper's arm, as numbers.
 
     Attributes:
         x, y, z: of the base, [unit], world.
@@ -65,7 +65,7 @@ class ArmNumbers(NamedTuple):
 
 
 class ArmTable(NamedTuple):
-    """An arm and its capsules, as kernels take them.
+    """The paper's arm as numbers, and the rows of its capsules.
 
     Attributes:
         numbers: those of the arm.
@@ -77,7 +77,7 @@ class ArmTable(NamedTuple):
 
 
 class PaperArmPose(NamedTuple):
-    """The arm with its tool at a place.
+    """Pose of the paper's arm: where its joints are with the tool at a point.
 
     Attributes:
         shoulder, elbow, tool: [unit], world.

@@ -84,7 +84,7 @@ def _tree(
     excluded: BoolArray,
     ends: tuple[Vec3, Vec3],
 ) -> _SearchTree:
-    """The nodes, and nothing known of them but where the search begins."""
+    """Labels of all nodes before the search: only the start has a cost."""
     shape, _, _, places, _, _ = adjacency
     y0, z0 = y_and_z_origins(shape)
     first, last = coarse.nodes, coarse.nodes + 1

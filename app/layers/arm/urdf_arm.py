@@ -29,7 +29,7 @@ _KEPT = 4
 
 @dataclass(frozen=True)
 class _Look:
-    """What an arm's bodies depend on, and an arm that has them."""
+    """Appearance of an arm: what the drawings of its links depend on."""
 
     robot: Robot
     tip: str
@@ -87,7 +87,7 @@ def _look_of(arm: UrdfArm) -> _Look:
 
 @computed_once(_KEPT)
 def _bodies(look: _Look) -> dict[int, tuple[bytes, bytes]]:
-    """Bodies of an arm that looks so, once for all tabs."""
+    """Drawings of an arm's links, made once for all tabs in which it looks alike."""
     arm, made = look.arm, {}
     for number, carried in enumerate(arm.chain.carried):
         link = arm.chain.robot.links[carried.link]

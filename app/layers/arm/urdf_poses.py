@@ -36,7 +36,7 @@ SLOW_REGIONS = True
 
 
 def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
-    """Those that put the tool at the point; none where it is out of reach."""
+    """Start poses of an arm that put the tool at a point; none where it is out of reach."""
     place = np.array(point, dtype=float)
     poses = arm.first_poses(place)
     missed = np.linalg.norm(arm.tool(np.stack(poses)) - place, axis=1)

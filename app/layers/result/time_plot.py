@@ -31,14 +31,14 @@ Lines = tuple[tuple[str, style.Colour], ...]
 
 
 class TimePlots:
-    """Plots, and what they are still to be sent."""
+    """Plots of curves over time, and the lines that are still to be sent to them."""
 
     def __init__(self) -> None:
         self._next = 0.0
         self._waiting: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
 
     def clear(self) -> None:
-        """Send nothing of what was added."""
+        """Drop lines that were added and not sent yet."""
         self._waiting = ()
 
     def add(self, handle: viser.GuiUplotHandle, times: FloatArray, *lines: FloatArray) -> None:
@@ -61,7 +61,7 @@ def plotted_samples(motion: ArmMotion) -> slice:
 
 
 def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.GuiUplotHandle:
-    """A plot that is not to be seen yet."""
+    """New plot of curves over time, hidden until it has lines."""
     series = [uplot.Series(label="t")]
     series += [
         uplot.Series(label=name, stroke=style.css(colour), width=2, dash=dash)

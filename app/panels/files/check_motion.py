@@ -48,7 +48,7 @@ _Read = Motion | MotionError | SeveralChoices
 
 @dataclass(frozen=True, eq=False)
 class _Checked:
-    """A motion, the scene in which it was checked, and what came of it."""
+    """A motion from a file, the scene in which it was checked, and the verdict."""
 
     scene: Scene
     verdict: MotionVerdict

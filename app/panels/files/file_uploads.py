@@ -30,7 +30,7 @@ _NAME_LENGTH = 40
 
 @dataclass(frozen=True)
 class UploadEvent(Generic[_T]):
-    """News of a file.
+    """What became of an uploaded file: it was read, prepared or refused.
 
     Attributes:
         name: of the file.
@@ -44,7 +44,7 @@ class UploadEvent(Generic[_T]):
 
 
 class UploadJob(Generic[_T]):
-    """One file while it is dealt with.
+    """An uploaded file while it is read and prepared.
 
     Attributes:
         name: of the file.
@@ -94,7 +94,7 @@ Deal = Callable[[bytes, UploadJob[_T]], _T]
 
 @dataclass(frozen=True)
 class FileKind(Generic[_T]):
-    """Treatment of files of a kind.
+    """How files of one kind are read and named.
 
     Attributes:
         deal: what comes of the content of one.
@@ -155,18 +155,18 @@ class FileUploads(Generic[_T]):
         return found
 
     def close(self) -> None:
-        """Deal with no more files: the tab is gone."""
+        """Stop reading files, because the tab is closed."""
         self._stopped.set()
 
     def drop(self) -> None:
-        """Let all files be: something else was chosen meanwhile."""
+        """Stop reading all files, because something else was chosen meanwhile."""
         self._stopped.set()
         while not self._news.empty():
             self._news.get()
         self._show(None, 0.0)
 
     def _announce(self, name: str, part: float | None) -> None:
-        """Tell how much of a file is there, unless another one is being dealt with."""
+        """Show how much of a file has arrived, unless another one is being read."""
         with self._lock:
             if self._pending:
                 return
@@ -187,7 +187,7 @@ class FileUploads(Generic[_T]):
         self._queue(_Waiting(self._kind.named(name), file, event, self._kind.deal))
 
     def again(self, name: str, file: StoredUpload, deal: Deal[_T]) -> None:
-        """Deal once more with a file that has arrived, in another way.
+        """Read a file that has arrived once more, by another function.
 
         Args:
             name: of the file, as it is shown.
@@ -210,7 +210,7 @@ class FileUploads(Generic[_T]):
         self._wake(event)
 
     def _work(self) -> None:
-        """Deal with files until none is left: the thread."""
+        """Read the waiting files one after the other, in a thread of its own."""
         while True:
             waiting = self._waiting.get()
             name, event = waiting.name, waiting.event
@@ -227,7 +227,7 @@ class FileUploads(Generic[_T]):
                 return
 
     def _deal(self, waiting: _Waiting[_T]) -> _T | SceneError | None:
-        """Deal with one file; None where it was stopped."""
+        """Read one file; None if that was stopped."""
         file, name = waiting.file, waiting.name
         if file is not None and file.lost:
             return SceneError("file", name, file.lost)

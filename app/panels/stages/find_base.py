@@ -119,7 +119,7 @@ class FindBasePanel:
 
 
 def _with_base(scene: Scene, found: BaseMap) -> Scene:
-    """The scene with the base that it had when the search began."""
+    """Scene whose arm stands where it stood when the search for a base began."""
     arm = scene.arm.model_copy(update={"base": found.scene.arm.base})
     return scene.model_copy(update={"arm": arm})
 

@@ -169,7 +169,7 @@ class TheatrePanel:
                 getattr(self, name).value = value
 
     def advance(self, frame: Frame) -> Theatre | None:
-        """Theatre to show now; None while it is off, or while the plan changes under the hand."""
+        """Search and step to draw now; None while the theatre is off, or while the user drags."""
         self._replace_search()
         self._show_widgets()
         now = time.monotonic()
