@@ -25,7 +25,7 @@ from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.verify_chain import check_chain
 from abi.verify.verify_curve import check_curve
 from abi.verify.verify_motion import verify_motion
-from abi.verify.verify_paper_arm import check_arm
+from abi.verify.verify_paper_arm import check_paper_arm
 from abi.verify.verify_tasks import check_tasks
 
 _KINDS = (("verdict", "motion"), ("legs",), ("scene", *CURVES))
@@ -141,7 +141,7 @@ def _arm_verdict(
     if name not in CURVES:
         raise SceneError("timing.curve", name, f"one of {', '.join(CURVES)}")
     curve = curve_of(name, mapping(name, plan[name]))
-    check = partial(check_arm, section, timing, curve, scene, obstacles)
+    check = partial(check_paper_arm, section, timing, curve, scene, obstacles)
     return _checked("arm", section, check)
 
 

@@ -1,6 +1,6 @@
 """Check of the certificate of the paper's arm in exact rational numbers.
 
-The proof is that of :mod:`abi.arm_planning.certificates.arm_certificate`.
+The proof is that of :mod:`abi.arm_planning.certificates.paper_arm_certificate`.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class _CurveMotion:
         return pose
 
 
-def check_arm(
+def check_paper_arm(
     section: dict[str, Any],
     timing: dict[str, Any],
     curve: ExactCurve,

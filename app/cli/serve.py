@@ -17,8 +17,8 @@ from abi.browser import missing_browser, open_in_background
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.guard.side_door import SideDoor
 from app.process.logs import LEVELS, configure
-from app.process.memory import load_at_once
 from app.process.scratch import remove_abandoned
+from app.process.unused_memory import load_at_once
 from app.server.address import Address
 from app.server.workers import Workers, are_possible, seat
 from app.state.appearance import OPENING, Appearance

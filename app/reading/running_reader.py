@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
-from app.process.process_memory import memory_in_all
+from app.process.available_memory import memory_in_all
 from app.reading.messages import decode, encode
 from app.reading.reader_process import READY, receive, send
 from app.reading.reading import Job, ReadingResult

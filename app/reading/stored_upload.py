@@ -12,7 +12,7 @@ import threading
 from collections.abc import Iterator, MutableMapping
 from typing import IO
 
-from app.process.process_memory import memory_in_all
+from app.process.available_memory import memory_in_all
 
 IN_MEMORY = 1_000_000
 """Bytes of an upload beyond which it is kept on disk, if one is writable."""

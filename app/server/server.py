@@ -22,7 +22,7 @@ from app.guard import guarded_server, token
 from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
 from app.guard.porter import Porter
-from app.process.process_memory import memory_in_all
+from app.process.available_memory import memory_in_all
 from app.server.address import Address, ensure_port, listening_url
 from app.state.appearance import OPENING, Appearance
 from app.ui import notices, page

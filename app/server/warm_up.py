@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import viser
 
 from abi import compiling
-from app.process.memory import loaded
+from app.process.unused_memory import loaded
 
 if TYPE_CHECKING:
     from abi.scene.scene import Scene

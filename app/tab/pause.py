@@ -12,7 +12,7 @@ from abi import compiling
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.all_panels import AllPanels
-from app.process import memory
+from app.process import unused_memory
 from app.shared.diagnoses import DIAGNOSES
 from app.state.frame import Frame
 from app.tab.demo import FRAME, Demo
@@ -93,7 +93,7 @@ class Pause:
         elif self._has_memory and self.seconds >= UNUSED:
             self._has_memory = False
             self._planner.live.forget()
-            memory.give_back_soon()
+            unused_memory.give_back_soon()
         return frame
 
     def _is_undiagnosed(self, plan: Plan) -> bool:

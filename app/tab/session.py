@@ -22,15 +22,15 @@ from abi.scene.scene import Scene
 from app.panels.files.bug_report import describe_fault
 from app.panels.teach.classroom import ClassroomPanel
 from app.panels.teach.exercise import ExercisePanel
-from app.process import memory, metrics
+from app.process import metrics, unused_memory
 from app.process.memory_budget import MemoryBudget
 from app.process.turns import AT_ONCE, PATIENT
 from app.shared.shared_plans import SharedPlans
 from app.state.appearance import Appearance
 from app.state.frame import Frame
 from app.state.tab_state import TabState
+from app.tab.browser_storage import Report, TabStorage
 from app.tab.budget import TabBudget
-from app.tab.memory import Report, TabMemory
 from app.tab.pause import IDLE, REST, Pause
 from app.tab.plan_watch import PlanWatch
 from app.tab.planner import TabPlanner
@@ -107,7 +107,7 @@ class Session:
         page.install(client)
         watch = PageWatch(client, worker.wake)
         self._refused = RefusedFiles(client)
-        self._memory = TabMemory(client, self.wake)
+        self._memory = TabStorage(client, self.wake)
         self._look = look
         with client.atomic():
             self._view = TabView(
@@ -149,7 +149,7 @@ class Session:
         self.panels.close()
         self._worker.close()
         metrics.TABS.dec()
-        memory.give_back_soon()
+        unused_memory.give_back_soon()
         seconds = time.monotonic() - self._opened
         fields = {"tab": self.client.client_id, "seconds": seconds, "plans": self.plans}
         _log.info("tab closed", extra=fields)

@@ -25,7 +25,7 @@ from app.panels.widgets import Wake
 from app.process.turns import TURNS
 from app.state.frame import Drawable, Frame, Layer
 from app.state.tab_state import TabState
-from app.tab.memory import Report
+from app.tab.browser_storage import Report
 from app.teach.classroom import Classroom
 from app.teach.cue import Cue
 from app.teach.exercise_watch import ExerciseWatch

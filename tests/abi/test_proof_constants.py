@@ -23,7 +23,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from abi.arm_planning.certificates import arm_certificate
+from abi.arm_planning.certificates import paper_arm_certificate
 from abi.arm_planning.certificates.separate_paper_arm_kernels import allowance_of
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES
 from abi.curves.bspline import clamped
@@ -397,7 +397,7 @@ def test_a_proof_leaves_room_for_coarser_bounds_of_the_slide(
 ) -> None:
     scene = load_scene("paper").replace(arm={"forces": [0.0, 0.2, 0.0]})
     assert is_within_proven(Planner(compile=False)(scene))
-    monkeypatch.setattr(arm_certificate, "_SLIDE_PAD", 0.0)
+    monkeypatch.setattr(paper_arm_certificate, "_SLIDE_PAD", 0.0)
     assert not is_within_proven(Planner(compile=False)(scene))
 
 

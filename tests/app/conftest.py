@@ -10,7 +10,7 @@ from app.process import logs
 from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
-from app.tab import memory as tab_memory
+from app.tab import browser_storage
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, opened, until
 
@@ -29,7 +29,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def no_report() -> None:
     """Do not wait for what a page reports: no fake tab does."""
-    tab_memory.TIMEOUT = 0.0
+    browser_storage.TIMEOUT = 0.0
 
 
 @pytest.fixture(autouse=True)

@@ -12,7 +12,8 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
 from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm_planning.exclusion import (
     arm_path_kernels,
@@ -78,7 +79,7 @@ class ElbowBranch:
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         slide = Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
-        result = certify_arm(
+        result = certify_paper_arm(
             curve, slide, self.arm, self.elbow, self.collision_world, self.clearance
         )
         return None if isinstance(result, ArmCertificate) else result

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation, certify_arm, slide_bounds
+from abi.arm_planning.certificates.arm_certificate import ArmRefutation
+from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm, slide_bounds
 from abi.arm_planning.exclusion import paper_arm_mask_kernels
 from abi.arm_planning.motion import trajectory
 from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
@@ -89,7 +90,7 @@ class PaperArmJointPath:
             if isinstance(timed, CubicProfile):
                 return False
             tries = _TRIES_TO_REFUTE
-            found = certify_arm(
+            found = certify_paper_arm(
                 self.curve, slide, self.arm, elbow, collision_world, required, tries
             )
             return isinstance(found, ArmRefutation) and found.decided

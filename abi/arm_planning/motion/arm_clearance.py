@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world import paper_arm_distance_kernels
 from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
@@ -146,7 +147,9 @@ def arm_clearance(
         *contacts_of(motion.time, own, capsules, arm),
         *contacts_of(motion.time, solid, capsules, arm),
     )
-    certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, collision_world)
+    certify = partial(
+        certify_paper_arm, motion.curve, motion.slide, arm, motion.elbow, collision_world
+    )
     return proven_clearance(
         motion, arm, solid, contacts, required, collision_world.solids.in_use, certify
     )

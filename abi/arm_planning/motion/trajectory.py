@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arm_planning.arm_errors import NotFollowed, OutOfReach
-from abi.arm_planning.certificates.arm_certificate import slide_bounds
+from abi.arm_planning.certificates.paper_arm_certificate import slide_bounds
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, ShortRepr, read_only

@@ -62,7 +62,7 @@ assert (after.misses - before.misses, after.hits - before.hits) == (0, 1)
 def test_garbage_is_looked_for_again_once_all_is_loaded() -> None:
     code = """
 import gc
-from app.process import memory
+from app.process import unused_memory
 from app.server import warm_up
 warm_up.compiling.begin = lambda spare=None: None
 warm_up.compiling.wait = lambda timeout: True
@@ -70,7 +70,7 @@ def loading():
     assert not gc.isenabled() and gc.get_freeze_count() == 0
     {then}
 warm_up.prepare_picture = loading
-memory.load_at_once()
+unused_memory.load_at_once()
 from abi.scene.scene import load_scene
 from app.shared.shared_plans import SharedPlans
 work = warm_up.WarmUp(load_scene("paper"), SharedPlans())

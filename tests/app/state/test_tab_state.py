@@ -23,7 +23,7 @@ from app.guard.values import MAX_TEXT
 from app.server.server import Server
 from app.state import tab_state
 from app.state.tab_state import LONGEST_LINK, MAX_PROGRESS, StateEncoder, TabState
-from app.tab.memory import TabMemory
+from app.tab.browser_storage import TabStorage
 from app.tab.session import Session
 from app.ui import notices
 from tests.app.fake_tab import FakeTab, heard, opened, until
@@ -170,7 +170,7 @@ def test_only_what_changed_is_kept(
     _, session = tab
     session.close()  # its worker keeps states, too
     texts = heard(monkeypatch, "remember")
-    memory = TabMemory(session.client, session.wake)
+    memory = TabStorage(session.client, session.wake)
     state = TabState("paper", load_scene("paper"))
     memory.keep(state, now=True)  # before the page has said what it remembers, which may be more
     assert texts == []

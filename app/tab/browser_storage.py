@@ -44,7 +44,7 @@ class Report:
     software: bool = False
 
 
-class TabMemory:
+class TabStorage:
     """Hidden text box through which the page reports."""
 
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:

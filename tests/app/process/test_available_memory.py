@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.process.process_memory import memory_in_all
+from app.process.available_memory import memory_in_all
 
 MACHINE = memory_in_all(Path("nowhere"), Path("nowhere"))
 
