@@ -15,8 +15,10 @@ import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections.abc import Iterator, Mapping
 from typing import Any
+from urllib.parse import unquote
 
 _DEEPEST = 250
+_MISSHAPEN = ValueError, LookupError, TypeError, AttributeError, RecursionError
 _OBJ_TEXT = (
     rb"(?<![^\r\n])[ \t]*"
     rb"(#|(g|o|s|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)[ \t])[^\r\n]*"
@@ -43,7 +45,7 @@ def count(data: bytes, suffix: str) -> int:
     """
     try:
         return _COUNTS[suffix](data)
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError, struct.error):
+    except (*_MISSHAPEN, ElementTree.ParseError, struct.error):
         raise ValueError("a file whose triangles can be counted") from None
 
 
@@ -71,7 +73,7 @@ def _off(data: bytes) -> int:
 
 def _ply(data: bytes) -> int:
     """Corners of faces and strips, row by row."""
-    end = re.search(rb"(?m)^end_header[ \t]*(\r\n|\n|\r)", data)
+    end = re.search(rb"(?<=[\r\n])end_header[ \t]*(\r\n|\n|\r)", data)
     assert end is not None
     header = [line.split() for line in data[: end.start()].decode("latin-1").splitlines()]
     kind = next(words[1] for words in header if words[:1] == ["format"])
@@ -133,18 +135,25 @@ def _binary_lists(
 
 def _glb(data: bytes) -> int:
     document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
-    scene = document["scenes"][document.get("scene", 0)]
-    return sum(_glb_node(document, node, 0) for node in scene.get("nodes", []))
+    nodes = document.get("nodes", [])
+    if "scenes" in document:
+        waiting = list(document["scenes"][document.get("scene", 0)].get("nodes", []))
+    else:
+        inner = {child for node in nodes for child in node.get("children", [])}
+        waiting = [k for k in range(len(nodes)) if k not in inner]
+    total = 0
+    for _ in range(10_001):
+        if not waiting:
+            return total
+        node = nodes[waiting.pop()]
+        waiting += node.get("children", [])
+        total += _glb_mesh(document, node["mesh"]) if "mesh" in node else 0
+    raise ValueError
 
 
-def _glb_node(document: Mapping[str, Any], index: int, depth: int) -> int:
-    node = document["nodes"][index]
-    if depth > 10_000:
-        raise ValueError
-    total = sum(_glb_node(document, one, depth + 1) for one in node.get("children", []))
-    if "mesh" not in node:
-        return total
-    for primitive in document["meshes"][node["mesh"]]["primitives"]:
+def _glb_mesh(document: Mapping[str, Any], index: int) -> int:
+    total = 0
+    for primitive in document["meshes"][index]["primitives"]:
         numbers = primitive.get("indices", primitive.get("attributes", {}).get("POSITION"))
         corners = document["accessors"][numbers]["count"]
         mode = primitive.get("mode", 4)
@@ -161,13 +170,22 @@ def _3mf(data: bytes) -> int:
             if one.get("Type", "").lower().endswith("/3dmodel"):
                 root = one.get("Target", "").strip().lstrip("/").lower()
                 break
-    models = {
-        name: ElementTree.fromstring(content)
-        for name, content in files.items()
-        if name == root or name.endswith(".model")
-    }
+    models = _Models(files)
     build = models[root].findall("{*}build/{*}item")
     return sum(_3mf_object(models, *_3mf_key(item, root), {}, 0) for item in build)
+
+
+class _Models(dict[str, ElementTree.Element]):
+    """Roots of an archive's models by their paths, each parsed when it is first asked for."""
+
+    def __init__(self, files: Mapping[str, bytes]) -> None:
+        super().__init__()
+        self._files = files
+
+    def __missing__(self, path: str) -> ElementTree.Element:
+        content = self._files[path if path in self._files else unquote(path)]
+        self[path] = ElementTree.fromstring(content)
+        return self[path]
 
 
 def _3mf_key(element: ElementTree.Element, model: str) -> tuple[str, str]:
@@ -199,7 +217,8 @@ def _dae(data: bytes) -> int:
     ids = {(one.tag.rpartition("}")[2], one.get("id")): one for one in root.iter()}
     opened = root.find("{*}scene/{*}instance_visual_scene")
     assert opened is not None
-    scene = ids["visual_scene", opened.get("url", "").strip()[1:]]
+    url = opened.get("url", "").strip()[1:]
+    scene = ids["visual_scene", url if ("visual_scene", url) in ids else unquote(url)]
     return sum(_dae_node(ids, node, 0) for node in scene.findall("{*}node"))
 
 
@@ -213,6 +232,7 @@ def _dae_node(
     total = 0
     for one in node:
         kind, url = one.tag.rpartition("}")[2], one.get("url", "").strip()[1:]
+        url = url if (kind.removeprefix("instance_"), url) in ids else unquote(url)
         if kind == "node":
             total += _dae_node(ids, one, depth + 1)
         elif kind == "instance_node":

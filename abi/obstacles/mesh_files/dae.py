@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from urllib.parse import unquote
 
 import numpy as np
 from lxml import etree
@@ -92,6 +93,8 @@ class _Document:
         """Element that the url of an instance refers to."""
         url = str(element.get("url", "")).strip()
         key = (kind, url.removeprefix("#"))
+        if key not in self._ids:
+            key = (kind, unquote(key[1]))
         if not url.startswith("#"):
             raise ValueError(f"a mesh in one file, {where(element)} refers to {shown(url)}")
         if key not in self._ids or key in self._repeated:
@@ -121,6 +124,7 @@ class _Document:
         urls = {str(one.get("url", "")).strip() for one in instances}
         geometries = [key for kind, key in self._ids if kind == "geometry"]
         notes = [*self._misnamed()]
+        urls |= set(map(unquote, urls))
         if unused := sum(f"#{key}" not in urls for key in geometries):
             noun = counted(unused, "geometry", "geometries")
             notes.append(f"{noun} left out: no node places it.")

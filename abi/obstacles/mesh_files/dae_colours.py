@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from urllib.parse import unquote
 
 import numpy as np
 from lxml import etree
@@ -26,16 +27,16 @@ class Colours:
         for material in root.iter("{*}material"):
             instance = material.find("{*}instance_effect")
             url = "" if instance is None else str(instance.get("url", ""))
-            effect = effects.get(url.removeprefix("#"))
+            effect = effects.get(unquote(url.removeprefix("#")))
             if effect is not None:
                 self._by_material[f"#{material.get('id')}"] = _diffuse(effect)
 
     def bound(self, instance: etree._Element) -> Mapping[str, ByteArray]:
         """Colours by the symbols that a geometry's instance binds."""
         return {
-            str(one.get("symbol")): self._by_material[str(one.get("target"))]
+            str(one.get("symbol")): self._by_material[target]
             for one in instance.iter("{*}instance_material")
-            if str(one.get("target")) in self._by_material
+            if (target := unquote(str(one.get("target")))) in self._by_material
         }
 
     def painted(self, primitive: Primitive, bound: Mapping[str, ByteArray]) -> Parts:

@@ -17,6 +17,7 @@ from abi.obstacles.mesh_files.xml_document import (
     floats,
     integer,
     name_of,
+    refers,
     where,
 )
 
@@ -174,7 +175,7 @@ def _input(mesh: etree._Element, element: etree._Element) -> _Input:
 def _local(mesh: etree._Element, element: etree._Element, kind: str) -> etree._Element:
     """The element that an input's source refers to."""
     url = str(element.get("source", "")).strip()
-    found = [one for one in children(mesh, kind) if f"#{one.get('id')}" == url]
+    found = [one for one in children(mesh, kind) if refers(url, one.get("id"))]
     if len(found) != 1:
         raise ValueError(f"one {kind} {shown(url)} for {where(element)}")
     return found[0]
@@ -186,7 +187,8 @@ def _points(source: etree._Element) -> FloatArray:
     accessor = None if common is None else child(common, "accessor")
     if accessor is None:
         raise ValueError(f"an accessor in {where(source)}")
-    array = next((one for one in source if f"#{one.get('id')}" == accessor.get("source")), None)
+    url = str(accessor.get("source", ""))
+    array = next((one for one in source if refers(url, one.get("id"))), None)
     if array is None or name_of(array) not in ("float_array", "int_array"):
         raise ValueError(f"numbers in the file itself for {where(accessor)}")
     numbers = floats(array)

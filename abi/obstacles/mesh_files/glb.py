@@ -23,6 +23,11 @@ _HARMLESS = {
     *("KHR_materials_unlit", "KHR_materials_variants", "KHR_texture_transform"),
     *("KHR_lights_punctual", "KHR_texture_basisu", "EXT_texture_webp", "KHR_xmp_json_ld"),
     *("KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability"),
+    *("KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission"),
+    *("KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior"),
+    *("KHR_materials_iridescence", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_sheen"),
+    *("KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_volume"),
+    *("EXT_texture_avif", "MSFT_texture_dds", "EXT_lights_ies", "EXT_lights_image_based"),
 }
 """Extensions that change no surface; an invisible node is still an obstacle."""
 _MULTIPLYING = {
@@ -49,7 +54,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     parts: list[Parts] = []
     corners_read, faces_read = 0, 0
     file.check_extensions(document, "the file")
-    meshes = placed_meshes(file.item, document.get("scene", 0))
+    meshes = placed_meshes(file.item, file.roots())
     for mesh, pose, weights in meshes:
         for triangles in file.triangles(mesh, weights):
             corners_read += len(triangles.vertices)
@@ -62,7 +67,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
 
 
 def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
-    """The document and the binary chunk, which must fill the file to the byte."""
+    """The document and the binary chunk; chunks must fill the file to the byte."""
     if len(data) < 20 or data[:4] != b"glTF":
         raise ValueError("a GLB file, this does not begin like one")
     version, total, length, kind = struct.unpack_from("<III4s", data, 4)
@@ -73,14 +78,14 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
         raise ValueError(f"a whole GLB file, it announces {total:,} bytes and has {len(data):,}")
     if length > _MOST_JSON:
         raise ValueError("a GLB file whose description is under 8 MB")
-    binary = b""
-    if end < len(data):
-        if end + 8 > len(data):
-            raise ValueError("a whole GLB file, but its second part is cut off")
-        size, kind = struct.unpack_from("<I4s", data, end)
-        if kind != b"BIN\0" or end + 8 + size != len(data):
-            raise ValueError("a whole GLB file, its binary part has another length than announced")
-        binary = data[end + 8 :]
+    binary, at = b"", end
+    while at < len(data):  # only the second may be binary, and others may be anything
+        size, kind = struct.unpack_from("<I4s", data, at) if at + 8 <= len(data) else (0, b"")
+        if not kind or at + 8 + size > len(data) or (kind == b"BIN\0" and at > end):
+            raise ValueError("a whole GLB file, one of its parts has another length than announced")
+        if at == end and kind == b"BIN\0":
+            binary = data[at + 8 : at + 8 + size]
+        at += 8 + size
     try:
         document = json.loads(
             data[20:end].decode(), parse_constant=_refuse, object_pairs_hook=_each_once
@@ -95,6 +100,11 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
 def _weigh(weights: object) -> bool:
     """Check whether any of the given morph weights is not zero."""
     return any(weights) if isinstance(weights, list) else weights is not None
+
+
+def _children(node: dict[str, Any]) -> list[object]:
+    children = node.get("children")
+    return children if isinstance(children, list) else []
 
 
 def _refuse(constant: str) -> None:
@@ -129,6 +139,15 @@ class _File:
                 self.check_extensions(entry, f"{kind}[{index}]")
                 return entry
         raise ValueError(f"a whole GLB file, {kind}[{str(index)[:12]}] is missing")
+
+    def roots(self) -> object:
+        """Numbers of the nodes that the default scene begins with; without scenes of all nodes'."""
+        if "scenes" in self.document:
+            return self.item("scenes", self.document.get("scene", 0)).get("nodes", [])
+        inner = {str(child) for node in self._entries("nodes") for child in _children(node)}
+        nodes = self.document.get("nodes")
+        count = len(nodes) if isinstance(nodes, list) else 0
+        return [k for k in range(count) if str(k) not in inner]
 
     def triangles(self, index: object, weights: object = None) -> list[Parts]:
         """Vertices and triangles of each primitive of a mesh, whose morph weights must be zero."""
@@ -173,7 +192,9 @@ class _File:
         used = {str(node.get("mesh")) for node in nodes}
         if unused := sum(str(k) not in used for k in range(len(meshes))):
             notes.append(f"{counted(unused, 'mesh', 'meshes')} left out: no node places it.")
-        if others := len(scenes) - 1:
+        if "scenes" not in self.document:
+            notes.append("It has no scene: all its nodes are read.")
+        if (others := len(scenes) - 1) > 0:
             notes.append(f"{counted(others, 'scene')} left out: only the default one is read.")
         if self.document.get("animations"):
             notes.append("Its animations are left out.")

@@ -14,19 +14,19 @@ from abi.obstacles.pose import rotation
 Item = Callable[[str, object], dict[str, Any]]
 _MOST_NODES = 10_000
 _LARGEST = 1e9
+_PARTS_OF_POSE = {"translation", "rotation", "scale"}
 
 
-def placed_meshes(item: Item, scene: object) -> list[tuple[object, FloatArray, object]]:
+def placed_meshes(item: Item, roots: object) -> list[tuple[object, FloatArray, object]]:
     """Meshes of a scene, the pose (4, 4) of each, and the weights of its morphs.
 
     Args:
         item: entry of a list of the document, by the list's name and its number.
-        scene: number of the scene.
+        roots: numbers of the scene's nodes.
 
     Raises:
         ValueError: nodes form no forest, have a skeleton, or are too far away.
     """
-    roots = item("scenes", scene).get("nodes", [])
     waiting: list[tuple[object, FloatArray]] = [(root, np.eye(4)) for root in _ids(roots)]
     seen: set[object] = set()
     found = []
@@ -36,6 +36,11 @@ def placed_meshes(item: Item, scene: object) -> list[tuple[object, FloatArray, o
         if index in seen or len(seen) > _MOST_NODES:
             raise ValueError("a GLB file whose nodes form a tree of at most 10,000")
         seen.add(index)
+        if "matrix" in node and node.keys() & _PARTS_OF_POSE:
+            raise ValueError(
+                "a GLB file whose nodes have a matrix or a translation, rotation and scale, "
+                f"nodes[{index}] has both"
+            )
         pose = outer @ _pose(node)
         if not np.isfinite(pose).all() or np.abs(pose).max() > _LARGEST:
             raise ValueError("a GLB file whose nodes stay within 1e9")

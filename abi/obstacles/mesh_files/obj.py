@@ -130,8 +130,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         first = ", ".join(f"{kind} in line {number:,}" for kind, number in [*unknown.items()][:3])
         notes.append(f"What is no statement of OBJ is left out: {first}.")
     parts = Parts(points, cut.faces)
-    said = commented("\n".join(_COMMENT.findall(text)))
-    notes += loose_points(parts)
+    said, unknown_units = commented("\n".join(_COMMENT.findall(text)))
+    notes += [*loose_points(parts), *unknown_units]
     return MeshFile(parts, _unit(text), (*cut.notes, *notes), commented=said)
 
 

@@ -13,7 +13,7 @@ from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.units import commented
 from abi.obstacles.mesh_files.words import counted, shown
 
-_END = re.compile(rb"^end_header[ \t]*(?:\r\n|\n|\r)", re.MULTILINE)
+_END = re.compile(rb"(?<=[\r\n])end_header[ \t]*(?:\r\n|\n|\r)")
 _MOST_HEADER = 100_000
 _CORNERS = ("vertex_indices", "vertex_index")
 _COMMENTS = (["comment"], ["obj_info"])
@@ -50,8 +50,10 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     left_out = [e for e in elements if e.name not in ("vertex", "face", "tristrips") and e.rows]
     notes += [f"Its {e.rows:,} rows of {shown(e.name)} are left out." for e in left_out]
     parts = Parts(vertices, faces, colours)
-    said = commented("\n".join(line for line in lines if line.split()[:1] in _COMMENTS))
-    return MeshFile(parts, notes=(*notes, *loose_points(parts)), commented=said)
+    comments = "\n".join(line for line in lines if line.split()[:1] in _COMMENTS)
+    said, unknown_units = commented(comments)
+    notes += [*loose_points(parts), *unknown_units]
+    return MeshFile(parts, notes=tuple(notes), commented=said)
 
 
 def _vertices(table: Table) -> FloatArray:

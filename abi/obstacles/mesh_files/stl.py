@@ -59,7 +59,8 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     vertices = corners.reshape(-1, 3).astype(np.float64)
     faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
     title = data[:80].decode("latin-1").splitlines()[0]  # of text its first line, with its name
-    return MeshFile(Parts(vertices, faces, colours), commented=commented(title))
+    metres, notes = commented(title)
+    return MeshFile(Parts(vertices, faces, colours), notes=notes, commented=metres)
 
 
 def _colours(data: bytes) -> ByteArray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
+from urllib.parse import unquote
 
 import numpy as np
 from lxml import etree
@@ -38,6 +39,8 @@ _PLAIN = {
 """Extensions that add no surfaces of their own, or that are read here."""
 _PATH = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}path"
 _ROOT = "3d/3dmodel.model"
+_MODEL = re.compile(r"(?!__macosx/)(.*/)?(?!\._)[^/]*\.model")
+"""Names of models, but not of what a file manager writes beside them."""
 _PARTS = ("metadata", "resources", "build")
 
 _Key = tuple[str, int]
@@ -91,16 +94,17 @@ def root_model(files: Mapping[str, bytes]) -> str:
     if "_rels/.rels" in files:
         for one in children(parse(files["_rels/.rels"], "Relationships"), "Relationship"):
             if str(one.get("Type", "")).lower().endswith("/3dmodel"):
-                name = part_name(str(one.get("Target", "")))
+                name = part_name(str(one.get("Target", "")), files)
                 break
     if name not in files:
         raise ValueError(f"a 3MF file with its model {shown(name)}")
     return name
 
 
-def part_name(path: str) -> str:
-    """Name in the archive of a part's path."""
-    return path.strip().lstrip("/").lower()
+def part_name(path: str, files: Mapping[str, bytes]) -> str:
+    """Name in the archive of a part's path, in which letters may be percent-encoded."""
+    name = path.strip().lstrip("/").lower()
+    return name if name in files else unquote(name)
 
 
 class _Package:
@@ -155,7 +159,7 @@ class _Package:
         notes = [f"What its <{name[:40]}> says is left out." for name in self._unknown]
         if unplaced := sum(map(len, self._objects.values())) - len(self._used):
             notes.append(f"{counted(unplaced, 'object')} left out: not in the build.")
-        models = [name for name in self._files if name.endswith(".model")]
+        models = [name for name in self._files if _MODEL.fullmatch(name)]
         if unread := len(set(models) - self._objects.keys()):
             notes.append(f"{counted(unread, 'model part')} left out: nothing refers there.")
         return tuple(notes)
@@ -188,7 +192,7 @@ class _Package:
 
     def _reference(self, element: etree._Element, path: str) -> _Placed:
         other = element.get(_PATH)
-        key = (part_name(str(other)) if other else path, integer(element, "objectid"))
+        key = (part_name(str(other), self._files) if other else path, integer(element, "objectid"))
         return _Placed(key, _pose(element), 0)
 
 

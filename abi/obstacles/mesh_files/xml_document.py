@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from urllib.parse import unquote
 
 import numpy as np
 from lxml import etree
@@ -12,19 +13,22 @@ from abi.obstacles.mesh_files.words import float_words, shown
 
 _ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
 _ENCODING = re.compile(rb"""<\?xml[^>]{0,100}encoding\s*=\s*["']([^"']*)""")
-_ENCODINGS = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")
+_ENCODINGS = re.compile(rb"utf-8|(us-)?ascii|iso-8859-[0-9]{1,2}|windows-125[0-8]", re.IGNORECASE)
+_MARKS_OF_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_DECLARATION = re.compile(r"<\?xml[^>]*>")
 
 
 def parse(data: bytes, root: str) -> etree._Element:
     """The root element of an XML text.
 
     Args:
-        data: the text in UTF-8, or in an encoding of one byte a letter.
+        data: the text in UTF-8, in UTF-16 with its mark, or in an encoding of one byte a letter.
         root: name that the root element must have.
 
     Raises:
         ValueError: it is cut off, no XML, or may harm; says what is expected instead.
     """
+    data = _as_bytes(data)
     check_plain(data)
     parser = etree.XMLParser(
         resolve_entities=False,
@@ -45,6 +49,17 @@ def parse(data: bytes, root: str) -> etree._Element:
     return found
 
 
+def _as_bytes(data: bytes) -> bytes:
+    """A text in UTF-16 as one in UTF-8; another as it is."""
+    if data[:2] not in _MARKS_OF_UTF_16:
+        return data
+    try:
+        text = data.decode("utf-16")
+    except UnicodeDecodeError:
+        raise ValueError("a whole XML text, this is none in UTF-16") from None
+    return _DECLARATION.sub("", text, count=1).encode(errors="replace")
+
+
 def check_plain(data: bytes) -> None:
     """Refuse entities, and encodings that would hide them.
 
@@ -52,7 +67,7 @@ def check_plain(data: bytes) -> None:
         ValueError: says what is expected instead.
     """
     encoding = _ENCODING.search(data[:200])
-    if encoding and encoding[1].lower() not in _ENCODINGS:
+    if encoding and not _ENCODINGS.fullmatch(encoding[1]):
         raise ValueError("an XML file in UTF-8")
     if (zero := data.find(b"\0")) >= 0:
         line = data.count(b"\n", 0, zero) + 1
@@ -78,6 +93,11 @@ def child(element: etree._Element, *names: str) -> etree._Element | None:
     return next(element.iterchildren(*(f"{{*}}{name}" for name in names)), None)
 
 
+def refers(url: str, name: object) -> bool:
+    """Check whether a URL, in which letters may be percent-encoded, is of the element so called."""
+    return f"#{name}" in (url, unquote(url))
+
+
 def where(element: etree._Element) -> str:
     """Name and line of an element as a phrase."""
     return f"<{name_of(element)}> in line {element.sourceline}"
@@ -100,8 +120,10 @@ def integer(element: etree._Element, attribute: str, default: str = "") -> int:
         ValueError: it is none.
     """
     text = str(element.get(attribute, default)).strip()
-    if not re.fullmatch(r"[0-9]{1,9}", text):
-        raise ValueError(f"whole numbers, {attribute} of {where(element)} is {shown(text)}")
+    if not (re.fullmatch(r"[0-9]{1,10}", text) and int(text) < 2**31):
+        raise ValueError(
+            f"whole numbers below 2^31, {attribute} of {where(element)} is {shown(text)}"
+        )
     return int(text)
 
 
