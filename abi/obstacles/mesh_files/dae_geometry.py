@@ -9,7 +9,7 @@ from lxml import etree
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import Parts, check_count, check_points
-from abi.obstacles.mesh_files.polygons import cut, triangulate
+from abi.obstacles.mesh_files.polygons import check_pairs, cut, triangulate
 from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.xml_document import (
     child,
@@ -47,7 +47,7 @@ class GeometryReader:
     def __init__(self, most_faces: int) -> None:
         self._most = most_faces
         self._read: dict[str, tuple[Primitive, ...]] = {}
-        self._lines, self._bent = 0, 0
+        self._lines, self._bent, self._pairs = 0, 0, 0
         self._unknown: dict[str, None] = {}
 
     def read(self, geometry: etree._Element) -> tuple[Primitive, ...]:
@@ -123,6 +123,8 @@ class GeometryReader:
             points, kept, counts[is_area], lambda k: f"polygon {rows[k] + 1:,} of {where(element)}"
         )
         self._bent += found.bent
+        self._pairs += found.pairs
+        check_pairs(self._pairs)
         return found.faces
 
     def _polygons(self, rows: list[IntArray], corners: _Input, element: etree._Element) -> IntArray:
@@ -139,11 +141,15 @@ class GeometryReader:
             lambda k: f"polygon {numbers[k] + 1:,} of {where(element)}",
         )
         self._bent += found.bent
+        self._pairs += found.pairs
+        check_pairs(self._pairs)
         faces = [found.faces]
         for holed in children(element, "ph"):
             rings = [_corners(one, corners) for one in children(holed, "p", "h")]
             if not rings or min(map(len, rings)) < 3 or name_of(holed[0]) != "p":
                 raise ValueError(f"rings of three corners or more in {where(holed)}")
+            self._pairs += sum(map(len, rings)) ** 2
+            check_pairs(self._pairs)
             triangles = cut([corners.points[ring] for ring in rings], where(holed))
             faces.append(np.concatenate(rings)[triangles])
         return np.concatenate(faces)

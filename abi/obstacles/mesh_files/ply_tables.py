@@ -104,6 +104,8 @@ def _text_table(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Tabl
         return _columns(element, numbers[at:end].reshape(-1, width), {}), end
     if uniform := _uniform_text(numbers, at, element):
         return uniform
+    if element.rows * width > len(numbers) - at:
+        raise _cut_off(element)
     plain = np.empty((element.rows, width))
     found: dict[int, list[FloatArray]] = {k: [] for k in lists}
     for row in range(element.rows):
@@ -209,6 +211,9 @@ def _row_type(element: PlyElement, order: str, lengths: Mapping[int, int]) -> np
 
 def _mixed_table(body: bytes, at: int, element: PlyElement, order: str) -> tuple[Table, int]:
     """Rows whose lists differ in length."""
+    least = sum(np.dtype(one.length or one.kind).itemsize for one in element.properties)
+    if element.rows * least > len(body) - at:
+        raise _cut_off(element)
     plain = np.empty((element.rows, len(element.properties)))
     found: dict[int, list[FloatArray]] = {
         k: [] for k, one in enumerate(element.properties) if one.length

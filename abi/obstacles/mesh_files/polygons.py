@@ -24,6 +24,8 @@ _FLATNESS = 1e-5
 """Largest distance of a corner from its polygon's plane, over the polygon's size, without a note:
 that of coordinates with six digits."""
 _CHUNK = 1_000_000
+_MOST_PAIRS = 2 * MOST_CORNERS**2
+"""Most pairs of edges that are compared in a file, in all its polygons that are not convex."""
 
 
 class PolygonTriangles(NamedTuple):
@@ -33,11 +35,13 @@ class PolygonTriangles(NamedTuple):
         faces: (m, 3) ids of the corners; a polygon of n corners has n − 2, all in one place.
         polygons: (m,) the polygon of each.
         bent: number of polygons whose corners are in no plane.
+        pairs: pairs of edges of those that are not convex.
     """
 
     faces: IntArray
     polygons: IntArray
     bent: int
+    pairs: int
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -60,12 +64,12 @@ def triangulate(
         where: name of a polygon by its number, for a refusal.
 
     Raises:
-        ValueError: one crosses itself, or is concave and has too many corners.
+        ValueError: one crosses itself, or those that are not convex have too many corners.
     """
     check_points(points)
     firsts, rows = np.cumsum(counts) - counts, np.cumsum(counts - 2) - (counts - 2)
     faces = np.empty((int((counts - 2).sum()), 3), dtype=np.int32)
-    bent = 0
+    bent, pairs = 0, 0
     for size in np.unique(counts).tolist():
         chosen = np.flatnonzero(counts == size)
         for some in np.array_split(chosen, 1 + len(chosen) * size // _CHUNK):
@@ -79,11 +83,26 @@ def triangulate(
             first = np.broadcast_to(rings[:, :1], (len(some), size - 2))
             faces[places] = np.stack([first, rings[:, 1:-1], rings[:, 2:]], axis=-1)
             if size > 3:
+                pairs += int((starts < 0).sum()) * size**2
+                check_pairs(pairs)
                 for k in np.flatnonzero(starts < 0).tolist():
                     ids = cut([points[rings[k]]], where(int(some[k])))
                     faces[places[k]] = rings[k][ids]
     polygons = np.repeat(np.arange(len(counts), dtype=np.int32), counts - 2)
-    return PolygonTriangles(faces, polygons, bent)
+    return PolygonTriangles(faces, polygons, bent, pairs)
+
+
+def check_pairs(pairs: int) -> None:
+    """Refuse polygons of which too many edges would be compared.
+
+    Raises:
+        ValueError: more than ``_MOST_PAIRS``.
+    """
+    if pairs > _MOST_PAIRS:
+        raise ValueError(
+            f"polygons that are convex, or of a few corners: comparing {pairs:,} pairs of their "
+            "edges would take minutes, triangulate the mesh in the program that wrote it"
+        )
 
 
 def cut(rings: Sequence[FloatArray], name: str) -> IntArray:

@@ -20,6 +20,7 @@ from abi.obstacles.mesh_files.units import METRES
 from abi.obstacles.mesh_files.words import counted, float_words, shown
 from abi.obstacles.mesh_files.xml_document import (
     affine,
+    check_items,
     child,
     children,
     integer,
@@ -61,7 +62,9 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     Raises:
         ValueError: says what it ought to be.
     """
-    package = _Package(unpacked(data))
+    files = unpacked(data)
+    check_items(content for name, content in files.items() if name.endswith((".model", ".rels")))
+    package = _Package(files)
     meshes: dict[_Key, Parts] = {}
     parts: list[Parts] = []
     count, steps = 0, 0

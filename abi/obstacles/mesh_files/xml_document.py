@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from urllib.parse import unquote
 
 import numpy as np
@@ -14,6 +15,8 @@ from abi.obstacles.mesh_files.words import float_words, shown
 _ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
 _ENCODING = re.compile(rb"""<\?xml[^>]{0,100}encoding\s*=\s*["']([^"']*)""")
 _ENCODINGS = re.compile(rb"utf-8|(us-)?ascii|iso-8859-[0-9]{1,2}|windows-125[0-8]", re.IGNORECASE)
+MOST_ITEMS = 10_000_000
+"""Most elements and attributes of a text, twice as many as the largest mesh has."""
 _MARKS_OF_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _DECLARATION = re.compile(r"<\?xml[^>]*>")
 
@@ -30,6 +33,7 @@ def parse(data: bytes, root: str) -> etree._Element:
     """
     data = _as_bytes(data)
     check_plain(data)
+    check_items([data])
     parser = etree.XMLParser(
         resolve_entities=False,
         no_network=True,
@@ -47,6 +51,16 @@ def parse(data: bytes, root: str) -> etree._Element:
     if name_of(found) != root:
         raise ValueError(f"an XML text of <{root}>, this begins with <{name_of(found)[:40]}>")
     return found
+
+
+def check_items(texts: Iterable[bytes]) -> None:
+    """Refuse texts of so many elements and attributes that they would fill the memory.
+
+    Raises:
+        ValueError: more than ``MOST_ITEMS``.
+    """
+    if sum(text.count(b"<") + text.count(b"=") for text in texts) > MOST_ITEMS:
+        raise ValueError(f"an XML text of at most {MOST_ITEMS:,} elements and attributes")
 
 
 def _as_bytes(data: bytes) -> bytes:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import io
 import struct
 import zipfile
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
 from abi.errors import SceneError
+from abi.obstacles.mesh_files import xml_document
 from abi.obstacles.triangle_mesh.mesh_reader import read_file
 from tests.abi.obstacles.mesh_files.test_left_out import DAE, ITEM, dae, model
 from tests.abi.obstacles.mesh_files.test_polygons import DOORWAY, files_of
@@ -29,11 +31,13 @@ def with_part(data: bytes, kind: bytes) -> bytes:
     return longer[:8] + len(longer).to_bytes(4, "little") + longer[12:]
 
 
-def packed(model: bytes, name: str = "3D/3dmodel.model", **others: bytes) -> bytes:
+def packed(
+    model: bytes, others: Mapping[str, bytes] | None = None, name: str = "3D/3dmodel.model"
+) -> bytes:
     """A 3MF of a model and further entries."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
-        for entry, part in {name: model, **others}.items():
+        for entry, part in {name: model, **(others or {})}.items():
             archive.writestr(entry, part)
     return content.getvalue()
 
@@ -60,16 +64,16 @@ def with_id(number: int) -> bytes:
         ("a.glb", glb({"nodes": DEEP}), glb(), ()),
         ("a.glb", with_part(glb(), b"OWN\0"), glb(), ()),
         ("a.glb", glb({"extensionsUsed": GLOSSY, "extensionsRequired": GLOSSY}), glb(), ()),
-        ("a.3mf", packed(MODEL, **{"__MACOSX/3D/._3dmodel.model": b"\0"}), model(ITEM), ()),
+        ("a.3mf", packed(MODEL, {"__MACOSX/3D/._3dmodel.model": b"\0"}), model(ITEM), ()),
         (
             "a.3mf",
-            packed(MODEL, **{"3D/other.model": b"<model"}),
+            packed(MODEL, {"3D/other.model": b"<model"}),
             model(ITEM),
             ("1 model part is left out: nothing refers there.",),
         ),
         (
             "a.3mf",
-            packed(MODEL, "3D/my part.model", **{"_rels/.rels": RELATED}),
+            packed(MODEL, {"_rels/.rels": RELATED}, "3D/my part.model"),
             model(ITEM),
             (),
         ),
@@ -130,3 +134,40 @@ def test_a_unit_that_is_not_known_is_told_and_others_count() -> None:
     assert told.commented is None
     assert told.notes == ("The unit 'furlong' that a comment names is not known.",)
     assert read_file(b"# units = km\n" + text, "a.obj").commented == 1000
+
+
+def test_no_room_is_made_for_rows_that_are_not_there() -> None:
+    properties = "".join(f"property uchar p{k}\n" for k in range(3000))
+    for kind in ("ascii", "binary_little_endian"):
+        header = f"ply\nformat {kind} 1.0\nelement vertex 20000000\n{properties}"
+        for lists in ("", "property list uchar int others\n"):
+            data = f"{header}{lists}element face 0\nend_header\n".encode()
+            with pytest.raises(SceneError, match="not all are there"):
+                read_file(data + bytes(9), "a.ply") if kind != "ascii" else read_file(data, "a.ply")
+
+
+def comb(teeth: int, faces: int) -> bytes:
+    """An OBJ of a comb that several faces name."""
+    outline = [(k // 2, 1 + k % 2 * teeth, 0) for k in range(2 * teeth)]
+    corners = [(0, 0, 0), *outline, (teeth, 0, 0)]
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+    face = " ".join(str(k + 1) for k in range(len(corners)))
+    return (text + f"f {face}\n" * faces).encode()
+
+
+def test_polygons_whose_edges_would_be_compared_for_minutes_are_refused() -> None:
+    assert len(read_file(comb(40, 3), "a.obj").parts.faces) == 3 * 80
+    with pytest.raises(SceneError, match="that are convex, or of a few corners"):
+        read_file(comb(2_000, 20), "a.obj")
+
+
+def test_a_text_of_more_elements_than_a_mesh_has_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(xml_document, "MOST_ITEMS", 1000)
+    read_file(packed(MODEL), "a.3mf")
+    crowd = b"<metadata>" + b"<a/>" * 1000 + b"</metadata>"
+    with pytest.raises(SceneError, match="at most 1,000 elements"):
+        read_file(packed(MODEL, {"3D/other.model": crowd}), "a.3mf")
+    with pytest.raises(SceneError, match="at most 1,000 elements"):
+        read_file(DAE.replace("</COLLADA>", "<a/>" * 1000 + "</COLLADA>").encode(), "a.dae")
