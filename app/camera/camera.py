@@ -97,6 +97,7 @@ class Viewpoint:
         self._wide = False
         self._extent: FloatArray | None = None
         self._headline = _HEADLINE
+        self._told: float | None = None  # shape of the picture in which the text above has counted
         self._window = Window(camera.fov, _ASPECT)
         self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
         self._shown = False
@@ -171,6 +172,8 @@ class Viewpoint:
     def fit(self, area: PageArea | None, arrives: bool = False) -> None:
         """Adapt to the picture's shape and to what covers it, unless the user moved the camera.
 
+        In a picture of another shape, for which the camera moves anyway, the text above counts.
+
         Args:
             area: of the page; None while that is not known.
             arrives: whether the scene has just come, so that the text about it counts, too.
@@ -179,8 +182,12 @@ class Viewpoint:
             return  # wholly covered for the moment, as by a phone's sheet
         factor = min(max(_ASPECT / aspect(self._camera), 1.0), _MAX_DISTANCE_FACTOR)
         window, headline = self._free(area), self._headline
-        if arrives and area is not None:
-            headline = max(headline, min(area.above, _MOST_COVERED))
+        reshaped = self._told is not None and not _same(self._told, window.aspect)
+        if self._told is None:
+            self._told = window.aspect
+        if area is not None and (arrives or (reshaped and _same(area.aspect, window.aspect))):
+            least = _HEADLINE if reshaped else headline
+            headline, self._told = max(least, min(area.above, _MOST_COVERED)), window.aspect
         if (factor, window, headline) == (self._distance_factor, self._window, self._headline):
             return
         moved, self._distance_factor, self._window = self._is_moved(), factor, window
@@ -196,7 +203,7 @@ class Viewpoint:
         """
         now = Window(self._camera.fov, aspect(self._camera))
         # of another shape it is of before the picture took this one, as with its panels still open
-        if area is not None and abs(area.aspect / now.aspect - 1) < _SAME_SHAPE:
+        if area is not None and _same(area.aspect, now.aspect):
             above, below = min(area.above, _MOST_COVERED), min(area.below, _MOST_COVERED)
             if self._points is None:
                 above = 0.0
@@ -231,6 +238,11 @@ class Viewpoint:
         size = _view(self._scene, self._distance_factor)[2]
         away = np.linalg.norm(self._camera.position - np.array(self._places), axis=1)
         return bool(away.min() >= _TOLERANCE * size)
+
+
+def _same(one: float, other: float) -> bool:
+    """Check whether two aspect ratios are those of one shape."""
+    return abs(one / other - 1) < _SAME_SHAPE
 
 
 def aspect(camera: viser.CameraHandle) -> float:

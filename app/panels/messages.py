@@ -221,12 +221,8 @@ def _longer_on_finer(before: Plan, plan: Plan) -> str:
         return ""
     if new.length < old.length:
         return ""
-    length = _whole(f"{format_length(new.length)} {unit}")
-    return (
-        f"The path along the edges is {length}, on the coarser grid it was "
-        f"{format_length(old.length)}: a path turns at nodes only, and those of a finer grid lie "
-        "elsewhere."
-    )
+    lengths = _whole(f"{format_length(old.length)} → {format_length(new.length)} {unit}")
+    return f"The path on this finer grid is longer, {lengths}: its nodes lie elsewhere."
 
 
 def _replan_ms(plan: Plan) -> float:

@@ -220,6 +220,25 @@ def test_text_about_a_scene_hides_none_of_the_arm_that_has_just_come(
     assert holds(extent(plan), camera.position, camera.look_at, window) == arrives
 
 
+def test_text_hides_none_of_the_arm_in_a_picture_of_another_shape(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    viewpoint, camera, plan = session._view.viewpoint, session.client.camera, session.plan
+    assert plan is not None
+    viewpoint.face(plan)
+    wide = PageArea(camera.image_width, camera.image_height, above=0.35)
+    viewpoint.fit(wide)
+    window = Window(camera.fov, camera.aspect, above=0.35)
+    assert not holds(extent(plan), camera.position, camera.look_at, window)
+    camera._state.image_width, camera._state.image_height = 700, 900
+    viewpoint.fit(wide)  # what the page tells comes later
+    viewpoint.fit(PageArea(700.0, 900.0, above=0.35))
+    window = Window(camera.fov, 700 / 900, above=0.35)
+    assert holds(extent(plan), camera.position, camera.look_at, window)
+
+
 def _goal(session: Session) -> Any:
     return session.panels.ends.gizmos["goal"]
 
