@@ -34,8 +34,8 @@ _LARGEST_ANGLE = 1e4
 _PARTS = 32  # of each polynomial
 _STEPS = 6
 _JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
-_TURNING = [0, 1, 2, 3, 5]
-"""Numbers of those that turn."""
+_SWINGING = [0, 1, 2]
+"""Numbers of those that turn links about other axes than their own."""
 
 
 def check_ends(curve: ExactCurve, scene: Scene) -> None:
@@ -71,7 +71,7 @@ def check_tool(
     times = numbers_of("arm.time", section.get("time"))
     if any(len(row) != len(_JOINTS) for row in rows):
         raise Fault(f"its positions are not of {len(_JOINTS)} joints")
-    turns = np.abs(np.diff(np.array(rows), axis=0))[:, _TURNING]
+    turns = np.abs(np.diff(np.array(rows), axis=0))[:, _SWINGING]
     if (turns >= np.pi).any():  # the tool is the same a whole turn later
         raise Fault("a joint turns by half a turn or more between two samples")
     allowed = _REACHED * (arm.upper + arm.lower)

@@ -5,6 +5,7 @@ The proof is that of :mod:`abi.arm_planning.certificates.paper_arm_certificate`.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -41,6 +42,9 @@ from abi.verify.separation import check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at
 
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+_BELOW = Fraction(1, 10**9)
+"""Accepted depth of the tool below the floor, over the coordinates of workspace and arm."""
+_HALVINGS = 30
 _PHASES, _WITHOUT_PHASES = ("three_phase", "slowed"), ("time_optimal", "jerk_limited")
 """Laws whose motions have three phases, and never have; of any other a plan has them or has not."""
 
@@ -108,6 +112,7 @@ def check_paper_arm(
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     floor = ExactFloor(min(arm.base[2], Fraction(scene.workspace.min[2])))
     span = curve[0].start, curve[-1].end
+    _check_above(curve, floor, scene)
     for number, capsule in enumerate(capsules):
         least = partial(_least, motion, capsule)
         for k, obstacle in enumerate(obstacles):
@@ -123,8 +128,28 @@ def check_paper_arm(
     kept = words_of(margin, scene.unit)
     return (
         f"{kept}, and clear of the floor and its column, all along the curve, by {count} "
-        "directions; forearm and upper arm are not compared"
+        "directions; not compared are forearm and upper arm, and of the fingers at the floor only "
+        "the tool between them"
     )
+
+
+def _check_above(curve: ExactCurve, floor: ExactFloor, scene: Scene) -> None:
+    """Raise if the tool, around which the fingers may touch the floor, gets below it."""
+    arm, box = scene.arm, scene.workspace
+    size = max(map(abs, (*box.min, *box.max))) + arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5
+    least = floor.height - _BELOW * Fraction(size)
+    parts = [(0, [point[2] for point in span.bezier]) for span in curve]
+    while parts:
+        halvings, heights = parts.pop()
+        if min(heights) >= least:
+            continue
+        if min(heights[0], heights[-1]) < least or halvings == _HALVINGS:
+            raise Fault("the tool gets below the floor")
+        rows = [heights]  # de Casteljau's scheme halves it
+        while len(rows[-1]) > 1:
+            rows.append([(a + b) / 2 for a, b in itertools.pairwise(rows[-1])])
+        both = [row[0] for row in rows], [row[-1] for row in reversed(rows)]
+        parts += [(halvings + 1, half) for half in both]
 
 
 def _others(

@@ -11,6 +11,7 @@ from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
@@ -30,6 +31,9 @@ _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 
 _MANY = 1_000
 """Number of rows around an arm, mostly of triangle meshes, beyond which only one proof is tried."""
+
+_DIP = 1e-10
+"""Depth of the tool below the floor that counts as rounding, over the arm's size."""
 
 _TOUCH = 1e-9
 """Distance beyond which the arm's distance from itself and the floor is not measured, [unit], as
@@ -146,6 +150,7 @@ def arm_clearance(
     contacts = (
         *contacts_of(motion.time, own, capsules, arm),
         *contacts_of(motion.time, solid, capsules, arm),
+        *_dips(motion, arm, collision_world.floor),
     )
     certify = partial(
         certify_paper_arm, motion.curve, motion.slide, arm, motion.elbow, collision_world
@@ -153,6 +158,28 @@ def arm_clearance(
     return proven_clearance(
         motion, arm, solid, contacts, required, collision_world.solids.in_use, certify
     )
+
+
+def _dips(motion: ArmMotion, arm: PaperArm, floor: float) -> list[Contact]:
+    """The contact of the tool with the floor where the curve leads below it, if it does.
+
+    The fingers around the tool may touch the floor, so nothing else keeps them above it.
+    """
+    size = abs(floor) + arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5
+    heights = motion.curve.bezier().points[..., 2] - floor
+    depth = 0.0
+    for piece in heights[heights.min(axis=1) < -_DIP * size]:
+        power = scipy.interpolate.BPoly(piece[:, None], [0.0, 1.0])
+        slopes = scipy.interpolate.PPoly.from_bernstein_basis(power.derivative())
+        turns = slopes.roots(extrapolate=False)
+        depth = max(depth, -float(power(np.append(turns[np.isfinite(turns)], (0.0, 1.0))).min()))
+    if depth <= _DIP * size:
+        return []
+    low = motion.tool[:, 2]
+    below = np.flatnonzero(low <= max(floor, float(low.min())))
+    first, deepest, last = (motion.time[k] for k in (below[0], low.argmin(), below[-1]))
+    link = arm.capsules[-1].link
+    return [Contact(link, "floor", float(first), float(last), float(deepest), depth)]
 
 
 def distance_from_itself(motion: ArmMotion, arm: PaperArm, lowest: float) -> float:

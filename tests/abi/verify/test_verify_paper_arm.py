@@ -8,14 +8,17 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from abi import Scene, load_scene, plan
+from abi.arm_planning.motion import arm_clearance
+from abi.curves.bspline import clamped
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.paper_arm.paper_arm import PaperArm
@@ -106,7 +109,7 @@ def turned_around(rows: list[list[float]]) -> None:
 
 
 def turned_over(rows: list[list[float]]) -> None:
-    for row in rows[100:]:
+    for row in rows[len(rows) // 3 :]:
         row[1] -= 2 * math.pi
 
 
@@ -260,3 +263,55 @@ def test_one_direction_serves_for_many_triangles_of_a_mesh() -> None:
         one for one in planes if (one["t0"], one["capsule"]) != (lost["t0"], lost["capsule"])
     ]
     assert not verify(data, scene.meshes)[2].proven
+
+
+def test_the_tool_of_a_certified_arm_stays_above_the_floor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "start": [1.4298487936373712, 0.018822964115170704, 0.0],
+            "goal": [5.107284445362757, 4.400139424911729, 0.0],
+            "obstacles": [
+                {
+                    "shape": "box",
+                    "size": [1.4896403623836987, 1.0350383512211558, 1.396376178987936],
+                    "position": [2.4655089163352777, 1.3880784714660122, 2.379340540167939],
+                }
+            ],
+            **{"spline": {"degree": 4, "clearance": 0.3}, "quadratic": {"mode": "pieces"}},
+            "mesh": {"pitch": 0.7},
+        }
+    )
+    found = plan(scene)
+    assert found.arm_clearance is not None
+    assert found.motion is not None
+    assert not found.arm_clearance.certified or found.motion.tool[:, 2].min() > -1e-9
+
+    monkeypatch.setattr(arm_clearance, "_dips", lambda *_: [])
+    found = plan(scene)
+    assert found.motion is not None
+    assert found.motion.tool[:, 2].min() < -0.1
+    data: Data = json.loads(json.dumps(found.to_dict()))
+    assert data["arm"]["certified"]
+    assert "the tool gets below the floor" in of_arm(data).reason
+
+
+@given(
+    st.lists(st.floats(-1, 1), min_size=3, max_size=5), st.floats(-0.5, 0.5), st.floats(0.5, 2.0)
+)
+def test_how_deep_the_tool_dips_is_found_between_the_samples(
+    heights: list[float], floor: float, size: float
+) -> None:
+    points = size * np.column_stack([np.arange(len(heights)), 0 * np.array(heights), heights])
+    curve = clamped(points, len(heights) - 1)
+    lowest = curve(np.linspace(0.0, 1.0, 2001))[:, 2].min()
+    assume(abs(lowest - floor) > 1e-3)
+    motion: Any = SimpleNamespace(
+        curve=curve, tool=curve(np.linspace(0.0, 1.0, 5)), time=np.linspace(0.0, 1.0, 5)
+    )
+    found = arm_clearance._dips(motion, PaperArm.from_settings(ArmSettings()), floor)
+    assert bool(found) == (lowest < floor)
+    if found:
+        assert found[0].depth == pytest.approx(floor - lowest, abs=1e-5)
