@@ -43,15 +43,20 @@ def polynomials_are_clear(plan: Plan) -> bool:
         first = last
         if any(one.quantity == "position" for one in joint_limits(moves).passed):
             return False
-        if isinstance(leg.arm, PaperArm):
-            clearance, away = leg.arm_clearance, _departure(leg.arm, moves)
+        if (paper_arm := _paper_arm(leg)) is not None:
+            clearance, away = leg.arm_clearance, _departure(paper_arm, moves)
             if clearance is None or clearance.distance <= away + _from_curve(leg):
                 return False
-            if _own_distance(leg) <= away:
+            if _own_distance(leg, paper_arm) <= away:
                 return False
         elif not _is_proven(moves, leg.scene):
             return False
     return True
+
+
+def _paper_arm(plan: Plan) -> PaperArm | None:
+    """The plan's arm if it is the paper's, which is proven along a curve and not along joints."""
+    return plan.arm if isinstance(plan.arm, PaperArm) else None
 
 
 def _polynomials(plan: Plan, rows: slice) -> RobotMotion:
@@ -94,9 +99,8 @@ def rows_warning(plan: Plan) -> str:
     motion, clearance = plan.motion, plan.arm_clearance
     if motion is None or clearance is None or not clearance.certified:
         return ""
-    if not isinstance(plan.arm, PaperArm):
-        return ""
-    if _from_curve(plan) < clearance.distance and _own_distance(plan) > 0:
+    arm = _paper_arm(plan)
+    if arm is None or (_from_curve(plan) < clearance.distance and _own_distance(plan, arm) > 0):
         return ""
     return (
         "It is clear along its curve, but that is not proven for straight ways of the joints "
@@ -120,14 +124,13 @@ def _from_curve(plan: Plan) -> float:
     )
 
 
-def _own_distance(plan: Plan) -> float:
+def _own_distance(plan: Plan, arm: PaperArm) -> float:
     """Bound of the paper's arm's distance from floor and column on straight ways, [unit].
 
     No point is farther from the nearest pose than half the way between two.
     """
-    motion, arm = plan.motion, plan.arm
+    motion = plan.motion
     assert motion is not None
-    assert isinstance(arm, PaperArm)
     half = _farthest(arm, np.abs(np.diff(motion.positions / arm.scales, axis=0))) / 2
     return distance_from_itself(motion, arm, plan.scene.workspace.min[2]) - half
 

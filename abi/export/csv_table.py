@@ -10,7 +10,6 @@ import numpy as np
 
 from abi.export.joint_trajectory import is_marked, motion_of, motion_state
 from abi.planner.plan import Plan
-from abi.robot.urdf_arm import UrdfArm
 
 _PLACES, _SPEEDS, _STATE = ("x", "y", "z"), ("vx", "vy", "vz"), "state"
 
@@ -44,7 +43,7 @@ def write(plan: Plan, name: str) -> bytes:
 def _before_tool(plan: Plan, moving: Sequence[str]) -> str:
     """What tells columns of the tool from joints of the robot, also from those that stand still."""
     arm, before = plan.arm, ""
-    names = {*moving, *(arm.chain.held if isinstance(arm, UrdfArm) else ())}
+    names = {*moving, *(() if arm is None else arm.chain.held)}
     while names & {f"{before}{name}" for name in (*_PLACES, *_SPEEDS, _STATE)}:
         before += "tool_"
     return before

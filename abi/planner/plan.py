@@ -18,7 +18,6 @@ from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
 from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
-from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 
 
@@ -97,7 +96,7 @@ class Plan(StageResults, ReadOnlyCopies):
                 begin += 0.0 if leg.motion is None else float(leg.motion.time[-1])
             return tuple(spans)
         settings, arm, motion = self.scene.arm, self.arm, self.motion
-        if not isinstance(arm, UrdfArm) or motion is None or not motion.reachable:
+        if arm is None or motion is None or not motion.reachable:
             return ()
         if settings.exact_axis is not None:
             return (exact_span(arm, settings.exact_axis, motion),)

@@ -16,7 +16,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
-from abi.robot.urdf_arm import UrdfArm
+from abi.robot.any_arm import AnyArm
 
 _ROUNDS = 12
 _DAMPING = 1e-6
@@ -43,7 +43,7 @@ class HeldDirection(ShortRepr):
         tolerance: largest angle between the two, above 0, [rad].
     """
 
-    arm: UrdfArm
+    arm: AnyArm
     direction: FloatArray
     tolerance: float
 

@@ -13,7 +13,7 @@ from abi.arm_planning.joint_search.held_direction import AT_RISK, HeldDirection
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, ShortRepr
 from abi.obstacles.pose import Vec3
-from abi.robot.urdf_arm import UrdfArm
+from abi.robot.any_arm import AnyArm
 from abi.scene.held_axis import HeldAxis
 
 EXACTLY = 0.01
@@ -43,7 +43,7 @@ class HeldSpan(NamedTuple):
         return self._replace(first=self.first + by, last=self.last + by)
 
 
-def exact_span(arm: UrdfArm, direction: Vec3, motion: ArmMotion) -> HeldSpan:
+def exact_span(arm: AnyArm, direction: Vec3, motion: ArmMotion) -> HeldSpan:
     """How well a direction is kept that is held exactly at the samples of a motion.
 
     Args:
@@ -75,7 +75,7 @@ class HeldPart(ShortRepr):
         arguments.keep(self, begin=begin, end=arguments.number("end", self.end, begin, 1.0))
 
     @classmethod
-    def of(cls, arm: UrdfArm, axis: HeldAxis) -> Self:
+    def of(cls, arm: AnyArm, axis: HeldAxis) -> Self:
         """The part that a scene asks for."""
         hold = HeldDirection(arm, np.array(axis.direction), axis.tolerance)
         return cls(hold, axis.begin, axis.end)

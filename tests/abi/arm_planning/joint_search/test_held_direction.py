@@ -79,7 +79,7 @@ def test_a_path_that_is_found_keeps_the_direction_all_along(name: str) -> None:
     for seed in range(4):
         random = np.random.default_rng(seed)
         hold = some_hold(name, random)
-        arm = hold.arm
+        arm = some_arm(name)
         space = JointSpace(arm, chain_world(arm, ObstacleSet(()), -1e6), 0.0)
         low, high = arm.chain.usual_range().T
         drawn = (hold.brought_near(one) for one in random.uniform(low, high, (30, len(low))))
