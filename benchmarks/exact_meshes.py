@@ -16,7 +16,8 @@ _Placed = list[tuple[object, coal.Transform3s]]
 class ExactArm:
     """Shapes of an arm's links, those that must keep apart, and a box that none may touch.
 
-    Links that may touch each other by the arm's own rules are not compared.
+    Links that may touch each other by the arm's own rules are not compared; those that are said
+    never to touch are.
     """
 
     def __init__(self, arm: UrdfArm, box: FloatArray | None = None) -> None:
@@ -26,7 +27,8 @@ class ExactArm:
         self._arm = arm
         self._solids = {name: _solids_of(links[name]) for name in self._carried}
         names = [one.link for one in arm.capsules]
-        self._pairs = sorted({(names[i], names[j]) for i, j in arm.pairs.tolist()})
+        never = {(one.link, str(one.other)) for one in arm.allowed if one.reason == "never"}
+        self._pairs = sorted(never | {(names[i], names[j]) for i, j in arm.pairs.tolist()})
         self._box: _Placed = []
         if box is not None:
             at = coal.Transform3s(np.eye(3), box[0])

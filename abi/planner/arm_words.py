@@ -14,12 +14,13 @@ _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base",
 _REASONS: dict[Reason, str] = {
     "adjacent": "Neighbouring links, with at most one joint between them",
     "always": "They overlap in whatever pose the arm is",
+    "never": "By their shapes they are apart in whatever pose the arm is",
     "srdf": "The SRDF lets them touch",
     "mount": "What the arm stands on",
     "asked": "The scene lets them touch",
     "grasp": "One holds the other, or is fixed to what does",
 }
-"""Beginning of a sentence on pairs that may touch, for each reason."""
+"""Beginning of a sentence on pairs that are not kept apart, for each reason."""
 
 
 def arm_result(plan: Plan) -> str:

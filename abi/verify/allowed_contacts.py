@@ -2,8 +2,9 @@
 
 What may be left out: two links that no joint moves beside each other, or that one joins; an object
 that is held and what holds it, or is fixed to that; pairs that the SRDF or the scene names; links
-whose own shapes touch in random poses and in some of the motion; the floor for what stands on it;
-an obstacle beneath the base for links that stand still. Nothing else may be missing.
+whose own shapes touch in random poses and in some of the motion, or are apart in all positions of
+the joints between them; the floor for what stands on it; an obstacle beneath the base for links
+that stand still. Nothing else may be missing.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.solids import ExactSolid
 from abi.verify.fault import Fault
 from abi.verify.link_contact import LinkTriangles, link_triangles, touch
+from abi.verify.never_touching import never_touch
 from abi.verify.plan_fields import list_of, mapping
 from abi.verify.plumb_line import is_beneath
 
@@ -131,6 +133,8 @@ def _may_touch(link: str, other: str, reason: object, scene: Scene, chain: Exact
         return reason == ("grasp" if _is_held(robot, pair) else "adjacent") and are_joined(
             robot, chain, link, other
         )
+    if reason == "never":
+        return never_touch(robot, chain, link, other)
     if reason == "srdf":
         return frozenset(pair) in robot.may_touch
     return reason == "asked" and any(pair == set(one) for one in scene.arm.allowed)

@@ -77,16 +77,38 @@ def _shells(triangles: FloatArray) -> IntArray:
     return np.asarray(np.unique(parts[sides[:, 0]], return_inverse=True)[1])
 
 
+class NearTriangles(NamedTuple):
+    """Triangles of two links whose bounds overlap.
+
+    Attributes:
+        first, second: triangles, (k, 3, 3) each.
+        reach: distance within which both count as touching, (k,).
+    """
+
+    first: FloatArray
+    second: FloatArray
+    reach: FloatArray
+
+
 def touch(first: LinkTriangles, second: LinkTriangles) -> bool:
     """Check whether two links touch, up to a millionth of their size."""
-    every = np.concatenate([first.corners.reshape(-1, 3), second.corners.reshape(-1, 3)])
-    near = _NEAR * float(np.ptp(every, axis=0).max())
     if _any_inside(first, second) or _any_inside(second, first):
         return True
-    return any(
-        _meet(first.corners[i], second.corners[j], first.radii[i] + second.radii[j] + near).any()
-        for i, j in _candidates(first, second, near)
-    )
+    return any(meet(*few).any() for few in near_triangles(first, second, 0.0))
+
+
+def near_triangles(
+    first: LinkTriangles, second: LinkTriangles, within: float
+) -> Iterator[NearTriangles]:
+    """Triangles of two links that may be that near, up to a millionth of the links' size.
+
+    They come some thousand at a time.
+    """
+    every = np.concatenate([first.corners.reshape(-1, 3), second.corners.reshape(-1, 3)])
+    near = within + _NEAR * float(np.ptp(every, axis=0).max())
+    for i, j in _candidates(first, second, near):
+        reach = first.radii[i] + second.radii[j] + near
+        yield NearTriangles(first.corners[i], second.corners[j], reach)
 
 
 def _triangles(shape: LinkShape) -> FloatArray:
@@ -152,7 +174,23 @@ def _candidates(
             yield rows[i[few]], theirs[j[few]]
 
 
-def _meet(a: FloatArray, b: FloatArray, reach: FloatArray) -> BoolArray:
+def meet(a: FloatArray, b: FloatArray, reach: FloatArray) -> BoolArray:
+    """Check which of triangles a (k, 3, 3) are within ``reach`` (k,) of b (k, 3, 3)."""
+    left = np.flatnonzero(~(_beside(a, b, reach) | _beside(b, a, reach)))
+    met = np.zeros(len(a), dtype=np.bool_)
+    met[left] = _close(a[left], b[left], reach[left])
+    return met
+
+
+def _beside(a: FloatArray, b: FloatArray, reach: FloatArray) -> BoolArray:
+    """Check which of triangles a are farther than ``reach`` on one side of the plane of b."""
+    normal = np.cross(b[:, 1] - b[:, 0], b[:, 2] - b[:, 0])
+    heights = np.einsum("kci,ki->kc", a - b[:, :1], normal)
+    far = reach * np.sqrt(np.einsum("ki,ki->k", normal, normal))
+    return np.asarray((heights.min(axis=1) > far) | (heights.max(axis=1) < -far))
+
+
+def _close(a: FloatArray, b: FloatArray, reach: FloatArray) -> BoolArray:
     """Check which of triangles a (k, 3, 3) are within ``reach`` (k,) of b (k, 3, 3)."""
     found = np.zeros(len(a), dtype=np.bool_)
     for one, other in ((a, b), (b, a)):

@@ -15,12 +15,13 @@ from abi.arrays import IntArray, read_only
 from abi.robot.bodies.always_touching import always_touch
 from abi.robot.bodies.chain_capsules import ChainCapsule
 from abi.robot.bodies.finer_links import fitted_capsules
+from abi.robot.bodies.never_touching import never_touch
 from abi.robot.bodies.sampled_bodies import SampledBodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import NOT_HELD
 from abi.robot.urdf.robot import Robot, meet
 
-Reason = Literal["adjacent", "always", "srdf", "mount", "asked", "grasp"]
+Reason = Literal["adjacent", "always", "never", "srdf", "mount", "asked", "grasp"]
 Other = str | int
 """What a link may touch: a link or ``floor`` by name, an obstacle by its number from 0."""
 
@@ -36,8 +37,9 @@ class AllowedContact(NamedTuple):
         other: name of another link, ``floor``, number of an obstacle from 0, or ``obstacles`` for
             all of them.
         reason: ``adjacent``: no joint moves one beside the other, or one joint does and joins them;
-            ``always``: they, not just their bodies, overlap in every random pose; ``srdf``: the
-            robot's SRDF says so; ``mount``: the link stands still on it; ``asked``: the scene's
+            ``always``: they, not just their bodies, overlap in every random pose; ``never``: only
+            their bodies do, and they are proven to be apart in all poses; ``srdf``: the robot's
+            SRDF says so; ``mount``: the link stands still on it; ``asked``: the scene's
             ``arm.allowed`` says so; ``grasp``: it holds the object, or is fixed to what does.
     """
 
@@ -75,17 +77,26 @@ def link_pairs(
     for first, second in itertools.combinations(numbers, 2):
         pairs = [*itertools.product(numbers[first], numbers[second])]
         reason = _known_reason(chain, robot, asked, capsules[pairs[0][0]], capsules[pairs[0][1]])
-        if (
-            reason is None
-            and _always_overlap(sampled, pairs)
-            and always_touch(chain, first, second)
-        ):
-            reason = "always"
+        if reason is None and _always_overlap(sampled, pairs):
+            reason = _constant_reason(chain, first, second)
         if reason is None:
             apart += pairs
         else:
             allowed.append(AllowedContact(first, second, reason))
     return read_only(np.array(sorted(apart), np.int32).reshape(-1, 2)), tuple(allowed)
+
+
+def _constant_reason(chain: Chain, first: str, second: str) -> Literal["always", "never"] | None:
+    """Reason for which two links whose bodies overlap in every pose need no proof in each.
+
+    Args:
+        chain: the joints that move.
+        first: name of a link.
+        second: name of another.
+    """
+    if always_touch(chain, first, second):
+        return "always"
+    return "never" if never_touch(chain, first, second) else None
 
 
 def _known_reason(

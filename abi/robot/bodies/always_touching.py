@@ -6,8 +6,8 @@ import hashlib
 
 import numpy as np
 
-from abi.arrays import FloatArray
-from abi.robot.bodies import body_store, link_solids, solid_contact
+from abi.robot.bodies import body_store, link_poses, link_solids, solid_contact
+from abi.robot.bodies.link_poses import relative_poses
 from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, touch
 from abi.robot.kinematics.chain import Chain
@@ -33,13 +33,10 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
         at_ends = np.random.default_rng(2).uniform(low, high, (2 * _AT_ENDS, len(low)))
         at_ends[:, column] = np.repeat(ends, _AT_ENDS)
         positions = np.concatenate([positions, at_ends])
-    poses = chain.poses(positions)
-    (turns, origins), (others, places) = (_placed(chain, one, poses) for one in (first, second))
-    back = turns.swapaxes(1, 2)
-    turned, moved = back @ others, (back @ (places - origins)[..., None])[..., 0]
+    turned, moved = relative_poses(chain, first, second, positions)
     one, other = (chain.robot.links[name] for name in (first, second))
     shapes = (*one.shapes, *other.shapes)
-    code = (__file__, solid_contact.__file__, link_solids.__file__)
+    code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
     key = body_store.key_of(shapes, code)
     for array in (turned, moved):
         key = hashlib.sha256(key.encode() + np.round(array, 9).tobytes()).hexdigest()
@@ -51,13 +48,3 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
         kept = [np.array([float(all(touch(*both, pose) for pose in beside))])]
         body_store.keep(key, kept)
     return bool(kept[0][0])
-
-
-def _placed(chain: Chain, link: str, poses: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Turns (k, 3, 3) and origins (k, 3) of a link where joints have poses (k, m, 3, 4), world."""
-    carried = next(one for one in chain.carried if one.link == link)
-    turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
-    if carried.frame < 0:
-        return np.broadcast_to(turn, (len(poses), 3, 3)), np.broadcast_to(origin, (len(poses), 3))
-    frames = poses[:, carried.frame]
-    return frames[:, :, :3] @ turn, frames[:, :, :3] @ origin + frames[:, :, 3]

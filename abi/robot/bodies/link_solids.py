@@ -17,7 +17,8 @@ from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.urdf.robot import Link, LinkShape
 
-_SIDES = 48
+SIDES = 48
+"""Corners on a cylinder's rim."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ def _edges(shape: Obstacle) -> tuple[FloatArray, FloatArray, FloatArray]:
         axis = half * np.asarray(_axis(shape))
         centre = np.array(shape.position)
         return (centre - axis)[None], (centre + axis)[None], np.array([shape.radius])
-    corners = shape.triangles(_SIDES) if isinstance(shape, ConvexShape) else shape.triangles()
+    corners = shape.triangles(SIDES) if isinstance(shape, ConvexShape) else shape.triangles()
     pairs = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     pairs = np.unique(_ordered(pairs).reshape(-1, 6), axis=0).reshape(-1, 2, 3)
     return pairs[:, 0], pairs[:, 1], np.zeros(len(pairs))

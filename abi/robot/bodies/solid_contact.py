@@ -47,11 +47,17 @@ class _BodySide(NamedTuple):
     radii: FloatArray
 
 
-def _sides(first: LinkSolids, second: LinkSolids, pose: SolidPose) -> Iterator[_BodySide]:
-    """Each of two bodies beside the other; ``pose``: of the second in the frame of the first."""
+def _sides(
+    first: LinkSolids, second: LinkSolids, pose: SolidPose, within: float = 0.0
+) -> Iterator[_BodySide]:
+    """Each of two bodies beside the other, its edges wider by ``within``.
+
+    ``pose`` is that of the second in the frame of the first.
+    """
     back = SolidPose(pose.turn.T, -pose.turn.T @ pose.origin)
     for body, other, (turn, origin) in ((second, first, pose), (first, second, back)):
         a, b, radii = body.edges
+        radii = radii + within
         a, b = a @ turn.T + origin, b @ turn.T + origin
         low, high = other.bounds
         reach = radii[:, None]
@@ -68,15 +74,20 @@ def distance(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose
     return float(min(there.min(initial=np.inf), back.min(initial=np.inf)))
 
 
-def touch(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> bool:
-    """Decide whether two bodies touch.
+def touch(
+    first: LinkSolids, second: LinkSolids, first_from_second: SolidPose, within: float = 0.0
+) -> bool:
+    """Decide whether two bodies touch, or come nearer than a distance.
+
+    The surfaces of bodies that do not touch come nearest at an edge of one of them.
 
     Args:
         first: a body.
         second: another.
         first_from_second: pose of the second in the frame of the first.
+        within: the distance, [unit].
     """
-    for side in _sides(first, second, first_from_second):
+    for side in _sides(first, second, first_from_second, within):
         if len(side.first) and side.other.whole.blocked(*side[3:]).any():
             return True
     turn, origin = first_from_second
