@@ -29,7 +29,7 @@ from abi.robot.urdf.held_joints import (
     positions_held,
 )
 from abi.robot.urdf.robot import Robot, bases_to, joints_to, part_from
-from abi.robot.urdf.robot_files import SHIPPED, load_robot
+from abi.robot.urdf.robot_files import SHIPPED, file_of, load_robot
 from abi.robot.urdf.tip_pose import tip_pose
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.usual_tip import usual_tip
@@ -156,6 +156,23 @@ class ArmSettings(Settings):
                 self._robot = self._from_base(self._whole, self.base_link)
             joints_to(self._robot, self.tool)
         return self
+
+    def is_read_anew(self, given: MeshSource, source: MeshSource) -> bool:
+        """Check whether its robot is another one by files that are given.
+
+        Args:
+            given: the files.
+            source: these, and what else it may be read of.
+        """
+        if self.model != "urdf" or self.urdf in SHIPPED:
+            return False
+        names = self.urdf, file_of(self.urdf), *([self.srdf] if self.srdf else ())
+        if {id(given.given(name)) for name in names} <= {id(None), id(self._whole)}:
+            return False
+        try:
+            return load_robot(self.urdf, source, srdf=self.srdf) != self._whole
+        except SceneError:  # to be raised where all is checked
+            return True
 
     def __hash__(self) -> int:
         others = (value for name, value in self if name != "gripper")

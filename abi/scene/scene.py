@@ -30,7 +30,12 @@ from abi.scene.field_errors import first_error
 from abi.scene.held_axis import check_axis
 from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
 from abi.scene.numpy_data import plain
-from abi.scene.scene_changes import changed_value, without_stale_meshes
+from abi.scene.scene_changes import (
+    changed_value,
+    with_files,
+    without_stale_arm,
+    without_stale_meshes,
+)
 from abi.scene.scene_file import ENDINGS, parse, read_file, write
 from abi.scene.section import Settings
 from abi.scene.settings import (
@@ -277,7 +282,8 @@ class Scene(Settings):
         run at every movement of a drag.
 
         Args:
-            files: content of mesh files by name, for obstacles that name a new file.
+            files: content of files by name, for meshes and an arm that name a new file, or one
+                that has changed; an arm's own meshes come with its URDF.
             changes: plain data by field. A dict changes fields of a section; ``obstacles`` may also
                 be a sequence of the scene's own objects.
 
@@ -286,16 +292,19 @@ class Scene(Settings):
         """
         if not isinstance(files, Mapping | None):
             raise SceneError("files", files, "the content of each file by its name")
+        given = MeshSource(files)
         data: dict[str, Any] = dict(vars(self))
         for name, change in changes.items():
             data[name] = changed_value(data.get(name), plain(name, change))
         data = without_stale_ends(data, vars(self))
-        data["obstacles"] = without_stale_meshes(data["obstacles"], files or {})
+        data["obstacles"] = without_stale_meshes(data["obstacles"], given)
+        if given.files:
+            data["arm"] = without_stale_arm(data["arm"], given, with_files(self.meshes, given))
         if len(data) == len(type(self).model_fields) and all(
             data[name] is value for name, value in vars(self).items()
         ):
             return self
-        return self._checked(data, MeshSource({**self.meshes.files, **(files or {})}))
+        return self._checked(data, with_files(self.meshes, given))
 
     def pack(self) -> bytes:
         """Pack the scene, its meshes and its arm into a zip archive for :func:`load_scene`.

@@ -7,11 +7,13 @@ differ are checked again.
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping
 
 from pydantic import BaseModel
 
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.robot_files import file_of
+from abi.scene.arm_settings import ArmSettings
 
 
 def changed_value(current: object, change: object) -> object:
@@ -31,13 +33,14 @@ def changed_value(current: object, change: object) -> object:
     return _reused(current, change)
 
 
-def without_stale_meshes(obstacles: object, files: Mapping[str, object]) -> object:
+def without_stale_meshes(obstacles: object, files: MeshSource) -> object:
     """The obstacles, with plain data for meshes whose file has new content in ``files``."""
-    if not isinstance(obstacles, list | tuple):
+    if not isinstance(obstacles, list | tuple) or not files.files:
         return obstacles
+    names = {obstacle.file for obstacle in obstacles if isinstance(obstacle, MeshShape)}
+    given = {name: files.given(name) for name in names}
     stale = [
-        isinstance(obstacle, MeshShape)
-        and files.get(obstacle.file, obstacle.surface) is not obstacle.surface
+        isinstance(obstacle, MeshShape) and _is_new(given[obstacle.file], obstacle)
         for obstacle in obstacles
     ]
     if not any(stale):
@@ -46,6 +49,39 @@ def without_stale_meshes(obstacles: object, files: Mapping[str, object]) -> obje
         obstacle.model_dump() if is_stale else obstacle
         for obstacle, is_stale in zip(obstacles, stale, strict=True)
     ]
+
+
+def without_stale_arm(arm: object, files: MeshSource, source: MeshSource) -> object:
+    """The arm, as its fields where one of its files has new content in ``files``.
+
+    Args:
+        arm: the arm, or its fields.
+        files: what is given anew.
+        source: this, and the files that the scene has.
+    """
+    fields = vars(arm) if isinstance(arm, ArmSettings) else arm
+    if not isinstance(fields, dict):
+        return arm
+    held = fields.get("attached")
+    if isinstance(held, MeshShape) and _is_new(files.given(held.file), held):
+        return {**fields, "attached": held.model_dump()}
+    is_stale = isinstance(arm, ArmSettings) and arm.is_read_anew(files, source)
+    return {**fields} if is_stale else arm
+
+
+def with_files(before: MeshSource, files: MeshSource) -> MeshSource:
+    """The files of a scene with others in place of those that they are given for."""
+    kept = {
+        name: file
+        for name, file in before.files.items()
+        if files.given(name) is None and files.given(file_of(name)) is None
+    }
+    return MeshSource({**kept, **files.files})
+
+
+def _is_new(given: object, mesh: MeshShape) -> bool:
+    """Check whether a file is given that is not the very surface of a mesh."""
+    return given is not None and given is not mesh.surface
 
 
 def _reused(current: object, change: object) -> object:

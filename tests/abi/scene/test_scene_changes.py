@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -19,6 +20,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.without_obstacles import without_obstacles
 from tests.abi import meshes
+from tests.abi.robot.robots import arm, packed
 
 NUMBERS = st.sampled_from([0, 1, 1.0, 2.0, 0.2, True, -1.0, float("nan"), "2", None])
 POINTS = st.lists(st.sampled_from([0.0, 3.0, 3, 6.0, 7.0, float("inf")]), min_size=2, max_size=4)
@@ -43,6 +45,8 @@ CHANGES = st.fixed_dictionaries(
 )
 
 
+LONG = arm(('size="0.1 0.1 0.3"', 'size="0.1 0.1 0.5"'))
+SRDF = '<robot name="r"><disable_collisions link1="b" link2="d"/></robot>'
 KITCHEN = load_scene("kitchen-ur5e")
 
 
@@ -106,6 +110,44 @@ def test_a_mesh_file_with_another_content_is_read_again() -> None:
         assert isinstance(sphere, Sphere)
         np.testing.assert_allclose(np.ptp(part.surface.vertices, axis=0), 2.0)
         assert sphere is scene.obstacles[1]
+
+
+@pytest.mark.parametrize(
+    ("fields", "changed"),
+    [
+        ({"urdf": "r.zip"}, {"r.zip": packed({"a.urdf": LONG})}),
+        ({"urdf": "q.urdf"}, {"q.urdf": LONG.encode()}),
+        ({"urdf": "several.zip/one.urdf"}, {"several.zip": packed({"one.urdf": LONG})}),
+        ({"urdf": "r.zip", "srdf": "r.srdf"}, {"r.srdf": SRDF.replace('"b"', '"c"').encode()}),
+        (
+            {"urdf": "r.zip", "attached": {"shape": "mesh", "file": "hält.stl"}},
+            {unicodedata.normalize("NFD", "hält.stl"): meshes.stl(meshes.box((2.0, 1.0, 1.0)))},
+        ),
+    ],
+)
+def test_what_an_arm_is_read_of_is_read_again_when_it_has_changed(
+    fields: dict[str, Any], changed: dict[str, bytes]
+) -> None:
+    files = {
+        "r.zip": packed({"a.urdf": arm()}),
+        "q.urdf": arm().encode(),
+        "several.zip": packed({"one.urdf": arm(), "two.urdf": arm()}),
+        "r.srdf": SRDF.encode(),
+        "hält.stl": meshes.stl(meshes.box()),
+    }
+    data = {
+        **{"version": 1, "unit": "m", "workspace": {"min": [-3] * 3, "max": [3] * 3}},
+        **{"start": [0, 0, 1], "goal": [0, 0, 1], "arm": {"model": "urdf", **fields}},
+    }
+    scene = Scene.from_dict(data, MeshSource(files))
+    named = {unicodedata.normalize("NFC", name): one for name, one in changed.items()}
+    expected = Scene.from_dict(data, MeshSource({**files, **named}))
+    assert scene != expected
+    for changes in ({}, {"arm": fields}, {"start": [0, 0, 1.5]}, {"arm": {"clearance": 0.5}}):
+        found = scene.replace(changed, **changes)
+        assert found == checked_whole(expected, changes, expected.meshes)
+        assert found.replace(changed, **changes) == found
+        assert found.replace(found.meshes.files) is found
 
 
 def test_a_mesh_counts_in_the_unit_that_the_scene_is_changed_to() -> None:
