@@ -18,6 +18,12 @@ from abi.robot.urdf.urdf_joints import some_of
 
 _PAST = 1e-9
 """Distance by which a state may exceed a limit without a note, [rad] or [m]."""
+_ELEMENTS = (
+    *("group", "group_state", "passive_joint"),
+    *("disable_collisions", "disable_default_collisions", "enable_collisions"),
+)
+_PASSIVE = "Moved like any other joint, though its SRDF says that nothing drives it:"
+_UNUSED = "Not used of its SRDF:"
 _BEYOND = "The limit counts where a state of its SRDF is beyond:"
 
 
@@ -58,6 +64,13 @@ def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
         if group.text("name"):  # one inside another is a reference to one before
             groups[group.text("name")] = _joints(group, robot, groups)
     touching, states = _may_touch(root, robot), _states(root, robot)
+    own = {one.name for one in robot.joints if one.kind != "fixed" and one.mimic is None}
+    for joint in root.all("passive_joint"):
+        if joint.text("name") in own:
+            root.told.setdefault(_PASSIVE, []).append(joint.text("name"))
+    others = dict.fromkeys(str(one.tag) for one in root.xml if one.tag not in _ELEMENTS)
+    if others:
+        root.told[_UNUSED] = [*others]
     notes = tuple(f"{note} {some_of(named)}." for note, named in root.told.items())
     return Srdf(root.text("name"), touching, groups, states, notes)
 

@@ -62,6 +62,18 @@ def test_states_of_one_name_are_told_apart_by_their_groups() -> None:
     assert found == {"left/up": 0.5, "right/up": -0.5, "low": 0.0}
 
 
+def test_what_of_an_srdf_is_not_used_or_not_driven_is_told() -> None:
+    robot = with_srdf(
+        '<virtual_joint name="v" type="planar" parent_frame="world" child_link="a"/>',
+        '<passive_joint name="q"/><passive_joint name="elsewhere"/>',
+        '<group name="arm"><joint name="p"/></group>',
+    )
+    assert "Not used of its SRDF: virtual_joint." in robot.notes
+    (passive,) = (note for note in robot.notes if "nothing drives" in note)
+    assert passive.endswith(": q.")
+    assert not any("SRDF" in note for note in with_srdf("<group/>").notes)
+
+
 def test_a_state_that_is_no_number_is_refused() -> None:
     with pytest.raises(SceneError, match=r"value.*fast"):
         with_srdf('<group_state name="a" group="b"><joint name="p" value="fast"/></group_state>')
