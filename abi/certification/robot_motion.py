@@ -8,12 +8,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.certification.motion import Motion
-from abi.errors import MotionError, SceneError, short
+from abi.certification.stated_poses import (
+    check_followers,
+    check_start,
+    check_state,
+    unused_state,
+)
+from abi.errors import MotionError, SceneError
 from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.couplings import require_followed
@@ -23,9 +28,6 @@ from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 
-_FAR, _APART = 0.05, 1e-3
-"""Distance of the first waypoint from the start state that is refused, and that of a joint which
-stands still, [rad] or [m]."""
 _PAST, _TURN, _TURNS = 1.0, 2 * math.pi, 6 * math.pi
 """Angle past a limit, and angle of such a joint and of a continuous one, from which on degrees are
 suspected, [rad]."""
@@ -103,15 +105,15 @@ def robot_motion(
 
     Raises:
         MotionError: a joint is unknown or missing, angles look like degrees, the first waypoint is
-            far from the start, or the robot's state in the file is another than the scene's; names
-            row, joint and unit.
+            far from the start, a joint is not where one that it follows takes it, or the robot's
+            state in the file is another than the scene's; names row, joint and unit.
     """
-    robot = scene.robot
+    robot, given = scene.robot, motion
     motion, notes = _matched(motion, robot)
     _suspect_degrees(motion, robot)
     if start is None:
         start = {name: at for name, at in motion.start.joints.items() if name in motion.joints}
-    _check_start(motion, robot, start)
+    check_start(motion, robot, start)
     held = held_in_metres(robot, scene.arm.gripper, METRES[scene.unit])
     held = {name: at for name, at in held.items() if name not in motion.joints}
     metres = METRES[scene.unit]
@@ -122,8 +124,9 @@ def robot_motion(
         require_followed(robot, chain.names, held)
     except SceneError as error:
         raise MotionError(error.message) from None
-    _check_state(motion, chain, scene.arm.attached is not None)
-    notes += _standing(chain)
+    check_followers(given, motion, chain)
+    check_state(motion, chain, scene.arm.attached is not None)
+    notes += [*_standing(chain), *unused_state(motion, robot)]
     if scene.obstacles:
         notes.append(f"The robot stands at ({x:g}, {y:g}, {z:g}) {scene.unit}.")
     return RobotMotion(motion, chain, read_only(bezier_points(motion)), (*motion.notes, *notes))
@@ -221,64 +224,6 @@ def _suspect_degrees(motion: Motion, robot: Robot) -> None:
             f"Convert them to radians, or name the unit in a CSV's header: {name} [deg].",
             row=int(row) + 1,
             joint=name,
-        )
-
-
-def _check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> None:
-    """Raise where the first waypoint is not near the state in which the robot stands."""
-    slides = {joint.name for joint in robot.joints if joint.kind == "prismatic"}
-    for name in start:
-        if name not in motion.joints:
-            raise MotionError(
-                f"The start state names {name}, which the motion does not move.",
-                f"Name some of {some_of(motion.joints, 8)}.",
-                joint=name,
-            )
-    for name, first in zip(motion.joints, motion.positions[0].tolist(), strict=True):
-        if abs(first - start.get(name, first)) > _FAR:
-            unit = "m" if name in slides else "rad"
-            raise MotionError(
-                f"Row 1 is far from the start state: {name} is at {first:.4g} {unit} there and "
-                f"stands at {start[name]:.4g} {unit}.",
-                "Add the way from the start state to the motion.",
-                row=1,
-                joint=name,
-            )
-
-
-def _check_state(motion: Motion, chain: Chain, holds: bool) -> None:
-    """Raise where a motion's file says otherwise than the scene what stands still, or is held."""
-    joints, objects, base = motion.start
-    for name, at in chain.held.items():
-        given = joints.get(name, at)
-        if abs(given - at) > _APART:
-            raise MotionError(
-                f"The file's start state has {name} at {given:.4g}, and here it stands at "
-                f"{at:.4g}.",
-                f"Hold it there: arm.gripper of the scene, or a column of the motion for {name}.",
-                joint=name,
-            )
-    if base is not None:
-        _check_base(np.array(base), chain)
-    if objects and not holds:
-        raise MotionError(
-            f"The file's robot holds {short(objects[0])}, whose shape is not read.",
-            "Give it as arm.attached of the scene.",
-        )
-
-
-def _check_base(base: FloatArray, chain: Chain) -> None:
-    """Raise where a motion's file has the robot's root, (7,), elsewhere than the scene."""
-    here = next(one.pose for one in chain.carried if one.link == chain.robot.root)
-    turn = scipy.spatial.transform.Rotation.from_quat(base[3:]).as_matrix()
-    if np.abs(turn - here[:3, :3]).max() > _APART or np.abs(base[:3] - here[:3, 3]).max() > _APART:
-        there, stands = (
-            f"({', '.join(f'{number:.4g}' for number in place)}) m"
-            for place in (base[:3], here[:3, 3])
-        )
-        raise MotionError(
-            f"The file's robot stands at {there}, and here at {stands}, or it is turned otherwise.",
-            "Give its place as arm.base and arm.base_wxyz of the scene.",
         )
 
 

@@ -8,9 +8,14 @@ from typing import Any
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
-from abi.robot.urdf.robot_files import SHIPPED, load_robot
+from abi.robot.urdf.robot_files import SHIPPED, file_of, load_robot
 from abi.scene.scene import Scene
 
+_OF_ONE_ROBOT = (
+    *("srdf", "tip", "base_link", "gripper", "allowed", "grasping", "axis", "start", "goal"),
+    "search",
+)
+"""Fields of an arm that mean nothing for another one."""
 _ROOM = 2.0
 """Half of the room that a robot alone has around it, over the length of all its joints."""
 
@@ -19,13 +24,14 @@ def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
     """A scene with a robot.
 
     The robot stands at ``arm.base`` where the scene gives one or has a robot, else at the origin.
+    What else a scene says of its own robot is not taken over for another one.
 
     Args:
         robot: a shipped arm's name, or a ``.urdf`` or ``.zip`` file; None for the scene's own.
         scene: with the obstacles; None for a room without any, in metres.
 
     Raises:
-        SceneError: the robot cannot be read, or there is none.
+        SceneError: the robot cannot be read, there is none, or the scene's own holds an object.
     """
     if robot is None:
         if scene is None or scene.arm.model != "urdf":
@@ -34,18 +40,32 @@ def robot_scene(robot: str | Path | None, scene: Scene | None = None) -> Scene:
     name, files = _files(str(robot))
     if scene is None:
         return _alone(name, files)
-    arm: dict[str, Any] = {"model": "urdf", "urdf": name, "tip": None, "base_link": None}
-    if scene.arm.model != "urdf" and "base" not in scene.arm.model_fields_set:
+    before = scene.arm
+    if before.model == "urdf" and load_robot(name, MeshSource(files)) == before.whole_robot:
+        return scene
+    if before.attached is not None:
+        expected = "none where another robot takes the place of the one that holds it"
+        raise SceneError("arm.attached", before.attached.model_dump(), expected)
+    fields = {name: type(before).model_fields[name] for name in _OF_ONE_ROBOT}
+    arm: dict[str, Any] = {
+        **{name: field.get_default(call_default_factory=True) for name, field in fields.items()},
+        **{"model": "urdf", "urdf": name},
+    }
+    if before.model != "urdf" and "base" not in before.model_fields_set:
         arm["base"] = (0.0, 0.0, 0.0)  # the default is where the paper's arm stands
-    return scene.replace(files=files, arm=arm)
+    return scene.replace(files=files, arm=arm, tasks=())
 
 
 def _files(robot: str) -> tuple[str, dict[str, Robot]]:
     """Name of a robot as a scene has it, and what was read of its file."""
     if robot in SHIPPED:
         return robot, {}
-    path = Path(robot)
-    return path.name, {path.name: load_robot(path.name, MeshSource(folder=path.parent))}
+    path, file = Path(robot), Path(file_of(robot))
+    if file != path and file.is_file():  # one of several in a zip
+        path, name = file, f"{file.name}/{path.relative_to(file).as_posix()}"
+    else:
+        name = path.name
+    return name, {name: load_robot(name, MeshSource(folder=path.parent))}
 
 
 def _alone(name: str, files: dict[str, Robot]) -> Scene:

@@ -18,10 +18,10 @@ from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
-from abi.errors import MotionError
+from abi.errors import MotionError, SceneError
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
-from tests.abi.robot.robots import joint, link, urdf
+from tests.abi.robot.robots import LINKED_BIT, arm, joint, link, packed, urdf
 
 pytestmark = pytest.mark.slow
 JOINTS = (
@@ -255,6 +255,30 @@ def test_a_robot_stands_where_the_scene_says_whatever_its_own_arm_is(arm: dict[s
         assert stands in verdict.problem.motion.notes
     unsaid = abi.certify("ur5e", JOINTS, [0, 2], upright, Scene.from_dict(data))
     assert "The robot stands at (0, 0, 0) m." in unsaid.problem.motion.notes
+
+
+def test_another_robot_takes_the_place_of_a_scenes_own(tmp_path: Path) -> None:
+    for name, size in (("old", "0.1 0.1 0.3"), ("new", "0.1 0.1 0.9")):
+        (tmp_path / name).mkdir()
+        text = arm(('<box size="0.1 0.1 0.3"/>', f'<box size="{size}"/>'))
+        (tmp_path / name / "arm.urdf").write_text(text)
+    (tmp_path / "all.zip").write_bytes(packed({"x/a.urdf": arm(), "x/b.urdf": LINKED_BIT}))
+    of_its_own = {
+        **{"model": "urdf", "urdf": "arm.urdf", "tip": "c", "base": [1, 0, 0], "search": "joints"},
+        **{"allowed": [["a", "c"]], "gripper": {"s": 1.0}, "start": [0.0, 0.0]},
+    }
+    room = {"min": [-3] * 3, "max": [3] * 3}
+    data = {"version": 1, "unit": "m", "workspace": room, "arm": of_its_own}
+    scene = Scene.from_dict({**data, "goal": [0, 0, 1]}, tmp_path / "old")
+    assert robot_scene(tmp_path / "old" / "arm.urdf", scene) is scene
+    for place in (tmp_path / "new" / "arm.urdf", tmp_path / "all.zip" / "x" / "b.urdf", "ur5e"):
+        found = robot_scene(place, scene)
+        assert found.arm.robot == robot_scene(place).arm.robot
+        assert found.arm.base == (1, 0, 0)
+        assert (found.arm.allowed, found.arm.gripper, found.arm.start) == ((), {}, None)
+    held = {"shape": "box", "size": [0.1, 0.1, 0.1]}
+    with pytest.raises(SceneError, match=r"arm.attached .* none where another robot"):
+        robot_scene("ur5e", scene.replace(arm={"attached": held}))
 
 
 def test_a_continuous_joint_may_have_turned_before(tmp_path: Path) -> None:

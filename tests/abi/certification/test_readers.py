@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from abi.certification.motion import Motion
+from abi.certification.motion import Motion, RobotState
 from abi.certification.read_message import read_message
 from abi.certification.read_motion import own_joints, read_motion
 from abi.certification.robot_motion import bezier_points, robot_motion
@@ -20,6 +21,7 @@ from abi.errors import MotionError
 from abi.scene.scene_file import yaml_text
 from abi.verify.exact_path import exact_path
 from abi.verify.fault import Fault
+from tests.abi.robot.robots import follows, joint, link, urdf
 
 SCENE = robot_scene("ur5e")
 ROBOT = SCENE.arm.robot
@@ -249,6 +251,42 @@ def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
     whole = {"trajectory": [{"joint_trajectory": message()}], **changed}
     with pytest.raises(MotionError, match=why):
         robot_motion(read_motion("a.json", json.dumps(whole).encode(), own_joints(ROBOT)), SCENE)
+
+
+@pytest.mark.parametrize(
+    ("column", "state", "why"),
+    [
+        ([0.1, 0.7], {}, None),  # as the master and the <mimic> have it
+        ([0.1, 0.1], {}, "row 2 v is at 0.1, and by its <mimic> it follows p to 0.7"),
+        (None, {"v": 0.1, "w": 0.3}, None),
+        (None, {"v": 1.5}, "state has v at 1.5, and by its <mimic> it follows p to 0.1"),
+        (None, {"w": 0.5}, "state has w at 0.5"),
+    ],
+)
+def test_a_file_may_not_have_followers_elsewhere_than_they_follow(
+    tmp_path: Path, column: list[float] | None, state: dict[str, float], why: str | None
+) -> None:
+    path = tmp_path / "r.urdf"
+    limit = '<limit lower="-3" upper="3"/>'
+    text = urdf(
+        *map(link, "abcde"),
+        joint("p", "a", "b"),
+        joint("v", "b", "c", extra=limit + follows("p", 3.0, 0.1)),
+        joint("m", "a", "d"),  # stands still
+        joint("w", "d", "e", extra=limit + follows("m", 1.0, 0.3)),
+    )
+    path.write_text(text)
+    start = RobotState({**state, "elsewhere": 1.0}, ())
+    columns = {"p": [0.0, 0.2]} | ({} if column is None else {"v": column})
+    table = np.array([*columns.values()]).T
+    motion = Motion(tuple(columns), np.array([0.0, 1.0]), table, start=start)
+    if why is None:
+        moves = robot_motion(motion, robot_scene(path))
+        assert moves.motion.joints == ("p",)
+        assert any("nothing moves them: elsewhere" in note for note in moves.notes)
+    else:
+        with pytest.raises(MotionError, match=why):
+            robot_motion(motion, robot_scene(path))
 
 
 def test_a_quote_that_none_closes_takes_no_rows_along() -> None:
