@@ -21,7 +21,6 @@ from abi.obstacles.triangle_mesh.shells import Shells, areas_of, shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.union import united
 from abi.obstacles.triangle_mesh.welding import (
-    compact,
     faces_in_order,
     in_order,
     weld,
@@ -66,7 +65,7 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     vertices = arguments.points("vertices", vertices)
     faces = arguments.ids("faces", faces, (-1, 3), len(vertices))
     lines = uncovered_lines(vertices, faces)
-    vertices, faces = weld(vertices, faces, 0.0)
+    vertices, faces = weld(vertices, faces)
     size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
     if size == 0 or not areas_of(vertices, faces).any():
         raise SceneError("file", name, "a mesh, but none of its triangles has an area")
@@ -78,13 +77,13 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
         )
     is_solid = shells.is_solid
     faces, sheets = shells.faces[is_solid], shells.faces[~is_solid]
-    most = _MOST if shells.closed.any() else 0
+    most, is_as_in_file = _MOST if shells.closed.any() else 0, True
     if (parts := int(shells.closed.sum())) > 1:
         merged = united(vertices, faces, shells.label[is_solid])
         if merged is not None:
             notes = (*notes, f"Its {parts} parts count as one solid.")
             corners, faces = in_order(*merged)
-            faces, before = faces_in_order(faces), np.int32(len(corners))
+            is_as_in_file, before = False, np.int32(len(corners))
             sheets, moved = sheets + before, moved + before
             vertices = np.concatenate([corners, vertices])
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
@@ -94,13 +93,16 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
             count = counted(len(sheets), "triangle")
             notes = (*notes, f"{count} no part of a solid: a thin shell, without an inside.")
         sheets = np.concatenate([sheets, moved])
-        faces = faces_in_order(np.concatenate([faces, sheets, sheets[:, ::-1]]))
+        faces = np.concatenate([faces, sheets, sheets[:, ::-1]])
+        is_as_in_file = False
     elif len(sheets) + len(moved):
         sheets = np.concatenate([sheets, moved])
         why = "has holes" if shells.has_border.any() else _CANCELLED
         whole = f"The surface {why}: it is treated as a thin shell, without an inside."
         faces, parts, notes = np.concatenate([faces, sheets]), 0, (*notes, whole)
-    vertices, faces = in_order(*compact(vertices, faces[areas_of(vertices, faces) > 0]))
+    # corners that a united part and a sheet both have are there twice
+    vertices, faces = in_order(*weld(vertices, faces[areas_of(vertices, faces) > 0]))
+    faces = faces if is_as_in_file else faces_in_order(faces)
     return Surface(read_only(vertices), read_only(faces), parts > 0, notes)
 
 
@@ -132,7 +134,7 @@ def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
     near = weld_nearby(vertices, kept[~stays], _WELD * size)
     count = np.int32(len(near.vertices))
     corners, ids = np.concatenate([near.vertices, vertices]), kept[stays] + count
-    joined = _split_as_it_is(*weld(corners, np.concatenate([ids, near.faces]), 0.0))
+    joined = _split_as_it_is(*weld(corners, np.concatenate([ids, near.faces])))
     if joined.shells.is_solid.sum() <= solid.sum():
         return split
     notes = _CLOSED_GAPS[: 1 + (len(near.moved) > 0)]

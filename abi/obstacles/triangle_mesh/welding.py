@@ -5,15 +5,27 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows, in_rows
 
+_LONGEST = 2.0
+"""Extent of vertices that are joined at once, over the distance of those next to each other."""
 
-def weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
-    """Join equal vertices, or those in the same cube of side ``size``; drop degenerate faces."""
-    keys = (np.round(vertices / size) if size else vertices) + 0.0  # -0.0 is 0.0
-    first, ids = distinct_rows(keys)
+
+def weld(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """Join equal vertices, and drop degenerate faces."""
+    return _joined(vertices, faces, distinct_rows(vertices + 0.0))  # -0.0 is 0.0
+
+
+def _joined(
+    vertices: FloatArray, faces: IntArray, distinct: tuple[IntArray, IntArray]
+) -> tuple[FloatArray, IntArray]:
+    """Join vertices: see :func:`distinct_rows` for those that stay and the number of each."""
+    first, ids = distinct
     welded = ids[faces]
     a, b, c = welded.T
     welded = welded[(a != b) & (b != c) & (c != a)]
@@ -35,8 +47,8 @@ class NearbyWelded(NamedTuple):
 
 
 def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> NearbyWelded:
-    """Join vertices in the same cube, but not those of faces that would vanish untraceably."""
-    first, ids = distinct_rows(np.round(vertices / size) + 0.0)
+    """Join vertices that are near, but not those of faces that would vanish untraceably."""
+    first, ids = _near_rows(vertices, size)
     moved = (vertices[first][ids] != vertices).any(axis=1)[faces].any(axis=1)
     corners = ids[faces].astype(np.int64)
     sides = np.sort(np.stack([corners, corners[:, [1, 2, 0]]], axis=-1), axis=-1)
@@ -47,11 +59,33 @@ def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> NearbyWel
     seen = ~is_side | np.isin(keys, keys[stays])
     seen &= np.isin(corners, corners[stays])
     lost = ~stays & ~seen.all(axis=1)
-    welded, kept = weld(vertices, faces[~lost], size)
+    welded, kept = _joined(vertices, faces[~lost], (first, ids))
     both = np.concatenate([kept, faces[lost] + np.int32(len(welded))])
-    welded, both = weld(np.concatenate([welded, vertices]), both, 0.0)
+    welded, both = weld(np.concatenate([welded, vertices]), both)
     before = faces[moved & ~lost] + np.int32(len(welded))
     return NearbyWelded(np.concatenate([welded, vertices]), both, before)
+
+
+def _near_rows(vertices: FloatArray, size: float) -> tuple[IntArray, IntArray]:
+    """Those of vertices in the same cube of side ``size`` count as one, and so do near ones.
+
+    What lies on both sides of a border of cubes is joined, too, unless a whole chain would be.
+
+    Returns:
+        The vertices that stay, and for each vertex the number of the one that it becomes.
+    """
+    first, ids = distinct_rows(np.round(vertices / size) + 0.0)
+    places = vertices[first]
+    pairs = cKDTree(places).query_pairs(size, output_type="ndarray")
+    edges = np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])
+    count, group = connected_components(coo_matrix(edges, (len(first), len(first))), directed=False)
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, group, places)
+    np.maximum.at(high, group, places)
+    is_chain = ((high - low).max(axis=1) > _LONGEST * size)[group]
+    group = np.where(is_chain, count + np.arange(len(first)), group)
+    _, stays, number = np.unique(group, return_index=True, return_inverse=True)
+    return first[stays].astype(np.int32), number[ids].astype(np.int32)
 
 
 def without_duplicates(faces: IntArray) -> tuple[IntArray, IntArray]:

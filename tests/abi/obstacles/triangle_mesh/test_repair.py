@@ -10,6 +10,7 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.welding import weld_nearby
 from tests.abi import meshes
 from tests.abi.meshes import Mesh
 
@@ -311,3 +312,40 @@ def test_shells_that_run_into_themselves_are_solid_where_several_do(beside: bool
     middles = np.stack([2 * np.cos(around), 2 * np.sin(around), 0 * around], axis=1)
     assert inside(surface, middles).all()
     assert not inside(surface, np.array([[0, 0, 0], [2, 0, 0.9]])).any()
+
+
+@pytest.mark.parametrize("noise", [1e-10, 1e-8, 6e-8])
+def test_gaps_much_smaller_than_the_tolerance_are_closed_wherever_they_are(noise: float) -> None:
+    """Each corner of a triangle has coordinates of its own, some on another side of a border."""
+    vertices, faces = meshes.sphere(2)
+    apart = vertices[faces].reshape(-1, 3)
+    for seed in range(5):
+        shaken = apart + np.random.default_rng(seed).uniform(-noise, noise, apart.shape)
+        surface = clean(shaken, np.arange(len(shaken), dtype=np.int32).reshape(-1, 3))
+        assert surface.closed
+        assert inside(surface, vertices * 0.9).all()
+
+
+def test_a_chain_of_near_corners_is_not_drawn_together() -> None:
+    """Triangles of which one corner each is nearer to the next one's than the tolerance."""
+    along, zero = np.arange(60.0), np.zeros(60)
+    chain = np.stack([along * 0.9e-6, zero, zero], axis=1)
+    far = np.stack([along, zero + 1, zero], axis=1), np.stack([along, zero + 2, zero], axis=1)
+    faces = np.arange(180, dtype=np.int32).reshape(3, 60).T.copy()
+    near = weld_nearby(np.concatenate([chain, *far]), faces, 1e-6)
+    moved = near.vertices[near.faces[:, 0]] - chain
+    assert np.abs(moved).max() < 2e-6
+
+
+def test_a_united_surface_with_sheets_is_the_same_when_it_is_read_again() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(12):
+        sizes, places = rng.integers(1, 4, (3, 3)) * 0.5, rng.integers(0, 4, (3, 3)) * 0.5
+        boxes = [
+            meshes.box(tuple(a), tuple(b))
+            for a, b in zip(sizes.tolist(), places.tolist(), strict=True)
+        ]
+        corners = np.concatenate([vertices for vertices, _ in boxes])
+        fin = corners[rng.choice(len(corners), 3, replace=False)], np.array([[0, 1, 2]])
+        surface = clean(*meshes.joined(*boxes, fin))
+        assert clean(surface.vertices, surface.faces).digest == surface.digest
