@@ -87,7 +87,7 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Checked
                 limit = f"{_MOST_FILES:,} files of {_MOST_UNPACKED // 1_000_000} MB in all"
                 raise SceneError(_FIELD, name, f"an archive of at most {limit}")
             files = _in_one_folder(entries, name)
-            scene = next(file for file in _SCENES if file in files)
+            scene = next(file for file in files if file.lower() in _SCENES)
             data = parse_bytes(archive.read(files[scene]), scene)
             stored = {
                 file: archive.read(entry)
@@ -95,7 +95,8 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Checked
                 if PurePosixPath(file).suffix.lower() in (*SUFFIXES, *_ARMS)
             }
     except DAMAGED_ZIP:
-        raise SceneError(_FIELD, name, "a whole zip archive, but this is damaged") from None
+        expected = "a whole zip archive in which each file is once, whatever its slashes"
+        raise SceneError(_FIELD, name, expected) from None
     names = _original_names(files)
     contents: dict[str, bytes | CheckedFile] = {}
     for file, original in names.items():
@@ -108,15 +109,16 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Checked
 
 def _in_one_folder(entries: Mapping[str, zipfile.ZipInfo], name: str) -> dict[str, zipfile.ZipInfo]:
     """Files in the scene's folder by their names there; ``name`` is that of the archive."""
-    scenes = [PurePosixPath(file) for file in entries if PurePosixPath(file).name in _SCENES]
+    scenes = [path for path in map(PurePosixPath, entries) if path.name.lower() in _SCENES]
     if not scenes:
         raise SceneError(_FIELD, name, "an archive with a scene.yaml in it")
     depth = min(len(scene.parts) for scene in scenes)
-    folders = sorted({scene.parent for scene in scenes if len(scene.parts) == depth})
-    if len(folders) > 1:
-        names = ", ".join(f"{folder}" for folder in folders[:4])
-        raise SceneError(_FIELD, name, f"an archive of one scene, not one in each of {names}")
-    inside = {without_folder(file, folders[0]): entry for file, entry in entries.items()}
+    outer = sorted(scene for scene in scenes if len(scene.parts) == depth)
+    if len(outer) > 1:
+        names = " and ".join(map(str, outer[:4]))
+        raise SceneError(_FIELD, name, f"an archive of one scene, not of {names}")
+    folder = outer[0].parent
+    inside = {without_folder(file, folder): entry for file, entry in entries.items()}
     return {file: entry for file, entry in inside.items() if file is not None}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import msgspec
@@ -12,13 +13,17 @@ from app.cli.exit_code import INCOMPLETE
 from app.cli.given_scene import STANDARD
 from app.cli.output import cause, print_text
 
+if TYPE_CHECKING:
+    from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+
 
 @click.command(short_help="Check a plan's certificates again, exactly.")
 @click.argument("plan", type=click.Path(path_type=Path))
 @click.option(
     "--meshes",
-    type=click.Path(file_okay=False, exists=True, path_type=Path),
-    help="Folder of the scene's mesh files.  [default: the plan's, then the shipped scenes']",
+    type=click.Path(exists=True, path_type=Path),
+    help="Folder or zip of the scene's files.  [default: the plan's folder, then the shipped "
+    "scenes']",
 )
 def verify(plan: Path, meshes: Path | None) -> None:
     """Check every certificate in the file PLAN again in exact arithmetic.
@@ -37,7 +42,7 @@ def verify(plan: Path, meshes: Path | None) -> None:
 
     found = PlanMeshes(plan.parent)
     data = _read(plan)
-    verdicts = verify_plan(data, meshes or found)
+    verdicts = verify_plan(data, found if meshes is None else _files(meshes))
     for name in dict.fromkeys(found.shipped):
         click.echo(f"{name!r} is not beside the plan; the shipped scenes' is taken.", err=True)
     lines = [str(verdict) for verdict in verdicts]
@@ -46,6 +51,21 @@ def verify(plan: Path, meshes: Path | None) -> None:
     print_text("\n".join(lines))
     if not all(verdict.proven for verdict in verdicts):
         raise SystemExit(INCOMPLETE)
+
+
+def _files(path: Path) -> Path | MeshSource:
+    """The folder of a scene's files, or those in its zip."""
+    from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+    from abi.scene.scene_archive import unpack
+
+    if path.is_dir():
+        return path
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        reason = cause(error, "not readable")
+        raise click.ClickException(f"{str(path)!r} cannot be read ({reason}).") from None
+    return MeshSource(unpack(content, path.name)[1])
 
 
 def _read(path: Path) -> object:

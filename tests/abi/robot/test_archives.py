@@ -233,10 +233,16 @@ def test_a_scene_may_be_in_a_folder_of_its_archive(tmp_path: Path, how: object, 
 
 
 def test_an_archive_of_several_scenes_is_refused(tmp_path: Path) -> None:
-    two: Files = {"a/scene.yaml": "version: 1", "b/scene.yaml": "version: 1"}
-    (tmp_path / "s.zip").write_bytes(packed(two))
-    with pytest.raises(SceneError, match="one scene, not one in each of a, b"):
-        load_scene(tmp_path / "s.zip")
+    for one, other in (("a/scene.yaml", "b/scene.yaml"), ("Scene.yaml", "scene.json")):
+        two: Files = {one: '{"version": 1}', other: '{"version": 1}'}
+        (tmp_path / "s.zip").write_bytes(packed(two))
+        with pytest.raises(SceneError, match=f"one scene, not of {one} and {other}"):
+            load_scene(tmp_path / "s.zip")
+
+
+def test_a_scene_is_found_whatever_the_case_of_its_name(tmp_path: Path) -> None:
+    (tmp_path / "s.zip").write_bytes(packed({"Scene.YAML": "{version: 1, goal: [1, 2, 3]}"}))
+    assert load_scene(tmp_path / "s.zip").goal == (1, 2, 3)
 
 
 SEVERAL: Files = {

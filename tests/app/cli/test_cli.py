@@ -16,7 +16,7 @@ import pytest
 from abi import assets
 from abi.errors import AbiError
 from abi.planner.planner import plan
-from abi.scene.scene import load_scene, scene_names
+from abi.scene.scene import Scene, load_scene, scene_names
 from abi.search.compare import COMPARED
 from abi.search.search import SEARCHES
 from app.__main__ import main
@@ -26,6 +26,7 @@ from app.guard.policy import policy_for
 from app.server.address import Address
 from app.server.server import Server
 from app.state.appearance import PLAIN
+from tests.abi import meshes
 
 
 def run(
@@ -295,6 +296,23 @@ def test_the_plan_of_a_shipped_scene_can_be_verified_wherever_it_is(
     files = {body["file"] for body in data["scene"]["obstacles"] if body["shape"] == "mesh"}
     assert len(err.splitlines()) == len(files)
     assert all(file in err for file in files)
+
+
+@pytest.mark.slow
+def test_a_plan_of_a_packed_scene_is_verified_with_its_zip(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """A mesh that was no OBJ has another name in the zip than in the plan."""
+    files = {"ball.stl": meshes.stl(meshes.sphere(1, 0.5))}
+    obstacle = {"shape": "mesh", "file": "ball.stl", "position": [3, 3, 3]}
+    data = {"version": 1, "obstacles": [obstacle], "arm": {"avoid": False}}
+    data["quadratic"] = {"mode": "clear"}
+    packed, target = tmp_path / "s.zip", tmp_path / "plan.json"
+    packed.write_bytes(Scene.from_dict(data, files).pack())
+    assert run(monkeypatch, capsys, "plan", str(packed), "--out", str(target))[0] == 0
+    code, out, err = run(monkeypatch, capsys, "verify", str(target), "--meshes", str(packed))
+    assert (code, err) == (0, "")
+    assert out.startswith("bspline: proven")
 
 
 @pytest.mark.slow
