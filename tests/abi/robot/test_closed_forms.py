@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import itertools
+import pkgutil
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from abi.arrays import FloatArray
+from abi.robot import kinematics
 from abi.robot.kinematics import closed_forms
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.closed_forms import closed_positions
@@ -98,3 +101,11 @@ def test_first_poses_are_those_of_the_closed_form(monkeypatch: pytest.MonkeyPatc
     other = standing(scara(4, ("revolute", "revolute", "prismatic"), wrist=False))
     sought = other.first_poses(point)
     np.testing.assert_allclose(np.sort(exact, axis=0), np.sort(sought, axis=0), atol=1e-3)
+
+
+def test_every_closed_form_is_in_the_table() -> None:
+    for module in pkgutil.iter_modules(kinematics.__path__):
+        found = vars(importlib.import_module(f"{kinematics.__name__}.{module.name}"))
+        for name, one in found.items():
+            if name.endswith("_positions") and one.__module__ != closed_forms.__name__:
+                assert one in closed_forms.CLOSED_FORMS, f"{name} is missing in CLOSED_FORMS"
