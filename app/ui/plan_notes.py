@@ -57,15 +57,15 @@ def _clearance(plan: Plan, fit: AnyFit | None) -> str:
 
 
 def _control_points(plan: Plan) -> str:
-    """Number of control points added for clearance; empty for none."""
+    """Numbers of control points added, and moved, for clearance; empty for none."""
     spline = None if plan.bspline is None else plan.bspline.curve
     if spline is None or not (spline.inserted or spline.moved):
         return ""
-    counts = ((spline.inserted, "added"), (spline.moved, "moved"))
+    counts = (spline.inserted, "added to stay near the path"), (spline.moved, "moved to stay clear")
     first, *others = [(count, done) for count, done in counts if count]
     text = f"{first[0]} control point{'s' if first[0] > 1 else ''} {first[1]}"
     text += "".join(f", {count} {done}" for count, done in others)
-    return style.paragraph(f"{text} to stay clear.")
+    return style.paragraph(f"{text}.")
 
 
 def _coefficients(plan: Plan) -> str:

@@ -9,6 +9,7 @@ window.abiLabels = {
   STEP: [9, 6],  // [px] between two places that are tried
   FARTHEST: 14,  // steps to each side
   KEPT_FREE: 3,  // [px] to each side of a point of the curve
+  STAYS: 12,  // [px] by which a label may be farther from its place than it need be, so that it rests
 
   placed: new Map(),  // by name: position as the server gave it, as it was set here, and shift [px]
   sizes: new Map(),
@@ -55,14 +56,13 @@ window.abiLabels = {
     return this.sizes.get(key);
   },
 
-  // Places to try, the nearest first; sideways counts less, since text is wide.
+  // Places to try, the nearest first.
   get shifts() {
     const found = [], far = this.FARTHEST, [dx, dy] = this.STEP;
     for (let i = -far; i <= far; i++) {
       for (let j = -far; j <= far; j++) found.push([dx * i, dy * j]);
     }
-    const cost = ([x, y]) => Math.hypot(0.8 * x, y);
-    found.sort((a, b) => cost(a) - cost(b));
+    found.sort((a, b) => this.cost(a) - this.cost(b));
     Object.defineProperty(this, "shifts", {value: found});
     return found;
   },
@@ -138,18 +138,25 @@ window.abiLabels = {
     if (moved) viser.requestRender();
   },
 
-  // The least shift to where nothing is, nor what is to be kept free if that goes, too; the last one while it will do.
+  // Distance of a shift [px]; sideways counts less, since text is wide.
+  cost([x, y]) { return Math.hypot(0.8 * x, y); },
+
+  // The least shift to where nothing is, nor what is to be kept free if that goes, too; the last one
+  // while none is much less.
   free({box: [a, b, c, d], shift}, taken, view, kept = []) {
     const beside = boxes => ([x, y]) => boxes.every(([e, f, g, h]) => c + x <= e || g <= a + x || d + y <= f || h <= b + y);
     const [apart, clear] = [beside(taken), beside(kept)];
     const fits = ([x, y]) => a + x >= 0 && c + x <= view.width && b + y >= 0 && d + y <= view.height && apart([x, y]);
-    let apartOnly;
-    for (const place of [[0, 0], ...(shift ? [shift] : []), ...this.shifts]) {
+    let least;
+    for (const place of [[0, 0], ...this.shifts]) {
       if (!fits(place)) continue;
-      if (clear(place)) return place;
-      apartOnly ??= place;
+      const open = clear(place);
+      if (open || !least) least = {place, open};
+      if (open) break;
     }
-    return apartOnly ?? [0, 0];
+    if (!least) return [0, 0];
+    const stays = shift && this.cost(shift) <= this.cost(least.place) + this.STAYS && fits(shift) && (clear(shift) || !least.open);
+    return stays && this.cost(least.place) > 0 ? shift : least.place;
   },
 
   // Put a label beside its place; whether that is news.

@@ -16,6 +16,7 @@ from app.ui.numbers import (
     format_excess,
     format_length,
     format_lower_bound,
+    format_setting,
     format_time,
     unbroken,
 )
@@ -171,7 +172,11 @@ def _arm_row(plan: Plan) -> tuple[str, ...]:
     if kept is None:
         return "whole arm", *_NO_STAGE
     clearance = _clearance(kept.distance, kept.required, kept.certified, alarming=False)
-    return "whole arm", "–", "–", clearance
+    title = f"whole arm (≥ {format_setting(kept.required)})"
+    hint = (
+        f"Of the links, {format_setting(kept.required)} {plan.scene.unit} are asked for: stage 6."
+    )
+    return f'<span title="{hint}">{title}</span>', "–", "–", clearance
 
 
 def _stage_row(

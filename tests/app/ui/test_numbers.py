@@ -123,7 +123,7 @@ def test_nothing_is_told_of_points_that_there_are_not() -> None:
     assert moved.bspline.curve.inserted == 0 < moved.bspline.curve.moved
     assert ">6 control points moved to stay clear." in _control_points(moved)
     added = plan(load_scene("arm-in-the-way"))
-    assert ">8 control points added to stay clear." in _control_points(added)
+    assert ">8 control points added to stay near the path." in _control_points(added)
     assert _control_points(plan(paper)) == ""
 
 
