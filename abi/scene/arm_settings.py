@@ -76,6 +76,10 @@ AllowedPair = Annotated[tuple[str, str | int], BeforeValidator(_contact)]
 _POINT_ALONE = "a point: joints and orientation can be asked only of an arm from a URDF"
 
 
+_OF_URDF = ("urdf", "srdf", "tip", "base_link", "gripper", "allowed", "attached")
+"""Fields that say nothing of the paper's arm."""
+
+
 class ArmSettings(Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
@@ -136,6 +140,11 @@ class ArmSettings(Settings):
 
     @model_validator(mode="after")
     def _load(self, info: ValidationInfo) -> Self:
+        if "model" not in self.model_fields_set:  # a default that nobody has chosen
+            of_urdf = [name for name in _OF_URDF if name in self.model_fields_set]
+            if of_urdf:
+                expected = f"urdf, to which arm.{of_urdf[0]} belongs, or abi without it"
+                raise SceneError("arm.model", None, expected)
         check_axis("arm.axis", self.axis, self.model, self.search)
         if self.model == "abi" and abs(self.base_wxyz[0]) < math.hypot(*self.base_wxyz):
             expected = "[1, 0, 0, 0]: the paper's arm stands upright, only a URDF may be turned"

@@ -121,6 +121,12 @@ def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) ->
         ({"obstacles": [{**BOX, "shape": "blob"}]}, "obstacles[0].shape", "'blob'; expected box"),
         ({"obstacles": [{"size": [1, 1, 1]}]}, "obstacles[0].shape", "missing; expected box"),
         ({"obstacles": [{"shape": "mesh", "file": ""}]}, "obstacles[0].file", "a name"),
+        ({"arm": {"urdf": "mine.urdf"}}, "arm.model", "urdf, to which arm.urdf belongs"),
+        (
+            {"arm": {"base": [1, 0, 0], "tip": "hand"}},
+            "arm.model",
+            "urdf, to which arm.tip belongs",
+        ),
         ({"arm": {"urdf": ""}}, "arm.urdf", "''; expected a name."),
         ({"arm": {"tip": "t" * 101}}, "arm.tip", "; expected at most 100 characters."),
         ({"version": 2}, "version", "2; expected 1."),
