@@ -88,21 +88,19 @@ class _Simulation:
         motion = self._plan.legs[number].motion
         assert motion is not None
         spline = scipy.interpolate.CubicSpline(motion.time, motion.positions, bc_type="clamped")
-        worst = 0.0
-        for k in range(round(motion.time[-1] / STEP)):
-            place, speed, growth = (spline(k * STEP, order) for order in range(3))
-            self._step(place, speed, growth, _opening(self._plan, number))
-            body = self._data.body(self._last)
-            tool = body.xpos + body.xmat.reshape(3, 3) @ self._offset
-            worst = max(
-                worst, float(np.linalg.norm(tool - self._arm.tool(spline([(k + 1) * STEP]))[0]))
-            )
-            for contact in self._data.contact:
-                pair = sorted(
-                    self._model.body(self._model.geom_bodyid[geom]).name for geom in contact.geom
+        times = STEP * np.arange(round(motion.time[-1] / STEP) + 1)
+        states = [spline(times[:-1], order) for order in range(3)]
+        opening, body, followed = _opening(self._plan, number), self._data.body(self._last), []
+        for place, speed, growth in zip(*states, strict=True):
+            self._step(place, speed, growth, opening)
+            followed.append(body.xpos + body.xmat.reshape(3, 3) @ self._offset)
+            for geoms in self._data.contact.geom.tolist():
+                first, second = sorted(
+                    self._model.body(self._model.geom_bodyid[geom]).name for geom in geoms
                 )
-                contacts.add((number, pair[0], pair[1]))
-        return worst
+                contacts.add((number, first, second))
+        wanted = self._arm.tool(spline(times[1:]))
+        return float(np.linalg.norm(np.array(followed) - wanted, axis=1).max())
 
     def grip(self, number: int) -> None:
         """Stand still while the gripper moves to where it is held on a leg, and takes or leaves."""

@@ -35,6 +35,7 @@ FLAGS = (
     "--no-first-run",
 )
 PATIENCE = 60.0  # [s]; the first frames in software GL compile shaders for seconds
+_FIRST_PAUSE, _LONGEST_PAUSE = 20.0, 150.0  # [ms] between two looks
 _CLICKS = 3
 # Pixels of the scene for one of the page: few, since each takes time. Fixed, since viser otherwise
 # resizes the canvas when drawing is slow.
@@ -248,10 +249,11 @@ class Page:
 
     def until(self, condition: Callable[[], bool], what: str, seconds: float = PATIENCE) -> None:
         """Keep the page running until ``condition()``; fail naming ``what`` after ``seconds``."""
-        end = time.monotonic() + seconds
+        end, pause = time.monotonic() + seconds, _FIRST_PAUSE
         while not condition():
             assert time.monotonic() < end, f"waited {seconds:g} s for {what}"
-            self.tab.wait_for_timeout(20)
+            self.tab.wait_for_timeout(pause)
+            pause = min(1.25 * pause, _LONGEST_PAUSE)  # to ask takes time from what is waited for
 
     def node(self, name: str) -> None:
         """Wait until the scene has the node."""

@@ -13,6 +13,7 @@ from app.teach.lesson import Step
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page
 from tests.shipped_lessons import LESSONS
+from tests.thorough import of_each_kind
 
 _KEPT = "() => localStorage.getItem('abi-lessons')"
 
@@ -33,9 +34,9 @@ def student(desk: Tabs) -> Page:
     return page
 
 
-# those between are gone through without a browser, in tests/app/teach
+# all are gone through without a browser, in tests/app/teach
 @pytest.mark.slow
-@pytest.mark.parametrize("name", list(LESSONS)[::4])
+@pytest.mark.parametrize("name", of_each_kind(LESSONS, *list(LESSONS)[::7]))
 def test_a_student_walks_through(name: str, student: Page, server: Server) -> None:
     page, session = student, server.sessions[student.client]
     lesson = LESSONS[name][0]

@@ -13,8 +13,8 @@ def test_nothing_is_lost_when_the_server_is_killed_under_an_edit(
     chromium: Browser, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(restarts, "FREEZE", 1.0)
-    found = restarts.measure(chromium, kills=1, reloads=1, freezes=1)
-    assert (found["kills"], found["reloads"], found["freezes"]) == (1, 1, 1)
+    found = restarts.measure(chromium, kills=1, reloads=0, freezes=1)
+    assert (found["kills"], found["reloads"], found["freezes"]) == (1, 0, 1)
     assert found["lost"] == 0
     assert found["misplaced"] == 0
     assert found["empty_plots"] == 0
