@@ -13,6 +13,7 @@ from abi.certification.read_motion import joint_names
 from abi.certification.robot_scene import robot_scene
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
+from tests.thorough import of_each_kind
 
 pytestmark = pytest.mark.slow
 ARMS = ("ur5e", "panda", "xarm7")
@@ -45,7 +46,7 @@ def random_task(seed: int) -> tuple[Motion, Scene]:
     return Motion(tuple(names), times, positions, velocities), scene.replace(obstacles=obstacles)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", of_each_kind(range(24), *range(6)))
 def test_samples_agree_with_the_verdict(seed: int) -> None:
     motion, scene = random_task(seed)
     verdict = certify_motion(motion, scene)

@@ -32,6 +32,7 @@ from abi.robot.urdf.urdf_files import files_of
 from abi.scene.scene import Scene, load_scene
 from tests.abi.robot.robots import arm
 from tests.abi.robot.robots import packed as packed_files
+from tests.thorough import of_each_kind
 
 ROS_POINT = {
     "positions": float,
@@ -296,7 +297,7 @@ def place_of(frames: dict[str, tuple[str, Any]], link: str) -> Any:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["abi", "ur5e", "xarm7"])
+@pytest.mark.parametrize("name", of_each_kind(["abi", "ur5e", "xarm7"], "abi", "xarm7"))
 def test_the_recording_has_all_of_the_arm_and_moves_it(
     planned: Plan, name: str, tmp_path: Path
 ) -> None:

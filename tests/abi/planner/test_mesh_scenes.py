@@ -12,10 +12,11 @@ from abi.curves.clearance.curve_clearance_kernels import measure_curve_near_mesh
 from abi.obstacles.obstacle_set_kernels import polyline_distances_near_meshes
 from abi.search.taut.tighten_near_meshes_kernels import tightened
 from benchmarks import mesh_scenes, plan_records
+from tests.thorough import of_each_kind
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", of_each_kind(range(4), 0, 1))
 def test_no_sample_refutes_a_path_or_a_certificate_among_meshes(seed: int) -> None:
     assert mesh_scenes.check(seed) in ("planned", "no plan")
 

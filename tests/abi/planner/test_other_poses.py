@@ -20,6 +20,7 @@ from abi.scene.scene import Scene
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from abi.verify.verify import verify
 from tests.abi.robot.robots import arm
+from tests.thorough import of_each_kind
 
 Ends = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -64,7 +65,9 @@ def no_others(*_: Any) -> OtherBranches:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "axis", "ends", "obstacles"), CASES)
+@pytest.mark.parametrize(
+    ("name", "axis", "ends", "obstacles"), of_each_kind(CASES, CASES[1], CASES[2])
+)
 def test_a_motion_that_the_first_poses_do_not_lead_to_is_found_and_proven(
     name: str, axis: Any, ends: Ends, obstacles: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -25,6 +25,7 @@ from abi.tet_mesh.lattice import REGULAR
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
 from tests.random_scenes import scattered, slalom
+from tests.thorough import of_each_kind
 
 TOP = {
     "mesh": {"lattice", "pitch", "nodes", "tetrahedra", "excluded_nodes", "ms"},
@@ -680,7 +681,9 @@ def sent(result: Plan) -> Plan:
 
 
 @pytest.mark.parametrize("send", [sent, copy.deepcopy])
-@pytest.mark.parametrize("name", ["paper", "arm-in-the-way", "no-way", "sculpture", "kitchen-ur5e"])
+@pytest.mark.parametrize(
+    "name", of_each_kind(scene_names(), "arm-in-the-way", "no-way", "sculpture", "kitchen-ur5e")
+)
 def test_a_plan_that_is_sent_or_copied_is_the_same(name: str, send: Callable[[Plan], Plan]) -> None:
     result = plan(load_scene(name).replace(arm={"elbow": "down"}))
     again = send(result)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from dataclasses import replace
@@ -34,6 +35,7 @@ from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
 from abi.verify.verify import verify
 from tests.abi.robot.robots import arm, packed
+from tests.thorough import of_each_kind
 
 KITCHEN = load_scene("kitchen-ur5e")
 ROOM = KITCHEN.replace(obstacles=KITCHEN.to_dict()["obstacles"][:3])
@@ -165,13 +167,16 @@ THREE = boxes(
     (0.09, 0.15, 0.05, -0.05, 0.44, 0.5),
 )
 TWO = boxes((0.13, 0.16, 0.26, 0.18, 0.36, 0.62), (0.24, 0.18, 0.13, -0.04, 0.55, 0.16))
+DOWN = (0.0, 0.0, -1.0)
+CROWDED: list[tuple[str, Any, list[dict[str, Any]]]] = [
+    ("ur5e", DOWN, THREE),
+    ("panda", None, PANEL),
+    ("xarm7", None, TWO),
+]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "axis", "obstacles"),
-    [("ur5e", (0.0, 0.0, -1.0), THREE), ("panda", None, PANEL), ("xarm7", None, TWO)],
-)
+@pytest.mark.parametrize(("name", "axis", "obstacles"), of_each_kind(CROWDED, CROWDED[0]))
 def test_links_that_would_touch_are_led_around(
     name: str, axis: tuple[float, float, float] | None, obstacles: list[dict[str, Any]]
 ) -> None:
@@ -258,8 +263,12 @@ def test_what_no_first_pose_can_pass_is_said_with_a_link() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("axis", [None, (0.0, 0.0, -1.0)])
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize(
+    ("name", "axis"),
+    of_each_kind(
+        itertools.product(SHIPPED, (None, DOWN)), ("ur5e", None), ("panda", DOWN), ("xarm7", DOWN)
+    ),
+)
 def test_shipped_arms_follow_the_curve(name: str, axis: tuple[float, float, float] | None) -> None:
     scene = ROOM.replace(arm={"urdf": name, "axis": axis})
     made = Planner()(scene)

@@ -43,6 +43,7 @@ from tests.abi import meshes
 from tests.abi.robot.robots import OWN, joint, link, packed, urdf
 from tests.random_geometry import random_obstacle
 from tests.random_robots import random_robot
+from tests.thorough import of_each_kind
 
 seeds = st.integers(0, 2**31)
 RAIL = urdf(
@@ -148,7 +149,7 @@ def test_distances_leave_out_what_a_link_may_touch() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", of_each_kind(SHIPPED, "ur5e"))
 def test_an_arm_on_its_table_is_planned_and_its_proof_holds(name: str) -> None:
     table = {"shape": "box", "size": [1.6, 1.6, 0.05], "position": [0, 0, -0.085]}
     box = {"shape": "box", "size": [0.1, 0.1, 0.3], "position": [0.45, 0, 0.2]}

@@ -30,6 +30,7 @@ from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.abi.graphs import graph_of, random_graph, walled
 from tests.kernel_forms import compiled, kernels_as, plain
+from tests.thorough import of_each_kind
 
 WEIGHTS: tuple[Weight, ...] = ("length", "hops")
 
@@ -77,7 +78,7 @@ def test_a_search_that_there_is_not_is_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", range(10))
+@pytest.mark.parametrize("block", of_each_kind(range(10), *range(4)))
 def test_the_three_tie_and_equal_networkx_and_scipy(block: int) -> None:
     solved = 0
     for seed in range(30 * block, 30 * (block + 1)):

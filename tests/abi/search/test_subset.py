@@ -15,6 +15,7 @@ from abi.planner.planner import plan
 from abi.scene.lattices import LATTICES
 from abi.scene.scene import load_scene
 from abi.search.subset import VIEWS, fits, subset
+from tests.thorough import of_each_kind
 
 
 @cache
@@ -88,7 +89,7 @@ def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("budget", [2_000, 10_000, 30_000])
+@pytest.mark.parametrize("budget", of_each_kind([2_000, 10_000, 30_000], 2_000, 30_000))
 @pytest.mark.parametrize(
     "obstacles",
     [

@@ -22,6 +22,7 @@ from abi.teach.topics.priority import expanded_by_a_star
 from abi.teach.verdict import SEED, judged
 from tests.abi.teach.right_students import RIGHT
 from tests.abi.teach.wrong_students import WRONG
+from tests.thorough import of_each_kind
 
 _ALL = tuple(abi.teach.exercises().values())
 
@@ -58,7 +59,7 @@ def test_there_are_thirty_of_each() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 77])
+@pytest.mark.parametrize("seed", of_each_kind([1, 77], 77))
 def test_other_scenes_accept_what_is_right_and_catch_what_is_wrong(seed: int) -> None:
     for solutions, passed in ((RIGHT, True), (WRONG, False)):
         for name, function in dict(solutions).items():

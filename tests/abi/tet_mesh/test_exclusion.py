@@ -28,6 +28,7 @@ from abi.tet_mesh.tet_mesh import TetMesh
 from tests.abi.meshes import sphere
 from tests.abi.scene.test_scene import obstacles
 from tests.kernel_forms import kernels_as
+from tests.thorough import of_each_kind
 
 TIE = 1e-9
 KINDS: dict[str, Any] = {
@@ -150,7 +151,7 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
 @pytest.mark.slow
 @pytest.mark.parametrize("lattice", REGULAR)
 @pytest.mark.parametrize("turned", [False, True])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", of_each_kind(range(3), 0))
 def test_what_is_passed_over_in_a_fine_lattice_is_clear(
     lattice: Lattice, turned: bool, seed: int
 ) -> None:

@@ -13,6 +13,7 @@ from abi.scene.scene import load_scene, scene_names
 from app.camera.camera import _view
 from app.camera.occlusion import hidden
 from app.camera.prospect import USUAL, best_direction, in_view
+from tests.thorough import of_each_kind
 
 _number = st.floats(-3, 3, allow_nan=False).map(lambda number: round(number, 2))
 _point = st.tuples(_number, _number, _number)
@@ -37,7 +38,13 @@ def test_an_arm_hides_what_a_solid_of_its_capsule_would(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(set(scene_names()) - {"no-way"}))
+@pytest.mark.parametrize(
+    "name",
+    of_each_kind(
+        sorted(set(scene_names()) - {"no-way"}),
+        *("paper", "wall-with-window", "sculpture", "kitchen-ur5e", "pick-and-place"),
+    ),
+)
 def test_path_ends_and_obstacles_stay_in_view(name: str) -> None:
     plan = abi.plan(load_scene(name))
     assert plan.bspline is not None
