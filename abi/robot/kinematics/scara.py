@@ -52,6 +52,8 @@ def scara_positions(chain: Chain, point: FloatArray) -> list[FloatArray]:
     first, second = turning
     flat_origins, flat_tip, target = (_complex(plane @ at.T) for at in (origins, tip, point))
     upper, fore = flat_origins[second] - flat_origins[first], flat_tip - flat_origins[second]
+    if abs(upper) <= _PARALLEL * reach:
+        return []
     away = target - flat_origins[first]
     cosine = (abs(away) ** 2 - abs(upper) ** 2 - abs(fore) ** 2) / (2 * abs(upper) * abs(fore))
     if abs(cosine) > 1 or away == 0:

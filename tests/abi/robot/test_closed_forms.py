@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import itertools
 import pkgutil
+import re
 
 import numpy as np
 import pytest
@@ -80,6 +81,10 @@ def test_what_is_no_scara_arm_has_no_closed_form() -> None:
     others = [
         standing(scara(1, ORDERS[0], tilt=0.01)).chain,
         standing(scara(1, ("revolute", "revolute", "revolute"))).chain,
+        # both turn about one axis
+        standing(
+            re.sub(r'<origin xyz="[^ ]+ [^ ]+', '<origin xyz="0 0', scara(1, ORDERS[1]), count=3)
+        ).chain,
         Chain.of(robot_from_archive(packed({"a.urdf": arm()})), "d"),
     ]
     for chain in others:
