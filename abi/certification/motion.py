@@ -31,11 +31,19 @@ class RobotState(NamedTuple):
         objects: names of the objects that it holds.
         base: where its root stands in the world, x, y, z [m], and its quaternion x, y, z, w; None
             if that is not said.
+        root: name of the link that stands there, empty for the root of its file; None if that is
+            not said.
+        attached: unit of length of a scene, and the object that it holds, as that has it; None if
+            its shape is not said.
+        rests: whether joints that are not named rest nearest to 0.
     """
 
     joints: Mapping[str, float]
     objects: tuple[str, ...]
     base: tuple[float, ...] | None = None
+    root: str | None = None
+    attached: tuple[str, Mapping[str, Any]] | None = None
+    rests: bool = False
 
 
 @dataclass(frozen=True, eq=False)

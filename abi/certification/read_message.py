@@ -170,7 +170,42 @@ def _planned(motion: dict[str, Any], scene: dict[str, Any], slides: Sequence[str
         raise MotionError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
     plain = _plain({name: motion.get(name, []) for name in ("joints", "time", "positions")})
     scale = [METRES[unit] if name in slides else 1.0 for name in plain.joints]
-    return Motion(plain.joints, plain.times, plain.positions * np.array(scale))
+    positions = plain.positions * np.array(scale)
+    state = _state_of_arm(scene.get("arm"), unit, slides)
+    return Motion(plain.joints, plain.times, positions, start=state)
+
+
+def _state_of_arm(arm: object, unit: str, slides: Sequence[str]) -> RobotState:
+    """Where the scene of a plan has its robot, what this holds, and its joints beside the arm."""
+    if not isinstance(arm, dict):
+        return RobotState({}, ())
+    metres = METRES[unit]
+    base, wxyz = arm.get("base"), arm.get("base_wxyz", [1, 0, 0, 0])
+    numbers = [*base, *wxyz] if isinstance(base, list) and isinstance(wxyz, list) else []
+    held, root, attached = (arm.get(name) for name in ("gripper", "base_link", "attached"))
+    held = {} if held is None else held
+    if not (
+        len(numbers) == 7
+        and all(map(_is_number, numbers))
+        and any(numbers[3:])
+        and isinstance(held, dict)
+        and all(map(_is_number, held.values()))
+        and isinstance(root, str | None)
+        and isinstance(attached, dict | None)
+    ):
+        raise MotionError(
+            "The plan's scene does not say where its arm stands, and what this holds.",
+            "Give the plan as abi plan wrote it.",
+        )
+    x, y, z, w, *turned = map(float, numbers)
+    return RobotState(
+        joints={name: at * (metres if name in slides else 1.0) for name, at in held.items()},
+        objects=(),
+        base=(x * metres, y * metres, z * metres, *turned, w),
+        root=root or "",
+        attached=None if attached is None else (unit, attached),
+        rests=True,
+    )
 
 
 def _names(value: object) -> tuple[str, ...]:

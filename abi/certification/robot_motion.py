@@ -25,7 +25,6 @@ from abi.robot.urdf.couplings import require_followed
 from abi.robot.urdf.held_joints import held_in_metres, planned_joints
 from abi.robot.urdf.robot import Joint, Robot
 from abi.robot.urdf.urdf_joints import some_of
-from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 
 _PAST, _TURN, _TURNS = 1.0, 2 * math.pi, 6 * math.pi
@@ -109,11 +108,11 @@ def robot_motion(
             state in the file is another than the scene's; names row, joint and unit.
     """
     robot, given = scene.robot, motion
-    motion, notes = _matched(motion, robot)
+    motion, notes = _matched(motion, robot, scene.arm.tool)
     _suspect_degrees(motion, robot)
     if start is None:
         start = {name: at for name, at in motion.start.joints.items() if name in motion.joints}
-    check_start(motion, robot, start)
+    notes += check_start(motion, robot, start)
     held = held_in_metres(robot, scene.arm.gripper, METRES[scene.unit])
     held = {name: at for name, at in held.items() if name not in motion.joints}
     metres = METRES[scene.unit]
@@ -124,8 +123,7 @@ def robot_motion(
         require_followed(robot, chain.names, held)
     except SceneError as error:
         raise MotionError(error.message) from None
-    check_followers(given, motion, chain)
-    check_state(motion, chain, scene.arm.attached is not None)
+    notes += [*check_followers(given, motion, chain), *check_state(motion, chain, scene)]
     notes += [*_standing(chain), *unused_state(motion, robot)]
     if scene.obstacles:
         notes.append(f"The robot stands at ({x:g}, {y:g}, {z:g}) {scene.unit}.")
@@ -149,7 +147,7 @@ def bezier_points(motion: Motion) -> FloatArray:
     return np.stack([a, *inner, b], axis=1)
 
 
-def _matched(motion: Motion, robot: Robot) -> tuple[Motion, list[str]]:
+def _matched(motion: Motion, robot: Robot, tip: str) -> tuple[Motion, list[str]]:
     """The motion of the robot's own coordinates, from the root on, and what was left out."""
     by_name = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
     free = [name for name, joint in by_name.items() if joint.mimic is None]
@@ -164,7 +162,7 @@ def _matched(motion: Motion, robot: Robot) -> tuple[Motion, list[str]]:
         if name not in free
     ]
     kept = [name for name in free if name in motion.joints]
-    if missing := _missing(robot, kept):
+    if missing := _missing(robot, tip, kept):
         hint = " ".join(("Give its positions, too.", *motion.notes))  # what was left out, too
         raise MotionError(f"The motion does not say where {missing} is.", hint, joint=missing)
     columns = [motion.joints.index(name) for name in kept]
@@ -183,9 +181,9 @@ def _matched(motion: Motion, robot: Robot) -> tuple[Motion, list[str]]:
     return kept_motion, notes
 
 
-def _missing(robot: Robot, given: Sequence[str]) -> str:
-    """First joint of the arm, or before one that is given, that is not given; empty if none."""
-    arm = planned_joints(robot, usual_tip(robot))
+def _missing(robot: Robot, tip: str, given: Sequence[str]) -> str:
+    """First joint on the way to the tip or to one that is given that is not; empty if none."""
+    arm = planned_joints(robot, tip)
     wanted = set(arm) if set(arm) & set(given) else set()
     parents = {joint.child: joint for joint in robot.joints}
     by_name = {joint.name: joint for joint in robot.joints}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy
@@ -13,14 +13,19 @@ from abi.errors import MotionError, short
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_joints import some_of
+from abi.scene.scene import Scene
 
-_FAR, _APART = 0.05, 1e-3
-"""Distance of the first waypoint from the start state that is refused, and that of a joint which
-stands still or follows another, [rad] or [m]."""
+_FAR, _APART, _ROUNDED = 0.05, 1e-3, 1e-6
+"""Distance of the first waypoint from the start state that is refused, that of a joint which stands
+still or follows another, and that from which on a note tells of either, [rad] or [m]."""
 
 
-def check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> None:
-    """Raise where the first waypoint is not near the state in which the robot stands."""
+def check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> list[str]:
+    """Raise where the first waypoint is not near the state in which the robot stands.
+
+    Returns:
+        A sentence if it is near, but another.
+    """
     slides = {joint.name for joint in robot.joints if joint.kind == "prismatic"}
     for name in start:
         if name not in motion.joints:
@@ -29,9 +34,10 @@ def check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> Non
                 f"Name some of {some_of(motion.joints, 8)}.",
                 joint=name,
             )
+    near = []
     for name, first in zip(motion.joints, motion.positions[0].tolist(), strict=True):
-        if abs(first - start.get(name, first)) > _FAR:
-            unit = "m" if name in slides else "rad"
+        unit, away = "m" if name in slides else "rad", abs(first - start.get(name, first))
+        if away > _FAR:
             raise MotionError(
                 f"Row 1 is far from the start state: {name} is at {first:.4g} {unit} there and "
                 f"stands at {start[name]:.4g} {unit}.",
@@ -39,19 +45,26 @@ def check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> Non
                 row=1,
                 joint=name,
             )
+        if away > _ROUNDED:
+            near.append(f"{name} by {away:.2g} {unit}")
+    return [f"The way from the start state to row 1 is not proven: {some_of(near)}."] * bool(near)
 
 
-def check_followers(given: Motion, motion: Motion, chain: Chain) -> None:
+def check_followers(given: Motion, motion: Motion, chain: Chain) -> list[str]:
     """Raise where a file has a joint that follows another elsewhere than that takes it.
 
     Args:
         given: the motion as its file has it.
         motion: of the chain's coordinates.
         chain: the robot's joints.
+
+    Returns:
+        A sentence if one is elsewhere by no more than rounding in a file.
     """
     columns = dict(zip(motion.joints, motion.positions.T, strict=True))
     still = {name: np.full(len(motion.times), at) for name, at in chain.held.items()}
     places = {**still, **columns}
+    near = []
     for joint in chain.robot.joints:
         if joint.kind == "fixed" or joint.mimic is None:
             continue
@@ -60,7 +73,8 @@ def check_followers(given: Motion, motion: Motion, chain: Chain) -> None:
         if joint.name in given.joints:
             column = given.positions[:, given.joints.index(joint.name)]
             row = int(np.abs(column - follows).argmax())
-            if abs(column[row] - follows[row]) > _APART:
+            away = abs(column[row] - follows[row])
+            if away > _APART:
                 raise MotionError(
                     f"In row {row + 1} {joint.name} is at {column[row]:.4g}, and by its <mimic> it "
                     f"follows {master} to {follows[row]:.4g}.",
@@ -68,6 +82,8 @@ def check_followers(given: Motion, motion: Motion, chain: Chain) -> None:
                     row=row + 1,
                     joint=joint.name,
                 )
+            if away > _ROUNDED:
+                near.append(f"{joint.name} by {away:.2g}")
         first = motion.start.joints.get(joint.name, follows[0])
         if abs(first - follows[0]) > max(1.0, abs(factor)) * _FAR:
             raise MotionError(
@@ -76,13 +92,23 @@ def check_followers(given: Motion, motion: Motion, chain: Chain) -> None:
                 "Correct the state, or give a robot without that <mimic>.",
                 joint=joint.name,
             )
+    return _as_here(near)
 
 
-def check_state(motion: Motion, chain: Chain, holds: bool) -> None:
-    """Raise where a motion's file says otherwise than the scene what stands still, or is held."""
-    joints, objects, base = motion.start
+def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
+    """Raise where a motion's file says otherwise than the scene what stands still, or is held.
+
+    Returns:
+        A sentence if it says so by no more than rounding in a file.
+    """
+    state, arm, near = motion.start, scene.arm, list[str]()
+    ranges = {
+        joint.name: (joint.low, joint.high) for joint in chain.robot.joints if not joint.mimic
+    }
     for name, at in chain.held.items():
-        given = joints.get(name, at)
+        given = state.joints.get(name, at)
+        if state.rests and name in ranges:
+            given = state.joints.get(name, min(max(0.0, ranges[name][0]), ranges[name][1]))
         if abs(given - at) > _APART:
             raise MotionError(
                 f"The file's start state has {name} at {given:.4g}, and here it stands at "
@@ -90,20 +116,42 @@ def check_state(motion: Motion, chain: Chain, holds: bool) -> None:
                 f"Hold it there: arm.gripper of the scene, or a column of the motion for {name}.",
                 joint=name,
             )
-    if base is not None:
-        _check_base(np.array(base), chain)
-    if objects and not holds:
+        if abs(given - at) > _ROUNDED:
+            near.append(f"{name} by {abs(given - at):.2g}")
+    if state.base is not None:
+        away = _base_away(np.array(state.base), chain)
+        near += [f"its base by {away:.2g}"] * (away > _ROUNDED)
+    root = state.root or arm.whole_robot.root
+    if state.root is not None and root != chain.robot.root:
         raise MotionError(
-            f"The file's robot holds {short(objects[0])}, whose shape is not read.",
+            f"The file's robot stands on its link {root}, and here on {chain.robot.root}.",
+            "Say so as arm.base_link of the scene.",
+        )
+    if state.objects and arm.attached is None:
+        raise MotionError(
+            f"The file's robot holds {short(state.objects[0])}, whose shape is not read.",
             "Give it as arm.attached of the scene.",
         )
+    here = {} if arm.attached is None else arm.attached.model_dump(mode="json")
+    if state.attached not in (None, (scene.unit, here)):
+        raise MotionError(
+            "The file's robot holds an object that the scene's does not.",
+            "Give it as arm.attached of the scene.",
+        )
+    return _as_here(near)
 
 
-def _check_base(base: FloatArray, chain: Chain) -> None:
-    """Raise where a motion's file has the robot's root, (7,), elsewhere than the scene."""
+def _as_here(near: Sequence[str]) -> list[str]:
+    """A sentence on what is here a little otherwise than in the file; none if nothing is."""
+    return [f"Proven as it is here, and not as in the file: {some_of(near)}."] * bool(near)
+
+
+def _base_away(base: FloatArray, chain: Chain) -> float:
+    """How far a file's place of the robot's root, (7,), is from here; raises if that is far."""
     here = next(one.pose for one in chain.carried if one.link == chain.robot.root)
     turn = scipy.spatial.transform.Rotation.from_quat(base[3:]).as_matrix()
-    if np.abs(turn - here[:3, :3]).max() > _APART or np.abs(base[:3] - here[:3, 3]).max() > _APART:
+    away = max(np.abs(turn - here[:3, :3]).max(), np.abs(base[:3] - here[:3, 3]).max())
+    if away > _APART:
         there, stands = (
             f"({', '.join(f'{number:.4g}' for number in place)}) m"
             for place in (base[:3], here[:3, 3])
@@ -112,6 +160,7 @@ def _check_base(base: FloatArray, chain: Chain) -> None:
             f"The file's robot stands at {there}, and here at {stands}, or it is turned otherwise.",
             "Give its place as arm.base and arm.base_wxyz of the scene.",
         )
+    return float(away)
 
 
 def unused_state(motion: Motion, robot: Robot) -> list[str]:

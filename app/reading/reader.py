@@ -151,11 +151,13 @@ class Reader:
         if answer.wrong is not None:
             raise MotionError(*answer.wrong)
         data = json.loads(answer.data)
-        joints, objects = data["start"]
+        joints, objects, base, root, attached, rests = data["start"]
+        held = None if attached is None else (*attached,)
+        state = RobotState(joints, (*objects,), base and (*base,), root, held, rests)
         changed = {
             "joints": tuple(data["joints"]),
             "notes": tuple(data["notes"]),
-            "start": RobotState(joints, tuple(objects)),
+            "start": state,
         }
         return Motion(**{**data, **changed})
 

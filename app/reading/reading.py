@@ -165,8 +165,7 @@ def _scene(name: str, content: bytes) -> ReadingResult:
 
 def _motion(job: Job) -> ReadingResult:
     motion = read_motion(job.name, job.content, job.slides, job.topic)
-    start = dict(motion.start.joints), motion.start.objects
-    data = {**motion.to_dict(), "notes": motion.notes, "start": start}
+    data = {**motion.to_dict(), "notes": motion.notes, "start": motion.start}
     return ReadingResult(data=json.dumps(data).encode())
 
 

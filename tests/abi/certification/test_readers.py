@@ -18,10 +18,11 @@ from abi.certification.read_motion import own_joints, read_motion
 from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.errors import MotionError
+from abi.scene.scene import Scene
 from abi.scene.scene_file import yaml_text
 from abi.verify.exact_path import exact_path
 from abi.verify.fault import Fault
-from tests.abi.robot.robots import follows, joint, link, urdf
+from tests.abi.robot.robots import arm, follows, joint, link, urdf
 
 SCENE = robot_scene("ur5e")
 ROBOT = SCENE.arm.robot
@@ -287,6 +288,42 @@ def test_a_file_may_not_have_followers_elsewhere_than_they_follow(
     else:
         with pytest.raises(MotionError, match=why):
             robot_motion(motion, robot_scene(path))
+
+
+@pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        ({}, None),
+        ({"base": [50.0, 0.0, 0.0]}, r"stands at \(0.5, 0, 0\) m, and here at \(0, 0, 0\) m"),
+        ({"base": [0.0, 0.0, 0.09]}, "its base by 0.0009"),
+        ({"base_wxyz": [0.9, 0.1, 0.0, 0.0]}, "turned otherwise"),
+        ({"base_link": "b"}, "on its link b, and here on a"),
+        ({"gripper": {"s": 50.0}}, "state has s at 0.5, and here it stands at 0"),
+        ({"gripper": {"s": 0.05}}, "s by 0.0005"),
+        ({"attached": {"shape": "sphere", "radius": 5.0}}, "holds an object that"),
+    ],
+)
+def test_a_plan_is_certified_only_where_its_robot_stands_and_holds_the_same(
+    tmp_path: Path, changed: dict[str, Any], why: str | None
+) -> None:
+    (tmp_path / "r.urdf").write_text(arm())
+    own = {"model": "urdf", "urdf": "r.urdf", "tip": "c", "base": [0, 0, 0]}
+    room = {"min": [-300] * 3, "max": [300] * 3}
+    data = {"version": 1, "unit": "cm", "workspace": room, "mesh": {"pitch": 60}}
+    scenes = [
+        Scene.from_dict({**data, "start": [0, 0, 1], "goal": [0, 0, 1], "arm": one}, tmp_path)
+        for one in (own, {**own, **changed})
+    ]
+    table = {"joints": ["p", "q"], "time": [0.0, 1.0], "positions": [[0.0, 0.0], [0.1, 0.1]]}
+    motion = read_message({"scene": scenes[1].to_dict(), "arm": table}, ["s"])
+    if "base_link" not in changed:  # from which p does not move anything
+        assert not any("as it is here" in one for one in robot_motion(motion, scenes[1]).notes)
+    if why is None or " by " in why:
+        told = " ".join(robot_motion(motion, scenes[0]).notes)
+        assert ("as it is here" in told and why in told) if why else "as it is here" not in told
+    else:
+        with pytest.raises(MotionError, match=why):
+            robot_motion(motion, scenes[0])
 
 
 def test_a_quote_that_none_closes_takes_no_rows_along() -> None:

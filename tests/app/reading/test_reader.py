@@ -69,6 +69,14 @@ def test_a_motion_is_the_one_that_is_read_here(reader: Reader) -> None:
     assert found.to_dict() == wanted.to_dict()
     assert (found.notes, found.start) == (wanted.notes, wanted.start)
     assert wanted.start == RobotState({"b": 0.5}, ("rod",))
+    arm = {"base": [1, 2, 3], "base_link": "l", "gripper": {"b": 5}, "attached": {"shape": "box"}}
+    motion = {"joints": ["a"], "time": [0, 1], "positions": [[0], [1]]}
+    plan = json.dumps({"scene": {"unit": "cm", "arm": arm}, "arm": motion}).encode()
+    stated = reader.motion(plan, "a.json", slides).start
+    assert stated == read_motion("a.json", plan, slides).start
+    assert stated.base == pytest.approx((0.01, 0.02, 0.03, 0, 0, 0, 1))
+    assert (stated.joints, stated.root, stated.rests) == ({"b": 0.05}, "l", True)
+    assert stated.attached == ("cm", {"shape": "box"})
 
 
 def test_a_process_that_was_started_before_reads_the_first_file() -> None:
