@@ -13,7 +13,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
 from app.panels.files.file_uploads import FileKind, FileUploads, shown_name
-from app.panels.files.scene_uploads import SceneFile, parse, read
+from app.panels.files.scene_uploads import SceneFile, borrowed, parse, read
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
 from app.ui import notices
@@ -145,6 +145,10 @@ class FilesPanel:
         except SceneError as error:
             notices.notify_refused_file(self._client, f"{name} is not opened", error.message)
             return False
+        if taken := borrowed(found, scene, meshes):
+            names = ", ".join(taken)
+            reason = f"{names} of this tab was taken, since nothing came with the scene."
+            notices.notify_warning(self._client, f"{name} names what is not in it", reason)
         self.last = Loaded(self._list(name, scene), scene)
         return True
 

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
 from abi.obstacles.triangle_mesh.signed_distance import body_frame
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -57,3 +58,12 @@ def parse(found: SceneFile, meshes: MeshSource) -> Scene:
             raise
         expected = "it to be added here first (Add a mesh), or to be in one zip with the scene"
         raise SceneError(error.field, error.value, expected) from None
+
+
+def borrowed(found: SceneFile, scene: Scene, meshes: MeshSource) -> list[str]:
+    """Names of the files of a scene that did not come with its file, but were in the tab."""
+    return [
+        name
+        for name in scene.meshes.files
+        if same_name(name, found.files) is None and meshes.given(name) is not None
+    ]

@@ -8,13 +8,14 @@ from typing import Any
 
 import pytest
 
-from abi.scene.scene import load_scene, scene_names
+from abi.scene.scene import Scene, load_scene, scene_names
 from app.panels.files.file_uploads import FileUploads
 from app.panels.files.files import file_stem
 from app.reading.reader import Reader
 from app.tab.session import Session
+from tests.abi import meshes
 from tests.abi.robot.robots import arm
-from tests.app.fake_tab import FakeTab, send_file, until
+from tests.app.fake_tab import FakeTab, notified, send_file, until
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -174,3 +175,24 @@ def test_a_file_on_its_way_is_dropped_once_something_else_is_chosen(
     held.set()
     until(lambda: uploads._pending == 0 and session.resting)
     assert not _is_taken(session, kind)
+
+
+@pytest.mark.slow
+def test_a_mesh_of_the_scene_before_is_taken_with_a_notice_alone(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, session = tab
+    told = notified(monkeypatch, session)
+    file = {"shape": "mesh", "file": "wall.stl", "position": [3, 3, 3]}
+    scene = Scene.from_dict(
+        {"version": 1, "obstacles": [file]}, {"wall.stl": meshes.stl(meshes.bumpy(2))}
+    )
+    for name, content in (("a.zip", scene.pack()), ("b.zip", scene.pack())):
+        send_file(session, session.panels.files.upload, name, content)
+        until(lambda name=name: session.panels.files.name == name)  # type: ignore[misc]
+    assert told == []
+    text = b"version: 1\nobstacles: [{shape: mesh, file: wall.stl, position: [2, 2, 2]}]"
+    send_file(session, session.panels.files.upload, "c.yaml", text)
+    until(lambda: session.panels.files.name == "c.yaml")
+    reason = "wall.stl of this tab was taken, since nothing came with the scene."
+    assert told == [("c.yaml names what is not in it", reason)]
