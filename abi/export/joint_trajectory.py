@@ -14,6 +14,9 @@ from abi.export.between_points import rows_warning
 from abi.obstacles.pose import METRES
 from abi.planner.plan import Plan
 
+_LONGEST = 2.0**31
+"""Seconds that builtin_interfaces/msg/Duration holds, [s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class JointTrajectory:
@@ -69,7 +72,8 @@ def joint_trajectory(plan: Plan) -> JointTrajectory:
     motion.
 
     Raises:
-        ExportError: there is no motion, it leaves the arm's reach, or a joint leaves its range.
+        ExportError: there is no motion, it leaves the arm's reach, a joint leaves its range, or it
+            lasts longer than times of ROS hold.
     """
     motion = motion_of(plan)
     if motion.error is not None:
@@ -80,6 +84,11 @@ def joint_trajectory(plan: Plan) -> JointTrajectory:
             f"The arm cannot execute this motion: {joint.joint} passes its limit of "
             f"{joint.limit:.4g} at {joint.since:.2f} s.",
             "Move the base, or change the elbow or the forces of the drives.",
+        )
+    if not motion.time[-1] < _LONGEST:
+        raise ExportError(
+            f"The motion lasts {motion.time[-1]:.3g} s, and times of ROS hold 68 years.",
+            "Raise motion.speed, or whatever the plan says that it is slowed down by.",
         )
     metres = METRES[plan.scene.unit]
     scale = np.array([metres if slides else 1.0 for slides in motion.slides])

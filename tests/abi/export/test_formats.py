@@ -20,7 +20,7 @@ from abi import assets
 from abi.certification.read_motion import read_motion
 from abi.errors import ExportError
 from abi.export import formats
-from abi.export.formats import FORMATS
+from abi.export.formats import FORMATS, export
 from abi.export.joint_trajectory import joint_trajectory
 from abi.obstacles.pose import METRES, rotation
 from abi.planner.arm_words import contact_sentence
@@ -557,3 +557,13 @@ def test_a_motion_that_is_not_proven_clear_has_a_warning(
     change: dict[str, Any], words: str
 ) -> None:
     assert words in FORMATS["csv"].warning(plan(load_scene("paper").replace(**change)))
+
+
+@pytest.mark.parametrize("name", ["ros", "ros-json", "mcap", "rosbag"])
+def test_a_motion_longer_than_times_of_ros_is_refused_in_a_sentence(
+    planned: Plan, tmp_path: Path, name: str
+) -> None:
+    assert planned.motion is not None
+    longer = replace(planned.motion, time=planned.motion.time * 2.0**32)
+    with pytest.raises(ExportError, match="times of ROS hold 68 years"):
+        export(replace(planned, motion=longer), tmp_path / "a", name)
