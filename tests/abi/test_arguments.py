@@ -53,6 +53,7 @@ from abi.tet_mesh.node_tree import tree_over
 from abi.tet_mesh.tet_mesh import TetMesh, edges_of
 from tests.abi import meshes
 from tests.abi.odd_arrays import EXACT, SAME, WRONG, Array, narrowed, spoilt, widened
+from tests.thorough import examples
 
 
 @dataclass(frozen=True, eq=False)
@@ -462,7 +463,7 @@ def odd_arrays(draw: st.DrawFn) -> Array:
 
 
 @pytest.mark.slow
-@settings(max_examples=160)
+@settings(max_examples=examples(53))
 @given(st.sampled_from(sorted(ENTRIES)), odd_arrays())
 def test_any_array_has_the_answer_of_its_numbers_or_an_error_of_ours(
     name: str, array: Array

@@ -50,6 +50,7 @@ from abi.verify.exact.solids import vector
 from abi.verify.plan_curves import curve_of
 from tests.abi import meshes
 from tests.kernel_forms import kernels_as
+from tests.thorough import examples
 
 U = 2.0**-53
 ROOT3 = math.sqrt(3)
@@ -296,7 +297,7 @@ def test_what_rounding_may_take_is_not_claimed(
 
 
 @pytest.mark.slow
-@settings(max_examples=120)
+@settings(max_examples=examples(40))
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1.0, 1e-3, 1e-6]))
 def test_an_elbow_is_as_near_as_the_allowance_says(seed: int, near_axis: float) -> None:
     """In exact numbers, with the tool as wrong as a curve's pieces may be, also near the axis."""

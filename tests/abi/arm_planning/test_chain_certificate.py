@@ -33,6 +33,7 @@ from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from tests.abi import meshes
 from tests.abi.robot.robots import OWN, arm, joint, link, packed, urdf
 from tests.random_geometry import random_obstacle
+from tests.thorough import examples
 
 seeds = st.integers(0, 2**31)
 
@@ -82,7 +83,7 @@ def between(positions: FloatArray, parts: int = 25) -> FloatArray:
     )
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(seeds)
 def test_segments_are_as_far_apart_as_the_best_of_their_points(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -17,6 +17,7 @@ from abi.robot.paper_arm.pose_kernels import bend_near, pose_of, rates_near, rea
 from abi.scene.arm_settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
+from tests.thorough import examples
 
 BOX = clean(*meshes.box((0.7, 0.8, 0.6)))
 KNOT = clean(*meshes.knot(600))
@@ -29,7 +30,7 @@ def random_arm(random: np.random.Generator) -> PaperArm:
     return PaperArm.from_settings(ArmSettings(base=base, **lengths))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(SEED)
 def test_the_elbow_bends_no_more_than_its_bound(seed: int) -> None:
     random = np.random.default_rng(seed)

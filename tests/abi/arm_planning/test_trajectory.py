@@ -23,6 +23,7 @@ from abi.explain.paper import printed
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
 from abi.scene.arm_settings import ArmSettings
 from tests.abi.bezier import interpolated
+from tests.thorough import examples
 
 POSITIVE = st.floats(-1, 1).map(lambda power: 10.0**power)
 SEED = st.integers(0, 2**32 - 1)
@@ -73,7 +74,7 @@ def random_curve(seed: int) -> Polynomial:
     return Polynomial(np.array([[3.0, 1.0, 4.0], *rng.uniform(-2, 2, (3, 3))]))
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(SEED, POSITIVE, POSITIVE, POSITIVE)
 @example(11307, 1.0, 1.0, 1.0)
 def test_velocity_and_acceleration_are_the_derivatives(
@@ -160,7 +161,7 @@ def test_corrected_drives_solve_the_equation_of_motion(given_settings: ArmSettin
     np.testing.assert_allclose(found, solved.y[:3].T, rtol=1e-7, atol=1e-7)
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(drives())
 def test_printed_drives_are_the_papers(corrected: ArmSettings) -> None:
     printed = corrected.model_copy(update={"dynamics": "as_printed", "q5": 0.0})

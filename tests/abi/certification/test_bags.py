@@ -22,6 +22,7 @@ from abi.certification.read_bag import JOINT_TRAJECTORY
 from abi.certification.read_motion import load_motion, own_joints, read_motion
 from abi.certification.robot_scene import robot_scene
 from abi.errors import MotionError
+from tests.thorough import examples
 
 pytestmark = pytest.mark.slow
 ROBOT = robot_scene("ur5e").arm.robot
@@ -109,7 +110,7 @@ def test_one_of_several_is_chosen_by_topic_and_number() -> None:
         read_motion("a.csv", b"", joints, "/plan")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(st.data())
 def test_a_damaged_bag_is_refused_or_read_as_it_was(data: st.DataObject) -> None:
     whole = bytearray(mcap("/plan"))

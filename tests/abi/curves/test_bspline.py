@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.curves.bspline import BSpline, clamped
+from tests.thorough import examples
 
 
 @st.composite
@@ -30,7 +31,7 @@ def basis(knots: FloatArray, k: int, degree: int, u: float) -> float:
     return value
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(splines(), st.floats(0, 1, exclude_max=True))
 def test_point_is_the_sum_of_the_basis(spline: BSpline, u: float) -> None:
     count = len(spline.control_points)
@@ -40,7 +41,7 @@ def test_point_is_the_sum_of_the_basis(spline: BSpline, u: float) -> None:
     assert spline(u) == pytest.approx(weights @ spline.control_points, abs=1e-12 * scale)
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(splines(), st.integers(1, 5))
 def test_derivatives_are_differences(spline: BSpline, order: int) -> None:
     step = 1e-5
@@ -51,7 +52,7 @@ def test_derivatives_are_differences(spline: BSpline, order: int) -> None:
     assert np.abs(spline(middles, order) - difference).max() <= 1e-5 * scale
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(splines())
 def test_pieces_join_smoothly(spline: BSpline) -> None:
     inner = spline.breaks[1:-1]
@@ -61,7 +62,7 @@ def test_pieces_join_smoothly(spline: BSpline) -> None:
         assert np.all(np.abs(jump) <= 1e-8 * scale)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(splines(), st.integers(0, 2**32 - 1))
 def test_pieces_lie_in_the_hull_of_their_control_points(spline: BSpline, seed: int) -> None:
     directions = np.random.default_rng(seed).normal(size=(3, 50))
@@ -74,7 +75,7 @@ def test_pieces_lie_in_the_hull_of_their_control_points(spline: BSpline, seed: i
         assert np.all(reached >= hull.min(axis=0) - scale)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(splines())
 def test_ends_are_exact_and_the_outside_is_clamped(spline: BSpline) -> None:
     first, last = spline.control_points[[0, -1]]

@@ -17,6 +17,7 @@ from abi.curves.clearance.bezier import Bezier
 from abi.curves.curve import Curve, arc_length
 from abi.explain.paper import printed
 from tests.abi.bezier import interpolated
+from tests.thorough import examples
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def test_distance_equals_adaptive_quadrature(curve: Curve, parameter: float) -> 
     assert arc.distance(parameter) == pytest.approx(integral(curve, 0, parameter), rel=1e-9)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(50))
 @given(splines(), st.integers(1, 50))
 def test_inverse_and_forward_are_inverse(curve: Curve, count: int) -> None:
     arc = arc_length(curve)
@@ -97,7 +98,7 @@ def test_inverse_and_forward_are_inverse(curve: Curve, count: int) -> None:
     assert np.all(np.abs(back - parameter) * speed <= 1e-11 * arc.length + 1e-5 * (speed == 0))
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(splines(repeated=True))
 def test_repeated_control_points_give_no_nan(curve: Curve) -> None:
     arc = arc_length(curve)

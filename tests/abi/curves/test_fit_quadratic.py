@@ -22,6 +22,7 @@ from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from tests.abi import meshes
 from tests.random_scenes import scattered, slalom
+from tests.thorough import examples
 
 CLEARANCE = 0.1
 seeds = st.integers(0, 2**32 - 1)
@@ -54,7 +55,7 @@ def joined(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
     return rng.uniform(-5, 5, (pieces + 2, 3)), breaks
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(joined(), st.sampled_from([0, 1]))
 def test_pieces_meet_with_equal_points_and_tangents(
     given_: tuple[np.ndarray, np.ndarray], order: int

@@ -13,6 +13,7 @@ from abi.curves.quadratic import Quadratic, least_squares
 from abi.explain.paper import printed
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
+from tests.thorough import examples
 
 
 @st.composite
@@ -36,7 +37,7 @@ def size(spline: BSpline) -> float:
     return float(np.ptp(spline.control_points, axis=0).max())
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(splines())
 def test_ends_are_those_of_the_curve(spline: BSpline) -> None:
     quadratic = fitted(spline)
@@ -92,7 +93,7 @@ def test_a_curve_that_stays_gives_a_point() -> None:
     assert np.array_equal(quadratic.coefficients, [[[1, 1, 1], [0, 0, 0], [0, 0, 0]]])
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(splines(), st.floats(0.01, 0.99))
 def test_derivatives_are_differences(spline: BSpline, t: float) -> None:
     quadratic = fitted(spline)

@@ -12,6 +12,7 @@ from scipy.integrate import cumulative_trapezoid
 from abi.arrays import FloatArray
 from abi.curves.three_phase_profile import ThreePhaseProfile, three_phase
 from abi.errors import SceneError
+from tests.thorough import examples
 
 MAGNITUDE = st.floats(-3, 3).map(lambda power: 10.0**power)
 
@@ -29,7 +30,7 @@ def inside(profile: ThreePhaseProfile) -> FloatArray:
     return np.concatenate([a + (b - a) * shares for a, b in spans])
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(66))
 @given(profiles())
 def test_rests_at_start_and_end_and_travels_the_length(profile: ThreePhaseProfile) -> None:
     assert profile(0.0) == 0
@@ -38,7 +39,7 @@ def test_rests_at_start_and_end_and_travels_the_length(profile: ThreePhaseProfil
     assert profile(profile.duration, 1) == 0
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(66))
 @given(profiles())
 def test_phases_meet(profile: ThreePhaseProfile) -> None:
     for time in (profile.t1, profile.t1 + profile.t2):
@@ -51,7 +52,7 @@ def test_phases_meet(profile: ThreePhaseProfile) -> None:
         assert jump <= steepest * tick + 1e-15 * profile.peak_speed
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(66))
 @given(profiles())
 def test_distance_is_monotone_and_the_speed_is_kept(profile: ThreePhaseProfile) -> None:
     time = np.linspace(-0.1, 1.1, 500) * profile.duration
@@ -61,7 +62,7 @@ def test_distance_is_monotone_and_the_speed_is_kept(profile: ThreePhaseProfile) 
     assert profile.peak_speed == pytest.approx(profile(time, 1).max(), rel=0.05)
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(66))
 @given(profiles())
 def test_accelerations_are_exact(profile: ThreePhaseProfile) -> None:
     assert profile(profile.t1 / 2, 2) == profile.acceleration
@@ -71,7 +72,7 @@ def test_accelerations_are_exact(profile: ThreePhaseProfile) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=80)
+@settings(max_examples=examples(26))
 @given(profiles())
 def test_orders_are_derivatives_of_each_other(profile: ThreePhaseProfile) -> None:
     time = inside(profile)
@@ -88,7 +89,7 @@ def test_orders_are_derivatives_of_each_other(profile: ThreePhaseProfile) -> Non
     assert np.all(np.abs(acceleration - wanted) <= 4 * noise + 1e-6 * np.abs(wanted))
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(profiles())
 def test_distance_is_the_integral_of_the_speed(profile: ThreePhaseProfile) -> None:
     ends = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
@@ -100,7 +101,7 @@ def test_distance_is_the_integral_of_the_speed(profile: ThreePhaseProfile) -> No
     assert np.abs(travelled - profile(time)).max() <= tolerance
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(66))
 @given(profiles())
 @example(three_phase(1.0, 10.0, 2.0, 3.0))
 @example(three_phase(100.0, 1.0, 2.0, 3.0))
@@ -110,7 +111,7 @@ def test_theorem_1(profile: ThreePhaseProfile) -> None:
     assert profile.t3 * profile.deceleration == pytest.approx(profile.peak_speed, rel=1e-14)
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(66))
 @given(MAGNITUDE, MAGNITUDE, MAGNITUDE, MAGNITUDE)
 def test_no_motion_within_the_limits_is_faster(
     length: float, speed: float, acceleration: float, deceleration: float

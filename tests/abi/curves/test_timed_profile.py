@@ -17,6 +17,7 @@ from abi.curves.cubic_profile import CubicProfile, from_squared_speeds, jerk_lim
 from abi.curves.three_phase_profile import three_phase
 from abi.curves.time_optimal_kernels import fastest_speeds
 from tests.kernel_forms import compiled, plain
+from tests.thorough import examples
 
 rates = st.floats(0.1, 30)
 lengths = st.floats(1e-3, 1e3)
@@ -37,7 +38,7 @@ def check_derivatives(profile: CubicProfile) -> None:
         np.testing.assert_allclose(change, (mean * step)[keep], atol=1e-7 * scale)
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(26))
 @given(lengths, rates, rates, rates)
 def test_a_jerk_limited_motion_keeps_its_limits_and_meets_one(
     length: float, speed: float, acceleration: float, jerk: float

@@ -26,6 +26,7 @@ from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import FreeMesh
 from tests.abi.scene.test_scene import obstacles, points
+from tests.thorough import examples
 
 
 def is_within(box: Workspace, point: Any) -> bool:
@@ -306,7 +307,7 @@ def test_a_blocked_end_is_told_the_nearest_free_point(
             assert np.linalg.norm(place - point) <= away + error
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(body=obstacles, place=points, margin=st.floats(0, 0.5))
 def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: float) -> None:
     scene = Scene.from_dict(
@@ -448,7 +449,7 @@ def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
     assert WhatIf(scene).largest_clearance(lambda value: False) is None
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(st.floats(1e-6, 1e6), st.integers(1, 4))
 def test_rounding_down_loses_less_than_a_last_digit(value: float, digits: int) -> None:
     short = rounded_down(value, digits)

@@ -21,6 +21,7 @@ from tests.abi import meshes
 from tests.abi.shape_distances import segment_distance, signed_distance
 from tests.kernel_forms import compiled, plain
 from tests.random_geometry import random_obstacle, random_obstacles
+from tests.thorough import examples
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -46,7 +47,7 @@ def segments(random: np.random.Generator, count: int) -> tuple[FloatArray, Float
     return starts, ends
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(seeds)
 def test_each_primitive_is_met_once_and_lies_in_the_bounds_above_it(seed: int) -> None:
     packed: Any = ObstacleSet(crowd(np.random.default_rng(seed))).packed

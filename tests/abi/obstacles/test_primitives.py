@@ -19,6 +19,7 @@ from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from tests.abi.shape_distances import segment_distance
 from tests.abi.solids import world_from_body
+from tests.thorough import examples
 
 ADAPTER: TypeAdapter[Any] = TypeAdapter(Obstacle)
 POSE = {"position": (0.4, -0.3, 0.2), "wxyz": (0.8, -0.3, 0.4, 0.2)}
@@ -165,7 +166,7 @@ def test_bounds_are_tight(solid: Obstacle) -> None:
 
 
 @given(solids, st.lists(triples, min_size=2, max_size=8))
-@settings(max_examples=80)
+@settings(max_examples=examples(26))
 def test_distance_is_1_lipschitz_and_convex(
     solid: Obstacle, places: list[tuple[float, float, float]]
 ) -> None:
@@ -414,7 +415,7 @@ def test_a_solid_survives_saving_and_compares_by_value(solid: Obstacle) -> None:
 
 
 @given(quaternions, st.sampled_from([5e-324, 1e-300, 1e-3, 1.0, 1e3, 1.5e308]))
-@settings(max_examples=80)
+@settings(max_examples=examples(26))
 def test_a_quaternion_of_any_length_is_the_same_rotation(
     wxyz: tuple[float, float, float, float], scale: float
 ) -> None:

@@ -12,6 +12,7 @@ from abi.arrays import FloatArray
 from abi.robot.paper_arm.inverse_kinematics import Solution, solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.scene.arm_settings import ArmSettings
+from tests.thorough import examples
 
 Elbow = Literal["up", "down"]
 ELBOWS: tuple[Elbow, Elbow] = ("up", "down")
@@ -162,7 +163,7 @@ def _smallest_singular_values(arm: PaperArm, joints: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.svd(jacobians, compute_uv=False)[:, -1])
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(st.floats(-np.pi, np.pi), st.floats(-0.8, 0.8), st.integers(2, 60), st.booleans())
 def test_through_the_base_axis_q1_does_not_jump(
     angle: float, slope: float, half: int, on_axis: bool
@@ -300,7 +301,7 @@ def test_full_stretch_and_full_fold_are_within_reach(
         np.testing.assert_allclose(tool(arm, found, np.zeros(1)), points, rtol=0, atol=1e-9)
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(SEED, st.floats(-9, 9), st.sampled_from(ELBOWS))
 def test_a_forearm_pulled_past_the_elbow_still_solves(
     seed: int, forearm: float, elbow: Elbow

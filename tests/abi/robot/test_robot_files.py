@@ -19,6 +19,7 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
 from tests.abi.robot.robots import arm, joint, link, packed, urdf
+from tests.thorough import examples
 
 SPHERE = '<collision><geometry><sphere radius="1"/></geometry></collision>'
 MESH = '<box size="0.1 0.1 0.3"/>'
@@ -226,7 +227,7 @@ def test_an_archive_that_lies_about_its_sizes_is_refused() -> None:
         robot_from_archive(bytes(content))
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(50))
 @given(st.data())
 def test_a_damaged_urdf_is_read_or_refused(data: st.DataObject) -> None:
     text = bytearray(arm().encode())

@@ -20,6 +20,7 @@ from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import dump, parse_bytes, yaml_text
 from abi.scene.settings import MeshSettings, Workspace
+from tests.thorough import examples
 
 BOX = {"shape": "box", "size": [1, 1, 1]}
 
@@ -388,7 +389,7 @@ def test_a_pitch_over_the_budget_is_refused_with_one_that_fits() -> None:
 
 
 @pytest.mark.parametrize("lattice", LATTICES)
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(
     low=st.floats(-1e6, 0),
     size=st.tuples(*[st.floats(-6, 6).map(lambda power: 10.0**power)] * 3),

@@ -23,6 +23,7 @@ from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.abi.graphs import lattice_of
 from tests.random_geometry import random_obstacles
+from tests.thorough import examples
 
 SIDE = 3.0
 SAMPLES = 40
@@ -126,7 +127,7 @@ UNIT = st.floats(0, 1) | st.sampled_from([0.0, 0.2, 0.5, 1.0])
 POINT = st.tuples(UNIT, UNIT, UNIT)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(POINT, POINT, st.sampled_from(list(LATTICES)))
 def test_start_and_goal_can_be_anywhere_in_the_box(a: Vec3, b: Vec3, lattice: Lattice) -> None:
     start, goal = np.array(a) * SIDE, np.array(b) * SIDE

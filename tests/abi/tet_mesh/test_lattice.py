@@ -10,6 +10,7 @@ from abi.tet_mesh.delaunay import volumes
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.regular_lattice import Cells
 from abi.tet_mesh.tet_mesh import edges_of
+from tests.thorough import examples
 
 LATTICES = st.sampled_from(list(REGULAR))
 CELLS = st.tuples(*[st.integers(1, 5)] * 3)
@@ -20,7 +21,7 @@ def table(name: str, points: int, cells: Cells) -> IntArray:
     return np.concatenate([np.stack([c.ravel() for c in four], axis=1) for four in families])
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(LATTICES, CELLS)
 def test_edges_are_the_edges_of_the_tetrahedra(name: str, cells: Cells) -> None:
     points = REGULAR[name].points((0, 0, 0), cells, cells)
@@ -31,7 +32,7 @@ def test_edges_are_the_edges_of_the_tetrahedra(name: str, cells: Cells) -> None:
     assert np.array_equal(edges[np.lexsort(edges.T[::-1])], expected)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(LATTICES, CELLS)
 def test_the_step_leads_from_one_end_of_an_edge_to_the_other(name: str, cells: Cells) -> None:
     points = REGULAR[name].points((0, 0, 0), cells, cells)
@@ -39,7 +40,7 @@ def test_the_step_leads_from_one_end_of_an_edge_to_the_other(name: str, cells: C
         assert np.allclose(points[b] - points[a], step, rtol=0, atol=1e-14)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(LATTICES, CELLS, st.integers(0, 2**32 - 1))
 def test_a_family_of_flags_counts_what_a_table_counts(name: str, cells: Cells, seed: int) -> None:
     points = len(REGULAR[name].points((0, 0, 0), cells, cells))

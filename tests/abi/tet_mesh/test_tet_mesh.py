@@ -17,6 +17,7 @@ from abi.tet_mesh.exclusion import exclude, within
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import TetMesh, edges_of, tetrahedralise
 from tests.random_geometry import random_obstacles
+from tests.thorough import examples
 
 FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 
@@ -40,7 +41,7 @@ def meshes(draw: st.DrawFn) -> tuple[Workspace, TetMesh]:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(meshes())
 def test_tetrahedra_tile_the_box(case: tuple[Workspace, TetMesh]) -> None:
     workspace, mesh = case
@@ -56,7 +57,7 @@ def test_tetrahedra_tile_the_box(case: tuple[Workspace, TetMesh]) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(meshes())
 def test_edges_belong_to_tetrahedra_and_have_their_lengths(
     case: tuple[Workspace, TetMesh],

@@ -36,7 +36,7 @@ from tests.abi import meshes
 from tests.abi.solids import support
 from tests.abi.verify.verdicts import verdict_on
 from tests.random_geometry import random_curve, random_obstacle
-from tests.thorough import of_each_kind
+from tests.thorough import examples, of_each_kind
 
 seeds = st.integers(0, 2**32 - 1)
 Data = dict[str, Any]
@@ -461,7 +461,7 @@ def test_quadratics_need_pieces_of_three_rows(honest: Data, pieces: list[Data]) 
 
 @pytest.mark.slow
 @given(st.fractions(0, 10**30), st.integers(-200, 200))
-@settings(max_examples=80)
+@settings(max_examples=examples(26))
 def test_roots_are_bounded_from_both_sides(number: Fraction, power: int) -> None:
     square = number * Fraction(2) ** power
     below, above = sqrt_bounds(square)

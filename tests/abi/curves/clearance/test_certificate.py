@@ -24,6 +24,7 @@ from tests.abi.bezier import polyline
 from tests.abi.solids import support
 from tests.kernel_forms import kernels_as
 from tests.random_geometry import SIZE, random_curve, random_obstacle
+from tests.thorough import examples
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -63,7 +64,7 @@ def test_no_certified_curve_is_refuted_and_no_clear_one_rejected() -> None:
     assert found.checked > 3
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(seeds)
 def test_planes_separate_their_pieces_and_cover_the_curve(seed: int) -> None:
     curve, obstacles = case(seed)
@@ -80,7 +81,7 @@ def test_planes_separate_their_pieces_and_cover_the_curve(seed: int) -> None:
     assert all(covered(result, k) == [(0.0, 1.0)] for k in range(len(obstacles)))
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(seeds)
 def test_distances_from_far_away_are_those_to_the_support(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -96,7 +97,7 @@ def test_distances_from_far_away_are_those_to_the_support(seed: int) -> None:
     assert (inside @ normals.T <= support(solid, normals) + 1e-12).all()
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(seeds)
 def test_bezier_pieces_are_the_curve(seed: int) -> None:
     curve, _ = case(seed)
@@ -110,7 +111,7 @@ def test_bezier_pieces_are_the_curve(seed: int) -> None:
         assert np.abs(found - expected).max() <= 1e-12 * SIZE
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(seeds)
 def test_a_curve_is_as_near_to_its_chords_as_is_said(seed: int) -> None:
     pieces = case(seed)[0].bezier()
@@ -169,7 +170,7 @@ def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
     assert np.allclose(plain.directions, compiled.directions, rtol=0, atol=1e-15)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(seeds, st.sampled_from([1e-4, 1e-6]))
 def test_a_polyline_is_decided_by_its_exact_distance(seed: int, part: float) -> None:
     random = np.random.default_rng(seed)

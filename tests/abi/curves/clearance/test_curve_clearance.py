@@ -21,6 +21,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
 from tests.abi.bezier import interpolated
 from tests.abi.solids import world_from_body
+from tests.thorough import examples
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +139,7 @@ def test_violations_are_in_order_apart_and_no_wider_than_needed(
 
 
 @given(some_obstacles, coordinates, coordinates)
-@settings(max_examples=80)
+@settings(max_examples=examples(26))
 def test_a_straight_line_agrees_with_the_segment(
     obstacles: Obstacles,
     start: tuple[float, float, float],
@@ -153,7 +154,7 @@ def test_a_straight_line_agrees_with_the_segment(
 
 
 @given(st.lists(coordinates, min_size=2, max_size=8), some_obstacles)
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 def test_a_polyline_is_as_near_as_its_nearest_sample(
     vertices: list[tuple[float, float, float]], obstacles: Obstacles
 ) -> None:
@@ -187,7 +188,7 @@ def test_a_parabola_over_a_ball_in_closed_form() -> None:
 
 
 @given(curves, st.floats(0, 1), st.floats(1e-4, 1e-2))
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 def test_a_ball_too_small_for_dense_samples_is_found(
     curve: Spline, where: float, radius: float
 ) -> None:

@@ -14,6 +14,7 @@ from abi.explain.paper.comparison import PaperComparison
 from abi.explain.paper.reproduction import compare
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.scene.scene import Scene
+from tests.thorough import examples
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +93,7 @@ def test_the_printed_quadratic_is_as_long_as_printed_and_ends_where_it_should() 
     np.testing.assert_allclose(printed.QUADRATIC([0, 1]), [[0, 0, 0], [6, 6, 6]], atol=1e-12)
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(33))
 @given(st.floats(-np.pi, np.pi), st.floats(0.1, 1.5), st.floats(0.1, 1.5))
 def test_printed_q1_is_right_in_one_quadrant(q1: float, q2: float, q3: float) -> None:
     assume(min(abs(q1), abs(q1 - np.pi / 2)) > 1e-5)

@@ -17,6 +17,7 @@ from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_reader import read
 from tests.abi import meshes
+from tests.thorough import examples
 
 VERTICES, FACES = meshes.bumpy(1)
 STL = meshes.stl((VERTICES, FACES))
@@ -239,7 +240,7 @@ def test_the_limits_are_those_of_the_file_not_of_its_promises(
 
 
 @pytest.mark.slow
-@settings(max_examples=120)
+@settings(max_examples=examples(40))
 @given(
     st.sampled_from(["m.stl", "t.stl", "m.obj", "m.glb"]),
     st.data(),

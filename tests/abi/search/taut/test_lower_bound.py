@@ -26,6 +26,7 @@ from abi.search.taut.tighten_kernels import FreeSpace
 from tests.abi import meshes
 from tests.abi.bezier import polyline
 from tests.abi.scene.test_scene import obstacles, points
+from tests.thorough import examples
 
 CLEARANCE = 0.1
 PLANNER = Planner()
@@ -91,7 +92,7 @@ def test_an_exact_bound_is_the_length_of_the_shortest_way_by_many_places(
         assert length <= bound.length * 1.002
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(bodies=st.lists(obstacles, max_size=3), start=points, goal=points)
 def test_compiled_and_plain_bounds_are_the_same(
     bodies: list[dict[str, Any]], start: list[float], goal: list[float]

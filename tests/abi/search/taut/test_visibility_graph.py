@@ -19,6 +19,7 @@ from abi.search.taut import taut_kernels as visibility
 from abi.search.taut.tighten_kernels import FreeSpace
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
+from tests.thorough import examples
 
 
 def shapes(bodies: list[dict[str, Any]]) -> tuple[Primitive, ...]:
@@ -33,7 +34,7 @@ def blocked(obstacles: tuple[Primitive, ...], margin: float, p: FloatArray, q: F
 
 
 @pytest.mark.slow
-@settings(max_examples=120)
+@settings(max_examples=examples(40))
 @given(obstacles, points, points, st.floats(-0.3, 1))
 def test_a_line_of_sight_is_what_the_exact_distance_says(
     body: dict[str, Any], start: list[float], goal: list[float], margin: float
@@ -48,7 +49,7 @@ def test_a_line_of_sight_is_what_the_exact_distance_says(
             assert blocked(solids, asked, p, q) == (distance < asked)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(20))
 @given(st.lists(obstacles, max_size=3), points, points)
 def test_sight_goes_both_ways_and_needs_all_obstacles_clear(
     bodies: list[dict[str, Any]], start: list[float], goal: list[float]
