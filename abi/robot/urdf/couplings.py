@@ -20,6 +20,7 @@ from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 
 _WORLD = "world"
+_LISTS = ("group", "group_state")
 
 
 def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tuple[Coupling, ...]:
@@ -36,6 +37,8 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
     for one in root.xml.iter(etree.Element):
         tag, joint = re.sub(".*[}:]", "", str(one.tag)), one.get("name") or ""
         told = one.getparent()
+        if tag == "joint" and told is not None and told.tag in _LISTS and joint in by_name:
+            continue  # a joint of the tree is named, as in an SRDF, and none is closed
         if tag == "mimicJoint":
             fault = _following(by_name, str(one.text or "").strip(), told.findtext("joint"), told)
         elif tag == "param" and joint == "mimic":

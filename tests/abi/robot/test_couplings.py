@@ -108,3 +108,13 @@ def test_a_follower_that_the_same_mimic_tells_of_is_not_noted() -> None:
     assert note == "Not used: ros2_control."
     *_, other = read_of(_CONTROL.format("p", "u", 2), crank=_MIMIC).notes
     assert other == "Loops and couplings are followed from <mimic> alone, not: joint u."
+
+
+@pytest.mark.parametrize("tag", ["group", "group_state"])
+def test_a_joint_that_a_group_names_closes_no_loop(tag: str) -> None:
+    named = f'<{tag} name="arm"><joint name="p" type="fixed"/><joint name="q"/></{tag}>'
+    robot = read_of(named)
+    assert robot.couplings == ()
+    assert not [note for note in robot.notes if "Loops" in note]
+    other = read_of(named.replace('"p"', '"loop"'))
+    assert [one.name for one in other.couplings] == ["loop"]
