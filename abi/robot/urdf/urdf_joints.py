@@ -16,6 +16,8 @@ from abi.robot.urdf.strict_xml import XmlElement
 _MOVING = ("revolute", "continuous", "prismatic")
 _X = read_only(np.array([1.0, 0.0, 0.0]))
 _LEAST_AXIS = 1e-6
+_LONG = 1e-2
+"""Difference from 1 of an axis's length that is no rounding."""
 _HELD = ("floating", "planar", "spherical")
 """Kinds with more than one coordinate, which are held at their origin."""
 
@@ -60,6 +62,8 @@ def _axis(element: XmlElement) -> FloatArray:
     axis = _X if given is None else np.array(given.vector("xyz", (1.0, 0.0, 0.0)))
     if not np.linalg.norm(axis) > _LEAST_AXIS:
         raise element.refuse("axis", tuple(axis.tolist()), "a direction, as it moves about it")
+    if element.text("type") == "prismatic" and abs(np.linalg.norm(axis) - 1) > _LONG:
+        element.tell("Slides by its position, however long its axis is:")
     return read_only(axis / np.linalg.norm(axis))
 
 

@@ -347,6 +347,27 @@ def test_no_joint_is_faster_than_one_that_follows_it_may_be(
     assert (said in robot.notes) == (most < 1)
 
 
+@pytest.mark.parametrize(("axis", "told"), [("0 0 -2", True), ("0.577 0.577 0.577", False)])
+def test_a_slide_whose_axis_is_long_is_told_of_and_goes_by_its_position(
+    axis: str, told: bool
+) -> None:
+    robot = read_of(
+        urdf(
+            *map(link, "abc"),
+            *(
+                joint(name, first, second, kind, axis)
+                for name, first, second, kind in (
+                    ("s", "a", "b", "prismatic"),
+                    ("t", "b", "c", "revolute"),
+                )
+            ),
+        )
+    )
+    assert np.linalg.norm(robot.joints[0].motion(0.3)[:3, 3]) == pytest.approx(0.3)
+    note = "Slides by its position, however long its axis is: joint s."
+    assert (note in robot.notes) == told
+
+
 def test_a_default_namespace_changes_nothing() -> None:
     named = arm(('<robot name="r">', '<robot xmlns="http://example.org/x" name="r">'))
     plain, read = read_of(arm()), read_of(named)
