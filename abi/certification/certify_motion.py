@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Mapping
 from operator import attrgetter
@@ -37,6 +36,7 @@ _DEPTHS = 4
 _ENDS_AND_BETWEEN = 5
 """Poses in which links that are said to touch always have to."""
 _BISECTIONS = 18
+_STATES: tuple[State, ...] = ("clear", "undecided", "touches")
 _FINEST = 1e-9
 """Distance below which shapes may touch or not by rounding, over the largest coordinate."""
 
@@ -178,15 +178,18 @@ class _Pair(NamedTuple):
 
 def _pairs(problem: MotionProblem, proof: Separation) -> list[_Pair]:
     """Undecided stretches of a separation, grouped by links."""
-    rows: dict[tuple[str, int | str], list[int]] = {}
-    for k, (body, other) in enumerate(
-        zip(proof.left_bodies.tolist(), proof.left_others.tolist(), strict=True)
-    ):
-        rows.setdefault((problem.bodies.bodies[body].link, named(problem, other)), []).append(k)
+    links = np.unique([body.link for body in problem.bodies.bodies], return_inverse=True)
+    others = np.unique(proof.left_others, return_inverse=True)
+    names = [named(problem, one) for one in others[0].tolist()]
+    known = {name: number for number, name in enumerate(dict.fromkeys(names))}
+    of_other = np.array([known[name] for name in names], dtype=np.int64)[others[1]]
+    keys = links[1][proof.left_bodies] * len(known) + of_other
+    order = np.lexsort((proof.left[:, 0], keys))
     found = []
-    for (link, other), of_pair in rows.items():
-        chosen = np.array(of_pair)[np.argsort(proof.left[of_pair, 0], kind="stable")]
-        found.append(_Pair(link, other, proof.left[chosen], proof.touching[chosen]))
+    for chosen in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1) if len(order) else ():
+        link, other = divmod(int(keys[chosen[0]]), len(known))
+        rows = proof.left[chosen], proof.touching[chosen]
+        found.append(_Pair(str(links[0][link]), [*known][other], *rows))
     return sorted(found, key=lambda pair: float(pair.left[0, 0]))
 
 
@@ -296,22 +299,21 @@ def _stretches(
         )
     )
     middles = (cuts[1:] + cuts[:-1]) / 2
-    states: list[State] = []
-    for at in middles.tolist():
-        state: State = "clear"
-        if ((touching[:, 0] <= at) & (at <= touching[:, 1])).any():
-            state = "touches"
-        elif ((proof.left[:, 0] <= at) & (at <= proof.left[:, 1])).any():
-            state = "undecided"
-        states.append(state)
-    found: list[TimeStretch] = []
-    for (low, high), state in zip(itertools.pairwise(cuts), states, strict=True):
-        first, last = _times(problem, float(low), float(high))
-        if found and found[-1].state == state:
-            found[-1] = TimeStretch(found[-1].first, last, state)
-        else:
-            found.append(TimeStretch(first, last, state))
+    number = np.where(_covered(middles, proof.left[:, :2]), 1, 0)
+    number[_covered(middles, touching)] = 2
+    begins = np.flatnonzero(np.diff(number, prepend=-1))
+    found = []
+    for first, last in zip(begins.tolist(), [*begins[1:].tolist(), len(number)], strict=True):
+        ends = _times(problem, float(cuts[first]), float(cuts[last]))
+        found.append(TimeStretch(*ends, _STATES[number[first]]))
     return tuple(found)
+
+
+def _covered(places: FloatArray, stretches: FloatArray) -> BoolArray:
+    """Check which places (k,) are in any of some stretches (n, 2)."""
+    begun = np.searchsorted(np.sort(stretches[:, 0]), places, "right")
+    ended = np.searchsorted(np.sort(stretches[:, 1]), places, "left")
+    return np.asarray(begun > ended)
 
 
 def _times(problem: MotionProblem, first: float, last: float) -> tuple[float, float]:

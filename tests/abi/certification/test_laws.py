@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from abi.certification.certify_motion import certify_motion
+from abi.certification.certify_motion import _covered, certify_motion
 from abi.certification.clearance_proof import nearest
 from abi.certification.exact_contact import ContactFinder
 from abi.certification.motion import Motion
@@ -124,3 +126,12 @@ def test_two_arms_move_together_and_meet(tmp_path: object) -> None:
     clear = certify_motion(Motion(names, np.array([0.0, 1.0]), only_one), scene)
     assert clear.state == "clear"
     assert verify(clear.to_dict(), Path(str(tmp_path)))[0].proven
+
+
+@given(st.integers(0, 2**31))
+def test_a_place_is_covered_where_any_stretch_contains_it(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    stretches = np.sort(random.integers(0, 12, (int(random.integers(0, 9)), 2)), axis=1) / 2
+    places = np.arange(-1, 13) / 2
+    within = (stretches[:, 0] <= places[:, None]) & (places[:, None] <= stretches[:, 1])
+    assert (_covered(places, stretches) == within.any(axis=1)).all()
