@@ -477,7 +477,7 @@ class Session:
             self._complete()
             return
         if not self.panels.held:
-            self.panels.history.note(self.panels.step(self._scene))
+            self.panels.history.note(self.panels.step(self._scene), time.monotonic())
             self._view.viewpoint.follow()
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))

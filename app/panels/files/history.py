@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 
 import viser
+from pydantic import BaseModel
 
 from abi.scene.scene import Scene
 from app.panels.files.files import Loaded
 from app.panels.widgets import Wake, hidden_button
 
 _LONGEST = 200
+_SOON = 2.0
+"""Seconds within which another change of the same field belongs to the last: of one slow drag."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,7 @@ class History:
     def __init__(self, gui: viser.GuiApi, first: HistoryStep, wake: Wake) -> None:
         self._noted = [first]
         self._current = 0
+        self._changed = "", -math.inf  # field that was changed last, and when, [s]
         self._follows = False  # whether the scene shown is another tab's
         back, forward = partial(self._step, -1), partial(self._step, 1)
         self.undo = hidden_button(gui, "Undo", back)
@@ -62,13 +67,23 @@ class History:
         """Whether there is a scene after the one shown."""
         return self._current < len(self._noted) - 1
 
-    def note(self, shown: HistoryStep) -> None:
-        """Note the scene that is shown; what was undone before it is forgotten."""
+    def note(self, shown: HistoryStep, time: float = math.inf) -> None:
+        """Note the scene that is shown; what was undone before it is forgotten.
+
+        Args:
+            shown: the scene, and what it was made from.
+            time: when it was left alone, [s]; soon after another change of the same field it takes
+                that one's place.
+        """
         if shown.scene == self.noted:
             self._noted[self._current] = shown  # it may be loaded under another name
             return
-        self._noted = [*self._noted[: self._current + 1], shown][-_LONGEST:]
+        field, (last, at) = _changed_field(self.noted, shown.scene), self._changed
+        goes_on = field == last != "" and time - at < _SOON and not self.can_redo
+        kept = self._current + (0 if goes_on and self.can_undo else 1)
+        self._noted = [*self._noted[:kept], shown][-_LONGEST:]
         self._current = len(self._noted) - 1
+        self._changed = field, time
         self._follows = False
 
     def follow(self, own: HistoryStep, shown: HistoryStep) -> None:
@@ -100,9 +115,24 @@ class History:
             return None
         self.note(shown)
         self._follows = False
+        self._changed = "", -math.inf
         self._current = min(max(self._current + steps, 0), len(self._noted) - 1)
         return self._noted[self._current]
 
     def _step(self, count: int, event: object) -> None:
         self._steps += count
         self._wake(event)
+
+
+def _changed_field(before: Scene, after: Scene) -> str:
+    """Name of the one field of a section in which two scenes differ; empty if there are more."""
+    sections = [
+        name for name in Scene.model_fields if getattr(before, name) != getattr(after, name)
+    ]
+    if len(sections) != 1:
+        return ""
+    old, new = getattr(before, sections[0]), getattr(after, sections[0])
+    if not isinstance(old, BaseModel) or type(old) is not type(new):
+        return ""
+    fields = [name for name in type(old).model_fields if getattr(old, name) != getattr(new, name)]
+    return f"{sections[0]}.{fields[0]}" if len(fields) == 1 else ""
