@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from operator import itemgetter
 from typing import Any, Literal
 
@@ -150,11 +150,15 @@ class UrdfArm(ShortRepr):
     def _pair_levers(self, points: Sequence[FloatArray]) -> FloatArray:
         """Bound of the relative displacement of points of both capsules of a pair, (p, n)."""
         chain, frames = self.chain, [one.frame for one in self.capsules]
+
+        @cache  # a piece has far more others than joints at which it meets them
+        def beside(k: int, common: int) -> FloatArray:
+            return lever(chain, frames[k], points[k], common)
+
         rows = []
         for i, j in self.pairs.tolist():
             common = meeting(chain, frames[i], frames[j])
-            both = (lever(chain, frames[k], points[k], common) for k in (i, j))
-            rows.append(np.sum([*both], axis=0))
+            rows.append(beside(i, common) + beside(j, common))
         levers = np.array(rows).reshape(len(rows), len(self.joints))
         return read_only(levers / self.metres / self.scales)
 
