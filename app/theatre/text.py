@@ -125,6 +125,8 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     else:
         by = _ordering(state)
         span = least if least == most else f"{least} {_scale()} {most}"
+        if theatre.asking and not state.done:  # the number alone would be the answer
+            span = _scale()
         order = f"waiting when it ended, by {by}" if state.done else f"waiting; least {by} is next"
         parts.append(f"{order}: {span}")
     ringed = len(theatre.ringed)
