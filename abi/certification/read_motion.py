@@ -15,7 +15,7 @@ from abi.robot.urdf.robot import Robot
 from abi.scene.scene_file import parse_bytes
 
 MOST_BYTES = 20_000_000
-"""Largest motion file; YAML and JSON have lower limits."""
+"""Largest motion file; YAML has a lower limit."""
 
 
 def read_motion(
@@ -106,7 +106,7 @@ def _mapping(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
     if not name.lower().endswith(".json"):
         content = content.strip().removesuffix(b"---")
     try:
-        data = parse_bytes(content, name)
+        data = parse_bytes(content, name, MOST_BYTES)
     except SceneError as error:
         raise MotionError(f"{short(name)} cannot be read; expected {error.expected}.") from None
     return _from_plain(data, slides)

@@ -65,10 +65,16 @@ def read_file(path: Path, most: int) -> bytes:
         raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
 
 
-def parse_bytes(content: bytes, name: str) -> object:
-    """Parse a scene file's content; the ending of ``name`` gives the format."""
-    if len(content) > _most(name):
-        raise SceneError("scene", name, f"a file of at most {_most(name) // 1000} kB")
+def parse_bytes(content: bytes, name: str, most_json: int = MAX_JSON_BYTES) -> object:
+    """Parse a scene file's content; the ending of ``name`` gives the format.
+
+    Raises:
+        SceneError: it is larger than ``MAX_BYTES``, in JSON than ``most_json``, or neither format.
+    """
+    most = most_json if is_json(name) else MAX_BYTES
+    if len(content) > most:
+        expected = f"a file of at most {most // 1000} kB"
+        raise SceneError("scene", name, expected if is_json(name) else f"{expected}, or JSON")
     try:
         text = content.decode("utf-8-sig")
         if is_json(name):

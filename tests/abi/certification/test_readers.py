@@ -104,6 +104,15 @@ def test_velocities_without_times_leave_the_way_open_and_are_refused(
         exact_path({**plain, "times": TIMES, "timed": False, "velocities": TABLE}, [1] * 6)
 
 
+def test_a_long_motion_is_read_from_json_and_not_from_yaml() -> None:
+    table = [[k / 7 + j / 3 for j in range(6)] for k in range(19_000)]
+    content = json.dumps({"joints": list(JOINTS), "positions": table}).encode()
+    assert len(content) > 2_000_000
+    assert len(read_motion("a.json", content, own_joints(ROBOT)).times) == len(table)
+    with pytest.raises(MotionError, match="at most 400 kB, or JSON"):
+        read_motion("a.yaml", content, own_joints(ROBOT))
+
+
 def rows_with(row: int, column: int, value: object) -> list[list[object]]:
     rows: list[list[object]] = [[time, *one] for time, one in zip(TIMES, TABLE, strict=True)]
     rows[row][column] = value
