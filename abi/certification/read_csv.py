@@ -26,6 +26,9 @@ _ANGLES = {"": 1.0, "rad": 1.0, "deg": math.pi / 180, "°": math.pi / 180}
 _LENGTHS = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001}
 _DURATIONS = {"": 1.0, "s": 1.0, "ms": 0.001, "ns": 1e-9}
 _HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*)\s*[\])])?$")
+_STATES = ("state", "tool_state")
+"""Columns in which an export says what is proven of a motion, and what its tool holds."""
+_LONGEST_STATE = 500
 _DELIMITERS = ",;\t"
 _MOST_LINES = MOST_WAYPOINTS + 2
 """Lines that are read: with the header, one more than a motion may have."""
@@ -71,15 +74,18 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     tables = [_numbers(rows, one, _LENGTHS if slides[one.name] else _ANGLES) for one in found]
     positions = np.stack(tables, axis=1)
     times = _numbers(rows, time[0], _DURATIONS) if time else np.arange(len(rows) - 1, dtype=float)
+    stated = {one.place for one in columns if one.name in _STATES and one not in found}
     left_out = [
         one.name or "one without a name"
         for one in columns
-        if one not in found and one not in time[:1]
+        if one not in found and one not in time[:1] and one.place not in stated
     ]
     notes = []
     remarks = sum(line.startswith("#") for line in filled[filled.index(lines[0]) :])
     if remarks:
         notes.append(f"{counted(remarks, 'row')} left out: # begins a remark.")
+    said = [cell.strip() for row in rows[1:] for k, cell in enumerate(row) if k in stated]
+    notes += [f"The file says: {text[:_LONGEST_STATE]}" for text in dict.fromkeys(said) if text]
     if left_out:
         notes.append(f"Columns that are no joint were ignored: {', '.join(left_out[:8])}.")
     return Motion(

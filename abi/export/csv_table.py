@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from abi.export.joint_trajectory import is_marked, motion_of, motion_state
+from abi.export.joint_trajectory import holding, is_marked, motion_of, motion_state
 from abi.planner.plan import Plan
 
 _PLACES, _SPEEDS, _STATE = ("x", "y", "z"), ("vx", "vy", "vz"), "state"
@@ -17,7 +17,8 @@ _PLACES, _SPEEDS, _STATE = ("x", "y", "z"), ("vx", "vy", "vz"), "state"
 def write(plan: Plan, name: str) -> bytes:
     """Write time, joints, tool position and tool velocity, with units in the header.
 
-    A motion that is not proven clear, or passes limits, says so in one more column. Where a joint
+    A motion that is not proven clear, passes limits, or whose tool holds something says so in one
+    more column. Where a joint
     is called as that or a column of the tool is, these are called ``tool_x`` and the like.
 
     Raises:
@@ -31,7 +32,7 @@ def write(plan: Plan, name: str) -> bytes:
     speeds = [f"{before}{axis} [{unit}/s]" for axis in _SPEEDS]
     text = io.StringIO(newline="")
     table = csv.writer(text)
-    state = motion_state(plan) if is_marked(plan) else ""
+    state = motion_state(plan) if is_marked(plan) or holding(plan) else ""
     marks = [f"{before}{_STATE}"] if state else []
     table.writerow(["time [s]", *joints, *places, *speeds, *marks])
     columns = motion.time[:, None], motion.positions, motion.tool, motion.tool_velocity

@@ -11,6 +11,7 @@ from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
 from abi.explain.arm_faults import arm_warning, limits_warning
 from abi.export.between_points import rows_warning
+from abi.export.carried_objects import carried_objects
 from abi.obstacles.pose import METRES
 from abi.planner.plan import Plan
 
@@ -55,14 +56,29 @@ def is_marked(plan: Plan) -> bool:
 
 
 def motion_state(plan: Plan) -> str:
-    """Sentences that a file of the motion carries: whether the arm is clear, and limits passed."""
+    """Sentences that a file of the motion carries.
+
+    They say whether the arm is clear, which limits it passes, and what its tool holds on the way.
+    """
     warning = arm_warning(plan) or rows_warning(plan)
     state = "The arm's whole motion is proven clear of the scene's obstacles."
     if warning:
         state = f"The arm's motion is NOT proven clear. {warning}"
     if past := limits_warning(plan):
         state += f" It PASSES LIMITS of the joints. {past}"
-    return state
+    return " ".join((state, *holding(plan)))
+
+
+def holding(plan: Plan) -> list[str]:
+    """A sentence on each object that the tool holds for a part of the motion."""
+    if plan.motion is None:
+        return []
+    time = plan.motion.time
+    return [
+        f"From {time[one.first]:.4g} to {time[one.last]:.4g} s its tool holds "
+        f"{f'obstacle {one.number + 1}' if one.is_taken else 'an object'}, as a part of the arm."
+        for one in carried_objects(plan)
+    ]
 
 
 def joint_trajectory(plan: Plan) -> JointTrajectory:

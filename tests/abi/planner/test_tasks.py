@@ -20,6 +20,7 @@ from scipy.spatial.transform import Rotation
 from abi.arm_planning.arm_errors import NoJointMotion
 from abi.arrays import FloatArray
 from abi.certification.certify import certify
+from abi.certification.read_motion import read_motion
 from abi.errors import SceneError
 from abi.explain.arm_faults import limits_warning
 from abi.export.carried_objects import carried_objects
@@ -389,6 +390,14 @@ def test_files_of_a_motion_have_all_legs(tmp_path: Path) -> None:
     rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1, usecols=range(4))
     np.testing.assert_allclose(rows[:, 0], whole.time, rtol=0, atol=0)
     np.testing.assert_allclose(rows[:, 1:4], whole.positions, rtol=0, atol=0)
+    # joints alone do not tell what they carry
+    first = planned().legs[0].arm
+    assert first is not None
+    own = dict(zip(first.chain.names, first.chain.slides, strict=True))
+    notes = read_motion("a.csv", (tmp_path / "a.csv").read_bytes(), own).notes
+    taken, left = whole.begins[[1, 3]]
+    holds = f"From {taken:.4g} to {left:.4g} s its tool holds obstacle 1, as a part of the arm."
+    assert [holds in note for note in notes if note.startswith("The file says: ")] == [True]
 
     export(planned(), tmp_path / "a.ros.json")
     message = json.loads((tmp_path / "a.ros.json").read_text())
