@@ -543,10 +543,32 @@ window.abi = {
       if (segments) line.instanceCount = Math.min(count, segments);
     });
   },
+
+  // A slider takes a finger for itself as soon as it is down, and nothing scrolls: it hears of it only
+  // once the finger has gone sideways. One that taps comes as a mouse.
+  sliderTouched(event) {
+    const [touch] = event.changedTouches;
+    if (event.type === "touchstart" && event.isTrusted) {
+      const slider = event.touches.length === 1 && event.target.closest?.(".mantine-Slider-root");
+      this.touched = slider ? {target: event.target, x: touch.clientX, y: touch.clientY} : null;
+      if (slider) event.stopPropagation();
+    } else if (event.type === "touchmove" && this.touched) {
+      const {target, x, y} = this.touched, right = Math.abs(touch.clientX - x), down = Math.abs(touch.clientY - y);
+      if (Math.max(right, down) < 4) return;
+      this.touched = null;
+      if (right <= down) return;
+      const {touches, targetTouches, changedTouches} = event;
+      target.dispatchEvent(new TouchEvent("touchstart", {bubbles: true, cancelable: true, touches, targetTouches, changedTouches}));
+    } else if (event.isTrusted) this.touched = null;
+  },
 };
 
 window.abiListeners?.abort();
 window.abiListeners = new AbortController();
+for (const name of ["touchstart", "touchmove", "touchend", "touchcancel"]) {
+  const options = {capture: true, passive: true, signal: window.abiListeners.signal};
+  document.addEventListener(name, event => window.abi.sliderTouched(event), options);
+}
 for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
   ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"], ["click", "folderClicked"],
@@ -659,6 +681,8 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
 [role=tab][aria-selected=true] * { color: light-dark(#1a6fc0, #74b8f5) !important; }
 /* the numbers at its ends below a slider's knob */
 .mantine-Slider-markLabel { color: var(--mantine-color-dimmed); padding-top: 4px; }
+/* a finger that goes up or down scrolls, also where it begins on a slider */
+.mantine-Slider-root { touch-action: pan-y; }
 /* a checkbox before its label, which viser squeezes into the column of the others */
 .mantine-Flex-root:has(> div:last-child .mantine-Checkbox-root) {
   flex-direction: row-reverse; justify-content: flex-end; gap: 8px;

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Locator
 
 from app.server.server import Server
 from app.ui.layout import TITLE
@@ -72,6 +72,9 @@ def _in_sight(page: Page) -> bool:
     return bool(0 < below < 80 or left < 2)
 
 
+# How far the sheet is scrolled, [px].
+_SCROLLED = """() => document.querySelector(".mantine-ScrollArea-viewport").scrollTop"""
+
 _HINT = """() => {
   const hint = document.createElement("div");
   hint.className = "mantine-Tooltip-tooltip";
@@ -137,4 +140,51 @@ def test_a_lecture_shows_every_headline_whole(phone: Page) -> None:
     for height in (844, 790):
         phone.tab.set_viewport_size({"width": 390, "height": height})
         phone.until(lambda: bool(phone.tab.evaluate(_WHOLE_HEADLINES)), f"them at {height}")
+    assert not phone.errors
+
+
+def _swipe(page: Page, start: tuple[float, float], right: float, down: float) -> None:
+    """Move a finger over the glass, and lift it."""
+    touch = page.tab.context.new_cdp_session(page.tab)
+    touch.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    x, y = start
+    for k in range(11):
+        at = {"x": x + right * k / 10, "y": y + down * k / 10}
+        kind = "touchMove" if k else "touchStart"
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [at]})
+        page.frames(1)
+    touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    touch.send("Emulation.setTouchEmulationEnabled", {"enabled": False})
+    touch.detach()
+
+
+def _middle(page: Page, slider: Locator) -> tuple[float, tuple[float, float]]:
+    """How far the sheet is scrolled with the slider in its middle, and that one's, [px]."""
+    slider.evaluate("each => each.scrollIntoView({block: 'center'})")
+    page.settle()
+    box = slider.bounding_box()
+    assert box is not None
+    at = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    return float(page.tab.evaluate(_SCROLLED)), at
+
+
+@pytest.mark.slow
+def test_a_finger_that_begins_on_a_slider_scrolls_unless_it_goes_sideways(phone: Page) -> None:
+    if not _are_both_seen(phone):
+        phone.tab.get_by_text(TITLE, exact=True).click()
+    phone.until(lambda: _are_both_seen(phone), "the sheet")
+    slider = phone.tab.locator(".mantine-Slider-root:visible").first
+    knob = slider.locator("[role=slider]")
+    before = knob.get_attribute("aria-valuenow")
+    scrolled, at = _middle(phone, slider)
+    _swipe(phone, at, 80, 3)
+    phone.until(lambda: knob.get_attribute("aria-valuenow") != before, "the slider to move")
+    assert phone.tab.evaluate(_SCROLLED) == scrolled
+
+    phone.settle()
+    before = knob.get_attribute("aria-valuenow")
+    scrolled, at = _middle(phone, slider)
+    _swipe(phone, at, 3, -120)
+    phone.until(lambda: phone.tab.evaluate(_SCROLLED) > scrolled + 30, "the sheet to scroll")
+    assert knob.get_attribute("aria-valuenow") == before
     assert not phone.errors
