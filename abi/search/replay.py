@@ -10,7 +10,9 @@ from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.search.best_first_kernels import WIDTH
 from abi.search.search_kernels import reconstruct_path
-from abi.search.trace import NO_NODES, SearchTrace, last_labels
+from abi.search.trace import NO_NODES, SearchTrace, last_labels, trace_of
+
+_EQUAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +111,14 @@ class SearchState:
         """Check whether a node ties with the one that is expanded next."""
         return node in self.candidates()
 
+    def is_least(self, node: int) -> bool:
+        """Check whether a node ties, and none that ties has a smaller f, however slightly."""
+        tied = self.candidates()
+        if node not in tied:
+            return False
+        promise = self.promise(np.append(tied, node).astype(np.int32))
+        return bool(promise[-1] <= promise.min() + _EQUAL * max(1.0, abs(promise.min())))
+
 
 def replay(trace: SearchTrace, step: int) -> SearchState:
     """The search after ``step`` steps, 0 to ``trace.steps``, independent of earlier calls."""
@@ -134,6 +144,26 @@ def replay(trace: SearchTrace, step: int) -> SearchState:
         current=int(trace.order[step - 1]) if step else -1,
         following=int(trace.order[step]) if step < trace.steps else -1,
     )
+
+
+def with_next(state: SearchState, node: int) -> SearchTrace | None:
+    """The same search, but of all that tie for the least f it expands ``node`` next.
+
+    All else keeps its order: with a consistent heuristic whatever came before that node ties with
+    it, too, and its cost is final. None where that does not hold, or its f is not the least.
+    """
+    trace, step = state.trace, state.step
+    g, h = trace.factors
+    one_sided = trace.queue == "best_first" and trace.sides == 1 and trace.arcs.negative is None
+    if not one_sided or h > g or not state.is_least(node):
+        return None
+    left = trace.order[step:]
+    # a search ends at its goal
+    left = (
+        left[:0] if node == trace.arcs.goal else np.delete(left, np.flatnonzero(left == node)[:1])
+    )
+    order = np.concatenate((trace.order[:step], [node], left)).astype(np.int32)
+    return trace_of(trace.arcs, read_only(order), "best_first", trace.factors, reopens=True)
 
 
 def steps_of_changes(trace: SearchTrace, step: int) -> IntArray:

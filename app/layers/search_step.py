@@ -16,7 +16,7 @@ from app.layers.points import Points
 from app.state.frame import Frame, Layer
 from app.theatre.compared import LETTERS, asks_for_sums, letter_label, lettered, lots
 from app.theatre.text import describe
-from app.theatre.theatre import Theatre, formula, priorities
+from app.theatre.theatre import Theatre, decimals, formula, priorities, rounded
 from app.ui import page, style
 from app.ui.colour_scale import scale_colours
 from app.ui.layout import Layout
@@ -58,7 +58,7 @@ class TheatreLayer(Layer):
         if theatre is not None and alone:
             self._draw_state(theatre)
             self._text.content = unbroken(describe(theatre, frame.plan.scene))
-            page.call(self._client, "showNodes", _numbers(theatre, frame.plan.scene))
+            page.call(self._client, "showNodes", node_numbers(theatre, frame.plan.scene))
         elif self._told:
             page.call(self._client, "showNodes", None)
         self._told = alone
@@ -74,7 +74,7 @@ class TheatreLayer(Layer):
         waiting = few(state.open, n)
         shown: dict[str, tuple[style.Colour | ByteArray, float, IntArray]] = {
             "closed": (style.CLOSED, size, few(state.closed, n)),
-            "open": (_waiting_colours(state, waiting), 1.25 * size, waiting),
+            "open": (waiting_colours(theatre, waiting), 1.25 * size, waiting),
             "current": (style.MARK, 1.9 * size, current),
             "clicked": (style.POINT, 1.6 * size, clicked),
         }
@@ -90,34 +90,38 @@ class TheatreLayer(Layer):
         self._tree.draw(_tree(state))
 
 
-def _waiting_colours(state: SearchState, nodes: IntArray) -> ByteArray:
-    """Colours (k, 3) of open nodes: how soon they are visited, as things are.
+def waiting_colours(theatre: Theatre, nodes: IntArray) -> ByteArray:
+    """Colours (k, 3) of open nodes: how soon they are visited, or one while that is asked.
 
     By their rank, and the first ones farther apart than the last: priorities alone would give all
     that may be next the same colour.
     """
+    if theatre.open_question:
+        return np.array([style.WAITING[0]], np.uint8).repeat(len(nodes), axis=0)
+    state = theatre.state
     ranks = np.zeros(len(state.cost))
     _, ranks[state.open] = np.unique(np.round(priorities(state), 9), return_inverse=True)
     return scale_colours(style.WAITING, np.sqrt(ranks[nodes] / max(ranks.max(initial=0.0), 1.0)))
 
 
-def _numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
+def node_numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
     """What the page says of a node at the pointer, and which nodes it rings or gives letters.
 
-    g and h of visited and waiting nodes are in the order in which these are drawn.
+    g, h and f of visited and waiting nodes are in the order in which these are drawn.
     """
     state = theatre.state
     n = len(state.trace.arcs.points)
     kinds = {"closed": few(state.closed, n), "open": few(state.open, n)}
-    both = {kind: np.stack([state.cost[k], state.to_go(k)], axis=1) for kind, k in kinds.items()}
+    digits = decimals(state)
+    both = {kind: rounded(state, k, digits) for kind, k in kinds.items()}
     tells_sums = state.trace.queue == "best_first" and not asks_for_sums(theatre)
     line = priorities(state)[np.isin(state.open, kinds["open"])]
     return {
         **{kind: _packed(table) for kind, table in both.items()},
         "ringed": np.flatnonzero(np.isin(kinds["open"], theatre.ringed)).tolist(),
         "size": 1.25 * _size(state),
-        "factors": state.trace.factors if tells_sums else None,
-        "formula": formula(state),
+        "decimals": digits,
+        "formula": formula(state) if tells_sums else None,
         "line": _packed(line) if state.trace.queue == "first_in" else None,
         "letters": [
             {

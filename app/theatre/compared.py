@@ -7,13 +7,14 @@ import numpy as np
 from abi.arrays import IntArray, read_only
 from abi.search.replay import SearchState
 from abi.search.trace import NO_NODES
-from app.theatre.theatre import Theatre, formula, labels, order_label, priorities
+from app.theatre.theatre import Theatre, decimals, formula, labels, order_label, priorities
 
 LETTERS = "ABCDE"
 """Names of the nodes that are compared."""
 _MOST_EQUAL = 2
-_TOLD_APART = 0.004
-"""Difference of two sums g + h that is seen although g and h are rounded as they are told."""
+_TOLD_APART = 4
+"""Difference of two f, in their last digit, that is seen although g and h are rounded."""
+_EQUAL = 1e-9
 _MIX = np.uint64(2654435761)
 
 
@@ -24,32 +25,31 @@ def lettered(theatre: Theatre) -> IntArray:
     """
     if not theatre.asking or theatre.voted:
         return NO_NODES
-    return compared(theatre.state)
+    answered = theatre.answer.node if theatre.open_question else -1
+    return compared(theatre.state, answered)
 
 
 def asks_for_sums(theatre: Theatre) -> bool:
-    """Whether who is asked adds g and h, which are told, for f, which is not.
-
-    Where f is one of them, or weighs them, it is told: then there is nothing to learn from adding.
-    """
+    """Whether who is asked makes f of g and h, which are told: f would be the answer."""
     best_first = theatre.state.trace.queue == "best_first"
-    return best_first and formula(theatre.state) == "g + h" and len(lettered(theatre)) > 1
+    return best_first and theatre.open_question and len(theatre.state.open) > 1
 
 
 def letter_label(theatre: Theatre, node: int) -> str:
-    """What is told at the letter of a node: what orders it, or the sum that is to be added."""
+    """What is told at the letter of a node: what orders it, or what that is made of."""
     state = theatre.state
     if not asks_for_sums(theatre):
         return order_label(state, node)
     g, h, _ = labels(state, node)
-    return f"{g} + {h}"
+    return f"{g} + {h}" if formula(state) == "g + h" else f"g {g}, h {h}"
 
 
-def compared(state: SearchState) -> IntArray:
+def compared(state: SearchState, answered: int = -1) -> IntArray:
     """Waiting nodes to compare, at most one for each letter; none where no single node is next.
 
     One that is right is among them. Of those that tie for the least only two are, where others
-    wait, so that there is something to compare. Their order does not tell which is right.
+    wait, so that there is something to compare. Their order does not tell which is right. A node
+    that was ``answered`` before is asked again only where it is the one that is next.
     """
     if state.following < 0:
         return NO_NODES
@@ -57,9 +57,15 @@ def compared(state: SearchState) -> IntArray:
     turn = (state.open < n) == (state.following < n)
     nodes, order = state.open[turn], priorities(state)[turn]
     tied = np.isin(nodes, state.candidates())
-    first = [state.following, *nodes[tied & (nodes != state.following)].tolist()]
+    # those in which no digit differs before those in which the search sees no difference
+    same = np.abs(order - order[nodes == state.following]) <= _EQUAL
+    left = tied & (nodes != state.following) & (nodes != answered)
+    first = [state.following, *nodes[left & same].tolist(), *nodes[left & ~same].tolist()]
     # of sums that a reader cannot tell apart one is right and the other is not
-    others, order = (part[~tied & (order > order.min() + _TOLD_APART)] for part in (nodes, order))
+    apart = (
+        ~tied & (nodes != answered) & (order > order.min() + _TOLD_APART * 10.0 ** -decimals(state))
+    )
+    others, order = nodes[apart], order[apart]
     if len(others) > most:
         least = np.argpartition(order, most)[:most]
         others, order = others[least], order[least]

@@ -41,7 +41,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     letters = list(zip(LETTERS, lettered(theatre).tolist(), strict=False))
     named += [(f"<b>{letter}</b>", node, "") for letter, node in letters]
     rows = [
-        (_at(state, node, f"{name} {where(state, node)}{side}"), *_numbers(theatre, node))
+        (_at(state, node, f"{name} {where(state, node)}{side}"), *node_row(theatre, node))
         for name, node, side in named
         if node >= 0
     ]
@@ -93,10 +93,12 @@ def _rule(theatre: Theatre) -> str:
             "It is the one that waits longest, with the least number in line: first in, first out."
         )
     rule = f"It has the least {_ordering(state)} of all that wait; where several tie, any is right."
-    return f"{rule} Add g and h at each letter." if asks_for_sums(theatre) else rule
+    if formula(state) == "g + h" and asks_for_sums(theatre) and len(lettered(theatre)) > 1:
+        return f"{rule} Add g and h at each letter."
+    return rule
 
 
-def _numbers(theatre: Theatre, node: int) -> tuple[str, str, str]:
+def node_row(theatre: Theatre, node: int) -> tuple[str, str, str]:
     """g, h, and what orders those that wait, as text, unless it is asked."""
     state = theatre.state
     g, h, f = labels(state, node)
@@ -115,8 +117,13 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     least, most = (format_length(float(value)) for value in (values.min(), values.max()))
     if state.trace.queue == "rounds":
         parts.append(f"{_disc(style.WAITING[0])}waiting")
-    elif theatre.voted:
-        parts.append(f"waiting, coloured by {_ordering(state)}: {_scale()}")
+    elif theatre.open_question:
+        rule = (
+            ""
+            if theatre.voted or lesson
+            else f"; least {_ordering(state, 'number in line')} is next"
+        )
+        parts.append(f"{_disc(style.WAITING[0])}waiting{rule}")
     elif lesson and theatre.asking and not state.done:
         parts.append(f"waiting, from the next one {_scale()} to the last")
     elif state.trace.queue == "first_in":
@@ -125,8 +132,6 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     else:
         by = _ordering(state)
         span = least if least == most else f"{least} {_scale()} {most}"
-        if theatre.asking and not state.done:  # the number alone would be the answer
-            span = _scale()
         order = f"waiting when it ended, by {by}" if state.done else f"waiting; least {by} is next"
         parts.append(f"{order}: {span}")
     ringed = len(theatre.ringed)
@@ -135,11 +140,11 @@ def legend(theatre: Theatre, lesson: bool = False) -> str:
     return _entries(parts)
 
 
-def _ordering(state: SearchState) -> str:
-    """What orders those that wait, in words."""
+def _ordering(state: SearchState, in_line: str = "how long") -> str:
+    """What orders those that wait, in words; ``in_line`` where they stand in a line."""
     by = formula(state)
     if state.trace.queue == "first_in":
-        return "how long"
+        return in_line
     return by if by in ("g", "h") else f"f = {by}"
 
 

@@ -14,6 +14,7 @@ from abi.search.trace import NO_NODES
 from app.ui.numbers import format_length, with_minus
 
 _WRITTEN = {"yours": "Your search", "right": "The right one"}
+_MOST_DIGITS = 12
 _NEAR = 0.04
 """Angle, [rad], from a node within which a click means it."""
 
@@ -56,9 +57,14 @@ class Theatre:
     widget: str = ""
 
     @property
+    def open_question(self) -> bool:
+        """Whether nothing may tell the next node: it is asked, and no wrong one was chosen."""
+        return self.asking and self.answer.right and not self.state.done
+
+    @property
     def ringed(self) -> IntArray:
         """Nodes that may be visited next; none while they are to be guessed."""
-        return NO_NODES if self.asking and self.answer.right else self.state.candidates()
+        return NO_NODES if self.open_question else self.state.candidates()
 
 
 def node_at(points: FloatArray, nodes: IntArray, origin: FloatArray, direction: FloatArray) -> int:
@@ -82,19 +88,23 @@ def node_at(points: FloatArray, nodes: IntArray, origin: FloatArray, direction: 
     return int(nodes[best]) if angle[best] <= _NEAR else -1
 
 
-def judge(state: SearchState, node: int) -> tuple[bool, str]:
-    """Check whether a node may be visited next, and why, as HTML with the present numbers."""
+def judge(state: SearchState, node: int, goes_on: bool = False) -> tuple[bool, str]:
+    """Check whether a node may be visited next, and why, as HTML with the present numbers.
+
+    Args:
+        state: the search at its step.
+        node: the one that was chosen.
+        goes_on: whether the search goes on with it where several tie.
+    """
     if state.following < 0:
         return False, "The search has ended: nothing comes next."
     queue = state.trace.queue
     if state.may_follow(node):
         if queue == "first_in":
             return True, f"no. {order_label(state, node)} has waited longest: first in, first out."
-        same = ""
-        if node != state.following:
-            taken = where(state, state.following)
-            same = f" Several are as good; the search goes on with the one at {taken}."
-        return True, f"{_sum(state, node)} is the least of all that wait.{same}"
+        near = "" if state.is_least(node) else ", up to what the search tells apart,"
+        least = f"{_sum(state, node)} is{near} the least of all that wait."
+        return True, least + _others(state, node, goes_on)
     if not np.isfinite(state.cost[node]):
         return False, "it has not been reached: no edge leads there from a visited node."
     if node in state.closed:
@@ -106,8 +116,9 @@ def judge(state: SearchState, node: int) -> tuple[bool, str]:
             False,
             f"it is no. {own} in the line, and no. {first} still waits: first in, first out.",
         )
-    least = state.promise(np.array([state.following], np.int32))[0]
-    return False, f"{_sum(state, node)}, and one that waits has only {format_length(float(least))}."
+    digits = _digits_apart(state, node, state.following)
+    least = labels(state, state.following, digits)[2]
+    return False, f"{_sum(state, node, digits)}, and one that waits has only {least}."
 
 
 def priorities(state: SearchState) -> FloatArray:
@@ -132,12 +143,42 @@ def order_label(state: SearchState, node: int) -> str:
     return f"{places[0]:.0f}" if len(places) else "–"
 
 
-def labels(state: SearchState, node: int) -> tuple[str, str, str]:
+def decimals(state: SearchState) -> int:
+    """Decimals of all costs that are told at a step, as many as its largest has by itself."""
+    reached = np.flatnonzero(np.isfinite(state.cost)).astype(np.int32)
+    largest = float(np.abs(state.promise(reached)).max(initial=0.0))
+    return len(format_length(largest).partition(".")[2])
+
+
+def rounded(state: SearchState, nodes: IntArray, digits: int) -> FloatArray:
+    """g, h and f of nodes (k, 3), rounded so that equal f stay equal and f = g + h adds up.
+
+    For that h may be off by one in its last digit, as g and f are rounded for themselves.
+    """
+    # the ninth digit is not the search's but the computer's
+    exact = np.stack([state.cost[nodes], state.to_go(nodes), state.promise(nodes)], axis=1)
+    told = np.round(np.round(exact, max(9, digits)), digits)
+    if state.trace.factors == (1.0, 1.0):
+        known = np.isfinite(told[:, 0])
+        told[known, 1] = np.round(told[known, 2] - told[known, 0], digits)
+    return np.asarray(told + 0.0)
+
+
+def labels(state: SearchState, node: int, digits: int | None = None) -> tuple[str, str, str]:
     """g, h and f of a node, as text; "∞" where it is not reached."""
-    one = np.array([node], np.int32)
-    numbers = (state.cost[node], state.to_go(one)[0], state.promise(one)[0])
-    g, h, f = (format_length(float(x)) if np.isfinite(x) else "∞" for x in numbers)
+    digits = decimals(state) if digits is None else digits
+    told = rounded(state, np.array([node], np.int32), digits)[0].tolist()
+    g, h, f = (with_minus(f"{x:,.{digits}f}") if np.isfinite(x) else "∞" for x in told)
     return g, h, f
+
+
+def _digits_apart(state: SearchState, node: int, other: int) -> int:
+    """Decimals from the usual ones on with which the f of two nodes differ as they are told."""
+    usual = decimals(state)
+    for digits in range(usual, _MOST_DIGITS):
+        if labels(state, node, digits)[2] != labels(state, other, digits)[2]:
+            return digits
+    return usual
 
 
 def where(state: SearchState, node: int) -> str:
@@ -170,11 +211,26 @@ def formula(state: SearchState, g: str = "g", h: str = "h") -> str:
     )
 
 
-def _sum(state: SearchState, node: int) -> str:
+def _others(state: SearchState, node: int, goes_on: bool) -> str:
+    """What is to be said of the others that tie with a node that is right."""
+    tied = len(state.candidates()) - 1
+    if not tied:
+        return ""
+    others = "Another one ties" if tied == 1 else f"{tied} others tie"
+    if node == state.following or goes_on:
+        return f" {others} with it, and the search goes on with yours."
+    taken = where(state, state.following)
+    a, b = state.trace.factors
+    why = ", the one found last" if b > a else ""
+    return f" {others} with it; of these the search takes the one at {taken} first{why}."
+
+
+def _sum(state: SearchState, node: int, digits: int | None = None) -> str:
     """Priority of one node, as a sum."""
-    g, h, f = labels(state, node)
+    g, h, f = labels(state, node, digits)
     numbers = formula(state, g, h)
-    total = "" if numbers == f else f" = {f}"
+    equals = "=" if all(k in (0.0, 1.0) for k in state.trace.factors) else "≈"
+    total = "" if numbers == f else f" {equals} {f}"
     return f"its f = {formula(state)} = {numbers}{total}"
 
 

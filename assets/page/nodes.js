@@ -26,7 +26,7 @@ window.abiNodes = {
       const cloud = nodes[`/theatre/${kind}`], group = nodeRefFromName[`/theatre/${kind}`];
       const points = cloud?.message.props.points;
       // numbers may come a moment before the points that they are of
-      if (!group || !points || 2 * points.length !== 3 * this.numbers[kind].length) continue;
+      if (!group || !points || points.length !== this.numbers[kind].length) continue;
       const vector = group.position.clone();
       for (let k = 0; 3 * k < points.length; k++) {
         const place = points.subarray(3 * k, 3 * k + 3);
@@ -149,10 +149,10 @@ window.abiNodes = {
   },
 
   text({kind, k}) {
-    const {formula, factors, line, ringed, unit} = this.numbers, [g, h] = this.numbers[kind].subarray(2 * k, 2 * k + 2);
-    const written = x => x.toFixed(3).replace("-", "\u2212");
+    const {formula, decimals, line, ringed, unit} = this.numbers, [g, h, f] = this.numbers[kind].subarray(3 * k, 3 * k + 3);
+    const written = x => x.toFixed(decimals).replace("-", "\u2212");
     const rows = [["g so far", written(g)], ["h to go", written(h)]];
-    if (factors) rows.push([`f = ${formula}`, written(factors[0] * g + factors[1] * h)]);
+    if (formula) rows.push([`f = ${formula}`, written(f)]);
     if (line && kind === "open") rows.push(["no. in line", String(line[k])]);
     const state = kind === "closed" ? "visited" : ringed.includes(k) ? "waits, may be next" : "waits";
     const lines = rows.map(([name, number]) => `<tr><td>${name}</td><td>${number}</td></tr>`);

@@ -16,7 +16,7 @@ from abi.errors import StageError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
-from abi.search.replay import replay
+from abi.search.replay import replay, with_next
 from abi.search.search import SEARCHES
 from abi.search.trace import NO_NODES, SearchTrace
 from app.panels.widgets import Wake, clamp
@@ -100,6 +100,7 @@ class TheatrePanel:
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
         self._searches = TheatreSearches()
         self._answer = JudgedGuess()
+        self._own: tuple[SearchTrace, SearchTrace] | None = None
         self._last: Theatre | None = None
         self._seen: tuple[object, ...] = ()
         for widget in (self.on, self.algorithm, self.weight, self.edges, self.step):
@@ -158,7 +159,7 @@ class TheatrePanel:
 
     def set(self, **settings: Any) -> None:
         """Set widgets by name, as a lesson does: ``on``, ``algorithm``, ``step``, …"""
-        self._answer = JudgedGuess()  # of what was shown before
+        self._answer, self._own = JudgedGuess(), None  # of what was shown before
         for name, value in settings.items():
             if name == "step":
                 self._position = float(value)
@@ -175,6 +176,8 @@ class TheatrePanel:
         now = time.monotonic()
         elapsed, self._advanced = now - self._advanced, now
         plan = frame.plan
+        if not self.on.value:
+            self._await(COMPARED[plan.scene.search.algorithm].label)
         if not self.on.value or plan.graph is None:
             self._last = None
             return None
@@ -184,10 +187,12 @@ class TheatrePanel:
             self._searches, self._last = TheatreSearches(plan), None
             self._answer = JudgedGuess()  # the node was one of another graph
         name, trace = self._trace_of(self.chosen)
+        found, trace = trace, self._as_chosen(trace)
         racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
         racing = self._written_ones(plan) or racing
         steps = max([trace.steps, *(other.steps for _, other in racing)])
         self._move(trace, steps, elapsed)
+        trace = self._as_chosen(found)
         self._show_widgets()  # it may have come to its end
         self._last = self._view(name, trace, racing)
         return self._last
@@ -201,6 +206,21 @@ class TheatrePanel:
             right: the same of the right one.
         """
         self._pair = scene, own, right
+
+    def _await(self, label: str) -> None:
+        """While it is off: the search of stage 3, by its label, from its first step on."""
+        self._own, self._position, self._answer, self.playing = None, 0.0, JudgedGuess(), False
+        self._inputs.clear()
+        self._written = 0
+        edges = next(iter(EDGES))
+        if (self.algorithm.value, self.edges.value) != (label, edges):
+            self.algorithm.value, self.edges.value = label, edges
+        if self.race.value or self.step.value:
+            self.race.value, self.step.value = False, 0
+
+    def _as_chosen(self, trace: SearchTrace) -> SearchTrace:
+        """The search as it goes on with the nodes that were chosen where several tied."""
+        return self._own[1] if self._own is not None and self._own[0] is trace else trace
 
     def _written_ones(self, plan: Plan) -> tuple[tuple[str, SearchTrace], ...]:
         """The student's search and the right one; none where the graph is another."""
@@ -317,7 +337,11 @@ class TheatrePanel:
         if not asking or trace.queue == "rounds":
             return
         state = replay(trace, min(int(self._position), trace.steps))
-        right, why = judge(state, node)
+        own = None if COMPARED[self.chosen].any_angle else with_next(state, node)
+        right, why = judge(state, node, goes_on=own is not None)
+        if own is not None and node != state.following:
+            found = self._own[0] if self._own is not None and self._own[1] is trace else trace
+            self._own = found, own
         word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
         self._answer = JudgedGuess(node, f"The node at {where(state, node)}. {word} {why}", right)
         self._position += right

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -8,14 +9,31 @@ import pytest
 from abi import load_scene, plan
 from abi.planner.comparison import search_problem
 from abi.search.compare import COMPARED
-from abi.search.replay import SearchState, replay
+from abi.search.replay import SearchState, replay, with_next
 from app.layers.race import RaceLayer
-from app.layers.search_step import NODE_BUDGET, TheatreLayer, few, order_colours
+from app.layers.search_step import (
+    NODE_BUDGET,
+    TheatreLayer,
+    few,
+    node_numbers,
+    order_colours,
+    waiting_colours,
+)
 from app.tab.session import Session
 from app.teach.lesson import scene_of
 from app.teach.lesson_file import load_lessons
-from app.theatre.text import describe, legend
-from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, priorities, race_of
+from app.theatre.compared import compared, lettered
+from app.theatre.text import describe, legend, node_row
+from app.theatre.theatre import (
+    JudgedGuess,
+    Theatre,
+    judge,
+    labels,
+    node_at,
+    priorities,
+    race_of,
+    where,
+)
 from tests.app.fake_tab import FakeTab, drawn_points, layer, until
 
 PLAN = plan(load_scene("paper"))
@@ -101,27 +119,109 @@ def test_nodes_that_may_be_next_are_the_least_of_what_orders_them(name: str) -> 
         )
 
 
-def test_a_guess_is_not_given_away_until_it_was_wrong() -> None:
-    state = state_of("a_star", 6)
-    wrong = JudgedGuess(int(state.closed[0]), "no", right=False)
-    assert Theatre("a_star", state, asking=True).ringed.size == 0
-    assert Theatre("a_star", state, asking=True, answer=JudgedGuess(3, "yes")).ringed.size == 0
-    assert state.following in Theatre("a_star", state, asking=True, answer=wrong).ringed
-    asked = legend(Theatre("a_star", state, asking=True))
-    assert "abi-ring" not in asked
-    assert "least f = g + h is next" in asked
-
-
 @pytest.mark.parametrize("name", COMPARED)
-def test_a_vote_is_told_neither_which_is_next_nor_the_least_value(name: str) -> None:
-    state = state_of(name, 5)
-    voted = Theatre(name, state, asking=True, voted=True)
-    assert voted.ringed.size == 0
+@pytest.mark.parametrize("voted", [False, True])
+def test_nothing_gives_the_next_node_away_while_it_is_asked(name: str, voted: bool) -> None:
+    state = state_of(name, 5, 1.5)
+    rounds = state.trace.queue == "rounds"
+    line = state.trace.queue == "first_in"
     for lesson in (False, True):
-        told = legend(voted, lesson)
-        assert "next" not in told
-        assert "tie" not in told
-        assert f"{priorities(state).min():.3f}" not in told
+        for answer in (JudgedGuess(), JudgedGuess(int(state.open[0]), "yes")):
+            asked = Theatre(name, state, asking=True, voted=voted, answer=answer)
+            assert asked.ringed.size == 0
+            told = legend(asked, lesson)
+            assert "abi-ring" not in told
+            assert "abi-scale" not in told
+            assert "tie" not in told
+            assert f"{priorities(state).min():.3f}" not in told
+            assert rounds or len(np.unique(waiting_colours(asked, state.open), axis=0)) == 1
+            numbers = node_numbers(asked, PLAN.scene)
+            assert numbers["formula"] is None
+            assert rounds or "?" in node_row(asked, int(state.open[1])) or line
+    following = state.following
+    wrong = JudgedGuess(int(state.closed[0]), "no", right=False)
+    known = Theatre(name, state, asking=True, answer=wrong)
+    if rounds:
+        return
+    assert following in known.ringed
+    assert "abi-ring" in legend(known)
+    assert len(np.unique(waiting_colours(known, state.open), axis=0)) > 1
+    assert line or labels(state, following)[2] in node_row(known, following)
+
+
+@pytest.mark.parametrize(
+    ("name", "w"), [("a_star", 1.0), ("dijkstra", 1.0), ("weighted_a_star", 1.5)]
+)
+def test_a_sum_adds_up_as_it_is_told_and_a_tie_looks_like_one(name: str, w: float) -> None:
+    tied = 0
+    for step in range(0, 10, 2):
+        state = state_of(name, step, w)
+        for node in state.open.tolist():
+            g, h, f = (float(x.replace(",", "")) for x in labels(state, node))
+            exact = state.promise(np.array([node], np.int32))[0]
+            assert abs(f - exact) <= 0.0005 + 1e-9
+            assert abs(g - state.cost[node]) <= 0.0005 + 1e-9
+            if name == "a_star":
+                assert round(g + h, 3) == f
+        equal = [node for node in state.open.tolist() if state.is_least(node)]
+        tied += len(equal) > 1
+        assert len({labels(state, node)[2] for node in equal}) <= 1
+        letters = compared(state).tolist()
+        least = {labels(state, node)[2] for node in letters if state.may_follow(node)}
+        assert len(least) == 1
+        assert least.isdisjoint(
+            labels(state, node)[2] for node in letters if not state.may_follow(node)
+        )
+    assert tied or name != "a_star"
+
+
+def test_what_is_wrong_is_told_with_as_many_digits_as_it_takes() -> None:
+    for step in range(1, 12):
+        state = state_of("a_star", step)
+        for node in set(state.open.tolist()) - set(state.candidates().tolist()):
+            own, least = re.findall(r"[\d.]+", judge(state, node)[1].split(" = ")[-1])[:2]
+            assert float(own) > float(least.rstrip("."))
+
+
+@pytest.mark.parametrize("name", ["a_star", "dijkstra"])
+def test_a_search_goes_on_with_the_one_chosen_of_several_that_tie(name: str) -> None:
+    chosen, state = 0, state_of(name, 0)
+    first, step = state.trace, 0
+    while step < state.trace.steps:
+        state = replay(state.trace, step)
+        others = [node for node in state.candidates().tolist() if state.is_least(node)]
+        node = next((one for one in others if one != state.following), state.following)
+        own = with_next(state, node)
+        assert own is not None
+        if node != state.following:
+            chosen += 1
+            right, why = judge(state, node, goes_on=True)
+            assert right
+            assert "goes on with yours" in why
+        step += 1
+        state = replay(own, step)
+        assert state.current == node
+        assert node not in state.open
+    assert chosen > 0
+    assert state.trace.length == pytest.approx(first.length)
+    # each node had the least f when its turn came
+    for step in range(state.trace.steps):
+        before = replay(state.trace, step)
+        assert before.is_least(before.following)
+
+
+def test_a_search_that_trusts_h_more_takes_its_own_of_several_and_says_which() -> None:
+    told = 0
+    for step in range(COMPARED["greedy_best_first"].find(search_problem(PLAN)).steps):
+        state = state_of("greedy_best_first", step)
+        for node in set(state.candidates().tolist()) - {state.following}:
+            assert with_next(state, node) is None
+            assert where(state, state.following) in judge(state, node)[1]
+            after = replay(state.trace, step + 1)
+            asked = Theatre("greedy_best_first", after, asking=True, answer=JudgedGuess(node))
+            assert node not in lettered(asked) or node == after.following
+            told += 1
+    assert told or len(state_of("greedy_best_first", 0).open) == 1
 
 
 def test_on_the_grid_of_the_lesson_on_searches_no_two_nodes_tie() -> None:
@@ -230,6 +330,26 @@ def test_the_search_is_seen_alone_while_it_is_stepped_through(tab: tuple[FakeTab
     assert {"workspace", "obstacles", "edges"} <= session.frame.shown
     fake.set(panel.on, False)
     until(lambda: session.frame.shown == usual)
+
+
+def test_a_search_opens_with_the_one_of_stage_three_at_its_first_step(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    fake.set(session.panels.stages.search.algorithm.handle, "Dijkstra")
+    until(lambda: session.resting and session.frame.plan.scene.search.algorithm == "dijkstra")
+    panel.set(on=True, algorithm="greedy_best_first", step=4)  # as a lesson does
+    fake.set(panel.edges, "one")
+    until(lambda: session.frame.theatre is not None and session.frame.theatre.state.step == 4)
+    fake.set(panel.on, False)
+    until(lambda: session.frame.theatre is None and panel.step.value == 0)
+    fake.set(panel.on, True)
+    until(lambda: session.frame.theatre is not None)
+    opened = session.frame.theatre
+    assert opened is not None
+    assert (opened.name, opened.state.step) == ("dijkstra", 0)
+    assert opened.state.trace.arcs.negative is None
 
 
 def test_a_lesson_says_itself_what_is_shown_beside_a_search(tab: tuple[FakeTab, Session]) -> None:
