@@ -89,7 +89,7 @@ class AllPanels:
             self.check = CheckMotionPanel(client, scene, wake)
         self.history = History(client.gui, self.step(scene), wake)
         with self.layout.learn:
-            self.lessons = LessonPanel(client, library, wake)
+            self.lessons = LessonPanel(client, library, wake, lambda: self.held)
             self.practice = PracticePanel(client.gui, wake)
             self.figures = FiguresPanel(client.gui, wake)
         mark = LessonMark(self.layout, self.lessons)

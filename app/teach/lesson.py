@@ -153,13 +153,19 @@ class Task(_Part):
 
     Attributes:
         text: what to do.
+        now: how far it is; hidden where it was done and is so no more.
         until: conditions.
         shown_by: what does it, for those who are stuck.
     """
 
     text: str
+    now: str = ""
     until: Annotated[tuple[Condition, ...], Field(min_length=1)]
     shown_by: Setting
+
+    def is_done(self, frame: Frame) -> bool:
+        """Check whether all conditions hold."""
+        return all(condition.holds(frame) for condition in self.until)
 
 
 class Step(_Part):

@@ -69,7 +69,7 @@ def _check_page(
     yield from _check_texts(file, _texts_before(page, step), frame)
     if step.task is not None:
         task, place = step.task, (*page, "task")
-        if all(one.holds(frame) for one in task.until):
+        if task.is_done(frame):
             yield fault_at(file, (*place, "until"), "it is met before anything is done.")
         try:
             frame = rehearsal.take(task.shown_by)
@@ -91,6 +91,7 @@ def _texts_before(page: Place, step: Step) -> Iterator[tuple[Place, str]]:
     yield (*page, "text"), step.text
     if step.task is not None:
         yield (*page, "task", "text"), step.task.text
+        yield (*page, "task", "now"), step.task.now
     if step.question is not None:
         yield (*page, "question", "text"), step.question.text
         for number, choice in enumerate(step.question.choices):

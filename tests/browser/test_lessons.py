@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
@@ -91,3 +92,33 @@ def test_a_lesson_is_found_again_after_a_reload(student: Page, desk: Tabs, serve
     over = page.tab.locator("#abi-overlay").get_by_role("button", name="End lesson", exact=True)
     over.click()
     page.until(lambda: not server.sessions[page.client].frame.lesson, "the end of the lesson")
+
+
+def test_a_drag_goes_on_when_it_has_done_the_task(student: Page, server: Server) -> None:
+    page, session = student, server.sessions[student.client]
+    panel = session.panels.lessons
+    page.click("Learn")
+    page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
+    page.click(panel.titles[1])
+    page.click("Straight through the plate")
+    page.click("Next")
+    page.reads("➜ Drag the plate")
+    page.settle()
+    gizmo = session.panels.obstacles.gizmos[0].name
+    places = []
+
+    def ticked() -> None:
+        page.until(lambda: panel._is_passed and session.resting, "the task to be done")
+        places.append(page.position(gizmo))
+
+    start = page.pixel(gizmo)
+    end = start[0] - 200, start[1]
+    page.drag(start, end, midway=ticked)
+    page.until(lambda: session.resting, "rest")
+    assert np.linalg.norm(np.subtract(page.position(gizmo), places[0])) > 1
+    assert page.pixel(gizmo) == pytest.approx(end, abs=12)
+    page.click("Undo")  # where the task is not done, no number stands beside its tick
+    page.reads("✓ Drag the plate")
+    page.reads("it need not stay so")
+    assert " do." not in page.text().split("✓ Drag the plate")[1].split("need not")[0]
+    _end(page)

@@ -343,9 +343,13 @@ class ObstacleGizmos:
 def _same_shapes(old: Sequence[Obstacle], new: Sequence[Obstacle]) -> bool:
     """Check whether each obstacle is of the old one's shape, and of the same surface."""
     return len(old) == len(new) and all(
-        type(a) is type(b) and getattr(a, "surface", None) is getattr(b, "surface", None)
-        for a, b in zip(old, new, strict=True)
+        type(a) is type(b) and _surface(a) is _surface(b) for a, b in zip(old, new, strict=True)
     )
+
+
+def _surface(obstacle: Obstacle) -> Surface | None:
+    """The surface of a mesh; None for other shapes, which make theirs anew each time."""
+    return obstacle.surface if isinstance(obstacle, MeshShape) else None
 
 
 def _put(one: ObstacleNodes, obstacle: Obstacle) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -50,8 +51,11 @@ class LessonPanel:
         client: viser.ClientHandle,
         library: Library,
         wake: Wake,
+        held: Callable[[], bool],
     ) -> None:
+        """Add the widgets; while a hand has ``held`` something, nothing in the scene is set."""
         gui, self._client, self._wake = client.gui, client, wake
+        self._held = held
         self._library, self._lessons = library, NO_LESSONS
         self._name, self._number = "", 0
         self._passed: set[tuple[str, int]] = set()
@@ -188,21 +192,22 @@ class LessonPanel:
             and not self._done
             and resting
             and self._cue is None
-            and all(condition.holds(frame) for condition in step.task.until)
+            and step.task.is_done(frame)
+            and (step.reveal == Setting() or not self._held())
         ):
             self._pass(step)
         if step is None:
             state = self._lessons is NO_LESSONS, self._finished, len(self._passed)
             if state != self._drawn:
                 self._drawn = state
-                self._write(frame)
+                self._write(frame, resting)
                 self._intro.content = _INTRO + self._cards()
             return
         place = self._name, self._number, self._answer, self._is_passed, self._done, self.voted
-        page = (frame.plan, frame.theatre, frame.bent, *place)
+        page = (frame.plan, frame.theatre, frame.bent, resting, *place)
         if page != self._drawn:
             self._drawn = page
-            self._write(frame)
+            self._write(frame, resting)
 
     @property
     def _step(self) -> Step | None:
@@ -327,10 +332,11 @@ class LessonPanel:
         """Reveal what the page has kept back."""
         self._passed.add((self._name, self._number))
         self._done = True
-        self._cue = step.reveal
+        # what sets nothing would still write the panels anew, in the middle of a drag
+        self._cue = None if step.reveal == Setting() else step.reveal
 
-    def _write(self, frame: Frame) -> None:
-        """Write the page into the widgets."""
+    def _write(self, frame: Frame, resting: bool) -> None:
+        """Write the page into the widgets; unless ``resting`` the plan may lack some numbers."""
         step, passed = self._step, self._is_passed
         for widget in (self._place, self._text, self.next, self.back, self.leave):
             widget.visible = step is not None
@@ -355,6 +361,10 @@ class LessonPanel:
         asking = question.text if question is not None else ""
         if task is not None:
             asking = f"{'✓' if passed else '➜'} {task.text}"
+            if not passed or task.is_done(frame):
+                asking = f"{asking} {task.now}".strip()
+            elif resting:
+                asking += " *Done; it need not stay so.*"
         self._show(self._question, asking, frame)
         choices = question.choices if question is not None else ()
         for number, button in enumerate(self.answers):

@@ -77,7 +77,9 @@ class _PageData:
         question, task = step.question, step.task
         asking = "" if question is None else question.text
         if task is not None:
-            asking = f"➜ {task.text} *(In the visualiser: this page plans nothing anew.)*"
+            asking = (
+                f"➜ {task.text} {task.now} *(In the visualiser: this page plans nothing anew.)*"
+            )
             self._rehearsal.take(task.shown_by)
         after = self._rehearsal.take(step.reveal)
         choices = () if question is None else question.choices

@@ -109,6 +109,9 @@ def test_everything_is_undone_and_done_again(tab: tuple[FakeTab, Session]) -> No
     done()
     fake.set(panels.files.choice, "two-boxes")
     done()
+    gizmos = panels.obstacles.gizmos
+    panels.obstacles.write(scenes[-1])
+    assert panels.obstacles.gizmos == gizmos  # those of the same shapes stay in the page
     for scene in scenes[-2::-1]:
         fake.set(panels.history.undo, True)
         until(lambda scene=scene: session.frame.plan.scene == scene)  # type: ignore[misc]

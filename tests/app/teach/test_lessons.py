@@ -46,7 +46,8 @@ def test_counts_of_meshes_are_those_of_the_table_of_the_papers_numbers() -> None
 
 def texts_of(step: Step) -> list[str]:
     choices = step.question.choices if step.question else ()
-    asked = [step.question.text if step.question else "", step.task.text if step.task else ""]
+    asked = [step.question.text if step.question else "", ""]
+    asked += [step.task.text, step.task.now] if step.task else []
     return [step.text, step.after, *asked, *(choice.why for choice in choices)]
 
 
