@@ -206,8 +206,8 @@ class AllPanels:
         requested = self.files.requested(self.editor.meshes(scene))
         if self.messages.banner.asks_for_other_scene():
             requested = self.files.open_shipped(MADE_FOR_ARMS)
-        if requested is None:
-            requested = self.messages.legs.requested()
+        leg = self.messages.legs.requested()
+        requested = leg if requested is None else requested
         for panel in (self.messages, self.stages.bases):
             if requested is None and (change := panel.accepted_change()) is not None:
                 requested = scene.replace(**change)

@@ -1,7 +1,8 @@
 """Legs of a sequence of tasks over the scene: which one is shown, and buttons to the others.
 
 A leg is a scene of its own, which begins where the plan of the one before has ended: going on to
-the next takes the plan that is shown.
+the next takes the plan that is shown. What plays goes on by itself, and after the last leg begins
+with the first.
 """
 
 from __future__ import annotations
@@ -33,6 +34,9 @@ class LegsCard:
         self.number: int | None = None
         self._whole: Scene | None = None
         self._plans: list[Plan] = []
+        self._complete: list[Plan] = []  # those of them of which nothing is to come
+        self._due = False  # whether the leg that is shown has been played
+        self._asked: tuple[int, Scene] | None = None
 
     def see(self, frame: Frame) -> None:
         """Take note of the plan that is shown: of a leg, or of another scene."""
@@ -46,14 +50,24 @@ class LegsCard:
             self.number = None
         else:
             self._take(number, plan)
+        complete = self._complete if frame.partial else [*self._complete, plan]
+        self._complete = [one for one in self._plans if one in complete]
+        self._asked = None
 
     def _number_of(self, scene: Scene) -> int | None:
-        """Number of the leg that begins as a scene does, in the joints in which another ended."""
+        """Number of the leg that begins as a scene does, in the joints in which another ended.
+
+        Where several do, it is the one that was asked for or shown last.
+        """
         start = None if scene.arm.start is None else scene.arm.start.joints
-        for number, plan in enumerate(self._plans, 1):
-            if number < len(self._tasks) and start is not None and start == _end(plan):
-                return number
-        return None
+        last = min(len(self._plans) + 1, len(self._tasks))
+        begin = [
+            number
+            for number in range(1, last)
+            if start is not None and start == _end(self._plans[number - 1])
+        ]
+        asked = None if self._asked is None else self._asked[0]
+        return min(begin, key=lambda one: (one != asked, one != self.number), default=None)
 
     def _take(self, number: int, plan: Plan) -> None:
         """Keep the plan of a leg; one that ends elsewhere than before drops what followed it."""
@@ -71,16 +85,45 @@ class LegsCard:
     def requested(self) -> Scene | None:
         """Scene of the leg that was asked for since the last call."""
         on, back = pressed(self.go_on), pressed(self.go_back)
+        due, self._due = self._due, False
         number, whole = self.number, self._whole
         if number is None or whole is None:
             return None
         if back and number > 0:
-            return self._plans[number - 1].scene
-        if on and self._may_go_on:
-            if number + 1 < len(self._plans):
-                return self._plans[number + 1].scene
-            return next_scene(whole, number + 1, self._plans[number])
-        return None
+            number -= 1
+        elif (on or due) and self._may_go_on:
+            number += 1
+        elif due:
+            number = 0
+        else:
+            return None
+        planned = number < len(self._plans)
+        scene = self._plans[number].scene if planned else None
+        scene = scene or next_scene(whole, number, self._plans[number - 1])
+        self._asked = number, scene
+        return scene
+
+    def begins(self, scene: Scene) -> bool:
+        """Whether ``scene`` is that of the leg asked for last, of which nothing has been shown."""
+        return self._asked is not None and scene is self._asked[1]
+
+    def planned(self, scene: Scene) -> Plan | None:
+        """The plan of the leg asked for if it has been shown in full; None for another scene."""
+        plans = self._complete if self.begins(scene) else []
+        return next((one for one in plans if one.scene is scene), None)
+
+    def shows(self, frame: Frame) -> bool:
+        """Whether the plan of ``frame`` is that of a leg."""
+        return self.number is not None and frame.plan is self._plans[self.number]
+
+    def plays_on(self, frame: Frame) -> bool:
+        """Whether another leg follows once the motion of ``frame`` has been played."""
+        ready = self.shows(frame) and frame.plan in self._complete and frame.plan.motion is not None
+        return ready and len(self._tasks) > 1 and frame.current and frame.theatre is None
+
+    def play_next(self) -> None:
+        """Ask for the leg after the one that has been played; after the last, for the first."""
+        self._due = True
 
     @property
     def _may_go_on(self) -> bool:
@@ -127,11 +170,10 @@ class LegsCard:
             "</span>"
             for k, width in enumerate(widths)
         )
-        begin = sum(times[:number])
-        span = f"from {begin:.1f} to {begin + times[number]:.1f} s"
+        span = "Play goes through all legs"
         if len(times) == len(self._tasks):
-            span += f" of {sum(times):.1f} s"
-        return f'<div style="display:flex;gap:2px;margin:4px 0">{parts}</div><small>{span}</small>'
+            span += f", {sum(times):.1f} s in all"
+        return f'<div style="display:flex;gap:2px;margin:4px 0">{parts}</div><small>{span}.</small>'
 
 
 def _end(plan: Plan) -> tuple[tuple[str, float], ...] | None:

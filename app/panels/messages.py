@@ -41,6 +41,11 @@ _TOOL_ALONE = (
     "As in the paper, only the path of the tool tip is planned: links may touch obstacles."
 )
 
+_JOINTS_ALONE = (
+    "No path of the tool tip on the mesh here. Purple: where the tool goes in the joint poses that "
+    "were tried instead."
+)
+
 
 class Messages:
     """One sentence, and the buttons of the change that helps."""
@@ -81,7 +86,6 @@ class Messages:
             _OBSTACLES in frame.shown,
             frame.stage,
         )
-        self.legs.see(frame)
         before = self._before.follow(frame)
         state = *shown, *preview, *told, *self._base.state(frame), *self.legs.state()
         if state == self._drawn:
@@ -180,6 +184,8 @@ def _planning(what: str) -> str:
 def _progress(frame: Frame, still: bool = False) -> str:
     """Task, and what the last plan did, in numbers; ``still`` where nothing is to be dragged."""
     plan = frame.plan
+    if plan.path is None and plan.joint_search is not None and not frame.lesson:
+        return _JOINTS_ALONE
     if plan.free is None or plan.path is None or not frame.tells_curve:
         return ""
     name = style.ALGORITHMS[plan.path.algorithm][0]

@@ -19,6 +19,7 @@ SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 _PAUSE_AT_END = 0.8
 _JUST = 1e-3
 """Time after a contact at which it is over, [s]."""
+_now = time.monotonic
 _LATENCY = 3.0
 """Seconds that a frame may take to a page on a weak machine."""
 
@@ -43,6 +44,7 @@ class PlaybackPanel:
         self._moves = True
         self._written = 0.0
         self._time, self._rate = 0.0, 1.0
+        self._again = True
         self._presses = self._counted = 0
         self._scrubbed = False
         self._advanced = self._sent = time.monotonic()
@@ -53,7 +55,7 @@ class PlaybackPanel:
     def restore(self, time: float, playing: bool) -> None:
         """Go on from ``time`` [s], or stand still there."""
         self.playing = playing
-        self._time = time
+        self._time, self._advanced = time, _now()
 
     def follow(self, time: float, playing: bool) -> None:
         """Stand at another tab's ``time`` [s], or play as it does: each by its own clock."""
@@ -65,9 +67,10 @@ class PlaybackPanel:
         """Seconds of the motion for one of the clock."""
         return SPEEDS.get(self.speed.value, 1.0)
 
-    def advance(self, duration: float) -> float:
-        """Advance to now; the time to show, [s], which begins anew a moment after the end.
+    def advance(self, duration: float, again: bool = True) -> float:
+        """Advance to now; the time to show, [s], which begins ``again`` a moment after the end.
 
+        Otherwise it stays there, where another motion follows.
         The page plays by its own clock: it is told the time only once it stands.
         """
         now = time.monotonic()
@@ -75,7 +78,9 @@ class PlaybackPanel:
         self._rate = self.rate
         if self.playing:
             period = duration + _PAUSE_AT_END * self._rate
-            self._time = math.fmod(self._time + played, period)
+            self._time += played
+            self._time = math.fmod(self._time, period) if again else min(self._time, duration)
+        self._again = again
         if (presses := self._presses) != self._counted:
             self.playing ^= bool((presses - self._counted) % 2)
             self._counted = presses
@@ -111,9 +116,20 @@ class PlaybackPanel:
             return None
         # a new round may begin with other links than the last one has ended with
         moments = {0.0, *(one.first for one in contacts), *(one.last + _JUST for one in contacts)}
+        if not self._again:
+            moments = {moment for moment in moments if self._time < moment <= duration}
+            return self._until(min(moments)) if moments else None
         period = duration + _PAUSE_AT_END * self._rate
         ahead = min((moment - self._time) % period or period for moment in moments)
         return ahead / self._rate - (time.monotonic() - self._advanced)
+
+    def until_end(self, duration: float) -> float | None:
+        """Time until the motion that plays has come to its end, [s]; None if none plays."""
+        return self._until(duration) if self.playing else None
+
+    def _until(self, moment: float) -> float:
+        """Time until a moment of this round, [s] of the clock."""
+        return (moment - self._time) / self._rate - (time.monotonic() - self._advanced)
 
     def mark(
         self,

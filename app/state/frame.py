@@ -58,6 +58,7 @@ class Frame:
         bases: places tried for the arm's base; None while none are.
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
+        again: whether it begins anew after its end; otherwise another motion follows.
         lesson: whether one is gone through: what else there is to read waits.
         asks: whether its page asks something that is not answered yet: no number may give it away.
         lecture: whether the page is to be read from afar.
@@ -84,6 +85,7 @@ class Frame:
     bases: BaseMap | None = None
     time: float = 0.0
     playing: bool = False
+    again: bool = True
     lesson: bool = False
     asks: bool = False
     lecture: bool = False

@@ -216,7 +216,13 @@ class Session:
         elif not self._broken:
             if self._pause.seconds >= REST:
                 self._work_in_pause()
-            if resized or self._view.is_due(self.frame):
+            if self._view.leg_is_over(self.frame):
+                self.panels.messages.legs.play_next()
+                self._pause.begin(input=False)
+                self._update()
+                if self.panels.messages.legs.shows(self.frame):
+                    self.panels.history.replace(self.panels.step(self._scene))
+            elif resized or self._view.is_due(self.frame):
                 self._draw(self.frame)
         leads = self._class is not None and self._class.teaches
         if not demo.running and (leads or self._memory.is_due):
@@ -283,7 +289,11 @@ class Session:
                 self.panels.check.leave()
             changed = self.panels.check.changed(scene)
             if self.plans == 0 or restored or changed or self._unplanned or scene != self._scene:
-                self._show(self._replan(scene), interactive=True)
+                begins = self.panels.messages.legs.begins(scene)
+                plan = self._replan(scene)
+                if begins:
+                    self.playback.restore(0.0, self.playback.playing)
+                self._show(plan, interactive=True)
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
@@ -403,7 +413,9 @@ class Session:
         One that a teacher shows has been planned already.
         """
         # a scene noted before is gone back to, with the camera as it is
-        loaded = self.panels.files.loaded is scene and scene is not self.panels.history.noted
+        leg = self.panels.messages.legs.begins(scene)
+        new = not leg and scene is not self.panels.history.noted
+        loaded = new and self.panels.files.loaded is scene
         grown = scene.arm is not self._scene.arm and oversize(scene) != oversize(self._scene)
         if scene.workspace != self._scene.workspace or loaded or grown:
             self._view.look_at(scene)
@@ -412,6 +424,9 @@ class Session:
             self._first = scene
         if (checked := self._check(scene)) is not None:
             return checked
+        if (known := self.panels.messages.legs.planned(scene)) is not None:
+            self._planner.live.adopt(scene)
+            return known
         shared = self._shared
         if shared is not None and (made := self._planner.take(scene, shared)) is not None:
             return made
@@ -425,7 +440,8 @@ class Session:
         elif self.plans:
             self._overdue = replace(self.frame, outdated=True)
         try:
-            return self._planner(scene, shared)
+            # what of a leg came later would move the arm while it plays
+            return self._planner.finish(scene, shared) if leg else self._planner(scene, shared)
         finally:
             self._overdue = None
 

@@ -145,7 +145,7 @@ class TabView:
         """
         if self._is_hidden:
             return None
-        times = (self.panels.theatre.timeout(), self._until_contact(frame))
+        times = self.panels.theatre.timeout(), self._until_contact(frame), self._until_leg(frame)
         return min((max(seconds, 0.0) for seconds in times if seconds is not None), default=None)
 
     def is_due(self, frame: Frame) -> bool:
@@ -154,6 +154,11 @@ class TabView:
             return False
         left = self._until_contact(frame)
         return self.panels.theatre.timeout() is not None or (left is not None and left <= 0)
+
+    def leg_is_over(self, frame: Frame) -> bool:
+        """Check whether the motion of ``frame`` has been played, and another leg follows."""
+        left = None if self._is_hidden else self._until_leg(frame)
+        return left is not None and left <= 0
 
     @property
     def _is_hidden(self) -> bool:
@@ -164,9 +169,22 @@ class TabView:
         """Time until other links of the playing arm turn red, [s]; None if none ever do."""
         return self.playback.until_contact(frame.duration) if self.playback.playing else None
 
+    def _until_leg(self, frame: Frame) -> float | None:
+        """Time until the next leg is to be shown, [s]; None if none is, as while a hand drags."""
+        if self.panels.held or frame.interactive or not self._plays_on(frame):
+            return None
+        return self.playback.until_end(frame.duration)
+
+    def _plays_on(self, frame: Frame) -> bool:
+        follows = self._class is not None and not self._class.teaches  # the teacher's tab
+        return not follows and self.panels.messages.legs.plays_on(frame)
+
     def _now(self, frame: Frame) -> Frame:
         """The frame at the present time of playback and search."""
-        now = self.playback.advance(frame.duration)
+        self.panels.messages.legs.see(frame)
+        again = not self._plays_on(frame)
+        frame = replace(frame, again=again)
+        now = self.playback.advance(frame.duration, again)
         playing, rate = self.playback.playing, self.playback.rate
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)

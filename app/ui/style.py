@@ -19,6 +19,8 @@ BSPLINE: Colour = (237, 67, 174)
 QUADRATIC: Colour = (86, 66, 223)
 TAUT: Colour = (30, 161, 197)
 TRACE: Colour = (99, 84, 111)
+JOINT_SPACE: Colour = (144, 16, 160)
+"""Of the tool's way along what a search in the space of the joints tried, and found."""
 MARK: Colour = (201, 8, 246)
 OBSTACLE: Colour = (215, 124, 71)
 MESH: Colour = (120, 144, 172)

@@ -430,7 +430,7 @@ window.abi = {
     root.querySelector(".abi-play").textContent = this.playing ? "Pause" : "Play";
   },
 
-  // Play a motion by this page's clock, again and again, until it is to stand.
+  // Play a motion by this page's clock until it is to stand: again and again, or once.
   play(motion) {
     const bytes = Uint8Array.from(atob(motion.samples), letter => letter.charCodeAt(0));
     motion.samples = new Float32Array(bytes.buffer);
@@ -475,10 +475,11 @@ window.abi = {
 
   // Show the motion that plays as it is now.
   step() {
-    const motion = this.motion, {samples, columns, rate} = motion;
+    const motion = this.motion, {samples, columns, rate, again} = motion;
     const duration = samples[samples.length - columns];
     const played = rate * (performance.now() - motion.begin) / 1000;
-    const time = Math.min(played % (duration + this.PAUSE * rate), duration);
+    const round = duration + this.PAUSE * rate;
+    const time = Math.min(again ? played % round : played, duration);
     this.cut(motion.trace, this.pose(motion, time));
     // once the server has said the time at which it stands, the motion's end is on its way
     if (this.playing && Math.abs(time - (this.shown ?? -1)) >= 0.05) {

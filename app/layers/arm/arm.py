@@ -89,7 +89,13 @@ class ArmLayer(Layer):
         # one that was changed while it is not to be seen has no nodes yet
         joints = self._nodes.joint_nodes if frame.plan.arm is self._arm else _NO_JOINTS
         started = self._playback.play(
-            motion, self._nodes.values, joints, self._trace.name, frame.time, frame.rate
+            motion,
+            self._nodes.values,
+            joints,
+            self._trace.name,
+            frame.time,
+            frame.rate,
+            frame.again,
         )
         if started:
             self._trace.points = self._trace_of(frame.plan, motion.tool[samples_of(motion)])

@@ -28,7 +28,7 @@ class ArmPlayback:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
         self._joints: list[JointNode] | None = None
-        self._playing: tuple[ArmMotion, float] | None = None
+        self._playing: tuple[ArmMotion, float, bool] | None = None
 
     def play(
         self,
@@ -38,6 +38,7 @@ class ArmPlayback:
         trace: str,
         time: float,
         rate: float,
+        again: bool = True,
     ) -> bool:
         """Have the page play ``motion`` from ``time`` [s] on, at ``rate`` times real time.
 
@@ -48,14 +49,15 @@ class ArmPlayback:
             trace: name of the line behind the tool.
             time: to begin at, [s].
             rate: seconds of the motion for one of the clock.
+            again: whether it begins anew after its end.
 
         Returns:
             Whether this is new: the line named ``trace`` is then to have a segment between each
             two of :func:`samples_of`.
         """
-        if (motion, rate) == self._playing and joints is self._joints:
+        if (motion, rate, again) == self._playing and joints is self._joints:
             return False
-        self._playing, self._joints = (motion, rate), joints
+        self._playing, self._joints = (motion, rate, again), joints
         rows = samples_of(motion)
         positions = values(motion.positions[rows]) if joints else motion.positions[rows]
         table = np.column_stack((motion.time[rows], positions)).astype("<f4")
@@ -69,6 +71,7 @@ class ArmPlayback:
                 "trace": trace,
                 "time": time,
                 "rate": rate,
+                "again": again,
             },
         )
         return True

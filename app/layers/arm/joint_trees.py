@@ -29,15 +29,24 @@ class _TreeLines(NamedTuple):
     path: Segments
 
 
+_NAMES = {"tried": "arm poses tried", "path": "way found by joints"}
+_NARROW = 480
+"""Width of a picture, [px], in which there is room for but one of them."""
+
+
 class JointTreesLayer(Layer):
-    """Both trees, and the path that was found; shown with the edges of the mesh."""
+    """Both trees, and the path that was found, with their names; shown with the mesh's edges."""
 
     def __init__(self, layout: Layout) -> None:
-        scene = layout.client.scene
+        scene, self._camera = layout.client.scene, layout.client.camera
         self._lines = {
-            "start": add_line(scene, "/joint_tree/start", style.DIJKSTRA, 1.5),
-            "goal": add_line(scene, "/joint_tree/goal", style.BELLMAN_FORD, 1.5),
-            "path": add_line(scene, "/joint_tree/path", style.QUADRATIC, 4.0),
+            "start": add_line(scene, "/joint_tree/start", style.JOINT_SPACE, 1.5),
+            "goal": add_line(scene, "/joint_tree/goal", style.JOINT_SPACE, 1.5),
+            "path": add_line(scene, "/joint_tree/path", style.JOINT_SPACE, 4.0),
+        }
+        self._labels = {
+            name: scene.add_label(f"/joint_tree/{name}_name", text, visible=False)
+            for name, text in _NAMES.items()
         }
         self._drawn: object = None
 
@@ -48,9 +57,22 @@ class JointTreesLayer(Layer):
             self._drawn = plan.joint_search
             for name, points in tree_lines(plan)._asdict().items():
                 self._lines[name].points = points
+            self._place_names(tree_lines(plan))
         visible = self._drawn is not None and frame.theatre is None and "edges" in frame.shown
         for line in self._lines.values():
             line.visible = visible
+        found = plan.joint_search is not None and plan.joint_search.path is not None
+        named = visible and found and "names" in frame.shown
+        for name, label in self._labels.items():
+            room = name == "tried" or not 0 < self._camera.image_width < _NARROW
+            label.visible = named and room
+            label.font_screen_scale = frame.label_scale
+
+    def _place_names(self, lines: _TreeLines) -> None:
+        """Put one name at the pose tried last in the larger tree, one in the middle of the path."""
+        tried = max(lines.start, lines.goal, key=len)
+        for name, point in ("tried", tried[-1, 1]), ("path", lines.path[len(lines.path) // 2, 0]):
+            self._labels[name].position = point
 
 
 @once_a_plan

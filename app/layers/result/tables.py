@@ -31,6 +31,7 @@ _UNTIMED = (
     '<span title="Told from the next plan on: this one was made while code was loaded.">–</span>'
 )
 _NO_STAGE = ("–",) * 3
+_JOINTS_ALONE = "–: no path on the mesh; the joints were searched."
 _OLD = '<span style="opacity:.55">{}</span>'
 """Of the last full plan, while the next has not got so far."""
 
@@ -97,7 +98,12 @@ def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
         rows.append((title, *cells))
     unit = plan.scene.unit
     head = ("search", "path nodes", f"length [{unit}]", "nodes visited", "edges tried", "time")
-    return table(head, rows)
+    return table(head, rows, _JOINTS_ALONE if _by_joints_alone(plan) else "")
+
+
+def _by_joints_alone(plan: Plan) -> bool:
+    """Whether there is a motion of the joints, and no path of the tool."""
+    return plan.joint_search is not None and plan.path is None
 
 
 def _time(ms: float) -> str:
@@ -113,8 +119,8 @@ def _stages(plan: Plan) -> str:
     shortest = plan.straight_length if plan.optimum is None else plan.optimum.length
     best = shortest, exact
     note = f"best possible: {format_lower_bound(shortest)} {unit}"
-    if plan.path is None:
-        note = "best possible: –"
+    if plan.path is None:  # so the tables are as high with the sentence on the searches
+        note = "" if _by_joints_alone(plan) else "best possible: –"
     elif not exact and plan.best_known is None:
         note = f"best possible: at least {format_lower_bound(shortest)} {unit}"
     elif not exact:

@@ -100,6 +100,10 @@ class History:
             self.note(shown)
             self._follows = True
 
+    def replace(self, shown: HistoryStep) -> None:
+        """Note a scene that comes by itself in place of the one noted last."""
+        self._noted[self._current :] = [shown]
+
     def begin(self, first: HistoryStep) -> None:
         """Begin anew with ``first``."""
         self._noted, self._current, self._follows = [first], 0, False

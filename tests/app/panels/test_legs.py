@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from functools import partial
 from html import unescape
 
 import pytest
 
+from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
+from app.panels import playback
+from app.state.frame import Frame
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -56,3 +60,65 @@ def test_the_object_is_taken_along_from_leg_to_leg_and_stands_again_where_one_go
     fake.set(session.panels.files.choice, "paper")
     until(lambda: session.resting and session.frame.plan.scene.arm.model == "abi")
     until(lambda: "Leg" not in told(session))
+
+
+@pytest.mark.slow  # six plans of a real arm
+def test_what_plays_goes_through_all_legs_and_begins_anew(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    legs, player = session.panels.messages.legs, session.playback
+    monkeypatch.setitem(playback.SPEEDS, "real time", 20.0)
+    shown: list[tuple[int, Plan]] = []
+    early: list[bool] = []
+    draw = session._view.draw
+
+    def watched(frame: Frame) -> Frame:
+        drawn = draw(frame)
+        if legs.shows(drawn) and drawn.current and (not shown or shown[-1][1] is not drawn.plan):
+            shown.append((legs.number or 0, drawn.plan))
+            early.append(drawn.time < drawn.duration)
+        return drawn
+
+    monkeypatch.setattr(session._view, "draw", watched)
+    fake.set(session.panels.files.choice, "pick-and-place")
+    count = len(load_scene("pick-and-place").tasks)
+    until(lambda: [number for number, _ in shown].count(count - 1) >= 2)
+    fake.set(player.button, True)
+    until(lambda: not player.playing)
+
+    numbers = [number for number, _ in shown]
+    begin = numbers.index(1)
+    assert numbers[begin : begin + 2 * count - 1] == [*range(1, count), *range(count)]
+    # the arm goes on from where it is, the clock anew, and what has been planned is not again
+    assert all(early[begin:])
+    for (_, plan), (number, other) in itertools.pairwise(shown[begin - 1 : begin + count - 1]):
+        assert plan.motion is not None
+        assert other.motion is not None
+        if number:
+            assert abs(other.motion.positions[0] - plan.motion.positions[-1]).max() <= 1e-9
+    assert [plan for _, plan in shown[begin : begin + count - 1]] == [
+        plan for _, plan in shown[begin + count : begin + 2 * count - 1]
+    ]
+    assert "Play goes through all legs, " in told(session)
+    # playing has not filled what can be undone
+    fake.set(session.panels.history.undo, True)
+    until(lambda: session.resting and session.frame.plan.scene.arm.model == "abi")
+
+
+@pytest.mark.slow  # two plans of a real arm
+def test_a_leg_asked_for_begins_at_its_begin_also_while_the_arm_stands(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    legs, player = session.panels.messages.legs, session.playback
+    fake.set(player.button, True)
+    until(lambda: not player.playing)
+    fake.set(session.panels.files.choice, "pick-and-place")
+    until(lambda: at_leg(session, 0) and legs.state()[2] is True)
+    fake.set(player.slider, 1.0)
+    until(lambda: session.resting and abs(session.frame.time - 1.0) < 1e-6)
+    fake.set(legs.go_on, True)
+    until(partial(at_leg, session, 1))
+    assert session.frame.time == player.slider.value == 0
+    assert not player.playing

@@ -46,6 +46,7 @@ LINES: Colours = {
     "B-spline": style.BSPLINE,
     "quadratic": style.QUADRATIC,
     "shortcut": style.TAUT,
+    "joint space": style.JOINT_SPACE,
     "trace": style.TRACE,
     "obstacle": style.OBSTACLE,
     "too close": style.VIOLATION,
