@@ -56,7 +56,7 @@ def test_a_student_walks_through(name: str, student: Page, server: Server) -> No
 
 
 def _end(page: Page) -> None:
-    """End a lesson by the button over the scene, which the tab has, too."""
+    """End a lesson by the button over the scene."""
     over = page.tab.locator("#abi-overlay")
     over.get_by_role("button", name="End lesson", exact=True).click()
 

@@ -24,7 +24,6 @@ class LessonMark:
         if not place:
             return ""
         opens = button(self._open, "Open lesson", hint=f"Shows its text, in the {LEARN} tab.")
-        # as in that tab
         ends = button(self._lessons.leave, "End lesson", hint="Brings your own scene back.")
         return (
             '<div class="abi-card abi-buttons" style="align-items:center">'

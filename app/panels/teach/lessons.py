@@ -85,9 +85,8 @@ class LessonPanel:
         self.next = gui.add_button("Next", visible=False)
         self.next_lesson = gui.add_button("Next lesson", visible=False)
         self.back = gui.add_button("Back", visible=False, color="gray")
-        self.leave = gui.add_button(
-            "End lesson", visible=False, color="gray", hint="Brings your own scene back."
-        )
+        # the line over the scene presses it, out of the way of who turns pages
+        self.leave = gui.add_button("End lesson", visible=False)
         self.choice.on_update(wake)
         for number, button in enumerate(self.answers):
             button.on_click(partial(self._press, str(number)))
@@ -338,7 +337,7 @@ class LessonPanel:
     def _write(self, frame: Frame, resting: bool) -> None:
         """Write the page into the widgets; unless ``resting`` the plan may lack some numbers."""
         step, passed = self._step, self._is_passed
-        for widget in (self._place, self._text, self.next, self.back, self.leave):
+        for widget in (self._place, self._text, self.next, self.back):
             widget.visible = step is not None
         self.next_lesson.visible = False
         self._intro.visible = step is None
