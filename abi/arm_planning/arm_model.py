@@ -151,6 +151,7 @@ class Unreached(NamedTuple):
         value: position of that joint, [rad] or [unit].
         limit: its limit, [rad] or [unit].
         slides: whether it slides.
+        room: distance that its turn has to keep from the limit, [rad].
     """
 
     shortfall: float
@@ -158,14 +159,18 @@ class Unreached(NamedTuple):
     value: float = 0.0
     limit: float = 0.0
     slides: bool = False
+    room: float = 0.0
 
     @property
     def words(self) -> str:
         """Predicate of a sentence on the arm, with the unit's placeholder after lengths."""
         value, limit = map(self._position, (self.value, self.limit))
         if self.shortfall == 0.0:
-            side = "past" if abs(self.value) > abs(self.limit) else "at"
-            return f"would need {self.joint} at {value}, {side} its limit of {limit},"
+            side = "past its limit of"
+            if abs(self.value) <= abs(self.limit):
+                room = math.degrees(self.room)
+                side = f"which leaves less than {room:.1f}° to its limit of"
+            return f"would need {self.joint} at {value}, {side} {limit},"
         near = ", too near to its shoulder," if self.shortfall < 0 else ""
         at_limit = f", with {self.joint} at its limit of {limit}," if self.joint else ""
         return f"is out of reach by {format_length(abs(self.shortfall))}{near}{at_limit}"

@@ -122,10 +122,11 @@ class ElbowBranch:
         if shortfall:
             return Unreached(shortfall)
         row = int(np.abs(found.shortfall).argmin())
-        for number, angle in ((1, found.q2[row]), (2, found.q3[row])):
+        for number, part, angle in ((1, "shoulder", found.q2[row]), (2, "elbow", found.q3[row])):
             limit = math.copysign(self.arm.limits[number, 1], angle)
             if abs(angle) > abs(limit) - _SPARE:
-                return Unreached(0.0, JOINTS[number], float(angle), limit)
+                name = f"{JOINTS[number]} (the {part})"
+                return Unreached(0.0, name, float(angle), limit, room=_SPARE)
         return None
 
     def joint_path(self, curve: Curve, arc: ArcLength) -> PaperArmJointPath:

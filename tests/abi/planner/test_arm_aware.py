@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from abi import Planner, load_scene, plan
 from abi.arm_planning.arm_errors import ArmNotClear
+from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.world.collision_world import paper_arm_world
@@ -162,7 +164,9 @@ def test_what_no_elbow_does_names_both_and_what_was_tried() -> None:
 def test_a_base_behind_a_wall_is_told_with_joint_and_limit() -> None:
     found = plan(load_scene("find-a-base"))
     assert isinstance(found.error, ArmNotClear)
-    assert "q2 at 167.5°, past its limit of 160.4°, at the start" in found.error.message
+    assert (
+        "q2 (the shoulder) at 167.5°, past its limit of 160.4°, at the start" in found.error.message
+    )
 
 
 def test_a_wall_before_the_base_is_moved_past_all_that_the_arm_sweeps() -> None:
@@ -289,3 +293,11 @@ def test_no_remedy_lifts_a_base_off_what_it_stands_on(
     assert len(places) == 12
     assert (places[:, across] == scene.arm.base[across]).all()
     assert len(np.unique(places, axis=0)) == 12
+
+
+def test_a_joint_within_its_limit_is_said_to_need_more_room() -> None:
+    near = Unreached(0.0, "q2", value=1.99, limit=2.0, room=math.radians(1.5))
+    assert (
+        near.words == "would need q2 at 114.0°, which leaves less than 1.5° to its limit of 114.6°,"
+    )
+    assert "past its limit" in near._replace(value=2.01).words
