@@ -44,6 +44,7 @@ Function = Literal[
     "report",
     "seek",
     "show",
+    "showStage",
     "showNodes",
     "stand",
     "watch",

@@ -342,6 +342,17 @@ window.abi = {
     go();
   },
 
+  // Scroll the heading of a stage, which begins with that number, into sight beside a lesson; on a
+  // phone, where both are in one sheet, the lesson stays.
+  showStage(number) {
+    if (innerWidth <= this.PHONE) return;
+    const folder = [...document.querySelectorAll(".mantine-ScrollArea-content .mantine-Paper-root")]
+      .find(heading => heading.style.cursor === "pointer" && heading.textContent.startsWith(`${number} · `));
+    if (!folder) return;
+    folder.style.scrollMargin = "14px 0 6px";
+    folder.scrollIntoView({block: "nearest"});
+  },
+
   // A tab of the panels is chosen once all have heard of the click.
   tabClicked({target}) {
     if (target.closest?.("[role=tab]")) setTimeout(() => this.tellArea());

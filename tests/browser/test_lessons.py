@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -121,4 +122,23 @@ def test_a_drag_goes_on_when_it_has_done_the_task(student: Page, server: Server)
     page.reads("✓ Drag the plate")
     page.reads("it need not stay so")
     assert " do." not in page.text().split("✓ Drag the plate")[1].split("need not")[0]
+    _end(page)
+
+
+def test_the_stage_that_a_task_speaks_of_comes_into_sight(student: Page, server: Server) -> None:
+    page, panel = student, server.sessions[student.client].panels.lessons
+    page.tab.set_viewport_size({"width": 1280, "height": 480})
+    page.click("Learn")
+    page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
+    page.click(panel.titles[0])
+    page.click("They are removed")
+    page.reads("✓ Right.")
+    page.settle()
+    heading = page.tab.get_by_text(re.compile("^1 · Mesh")).first
+    page.tab.mouse.move(150, 300)
+    page.tab.mouse.wheel(0, 2000)
+    page.until(lambda: heading.bounding_box()["y"] < 0, "the heading to leave")  # type: ignore[index]
+    page.click("Next")
+    page.until(lambda: heading.bounding_box()["y"] > 0, "the heading", 20)  # type: ignore[index]
+    page.tab.set_viewport_size({"width": 1280, "height": 720})
     _end(page)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -26,12 +27,13 @@ from app.teach.lesson import (
     scene_of,
 )
 from app.teach.measures import filled
-from app.ui import notices, style
+from app.ui import notices, page, style
 from app.ui.cards import Card, cards
 from app.ui.formulas import with_formulas
 
 _NONE = "choose a lesson"
 _MOST_CHOICES = 4
+_STAGE = re.compile(r"[Ss]tage \**(\d)")
 _VOTED = "*The class is voting. Here you can answer afterwards.*"
 _INTRO = style.paragraph(
     "Choose a lesson. It asks before it explains, lets you try for yourself, and "
@@ -68,6 +70,7 @@ class LessonPanel:
         self._pressed: list[str] = []
         self._drawn: tuple[object, ...] = ()
         self._finished = ""
+        self._pointed = "", 0
         self.choice = gui.add_dropdown("lesson", (_NONE,), visible=False)  # set by the cards
         self._intro = gui.add_html(_INTRO)
         self._place = gui.add_html("", visible=False)
@@ -203,10 +206,14 @@ class LessonPanel:
                 self._intro.content = _INTRO + self._cards()
             return
         place = self._name, self._number, self._answer, self._is_passed, self._done, self.voted
-        page = (frame.plan, frame.theatre, frame.bent, resting, *place)
-        if page != self._drawn:
-            self._drawn = page
+        drawn = (frame.plan, frame.theatre, frame.bent, resting, *place)
+        if drawn != self._drawn:
+            self._drawn = drawn
             self._write(frame, resting)
+        if resting and self._pointed != (self._name, self._number):
+            self._pointed = self._name, self._number
+            if step.task is not None and (stage := _STAGE.search(step.task.text)):
+                page.call(self._client, "showStage", int(stage[1]))
 
     @property
     def _step(self) -> Step | None:
