@@ -267,7 +267,7 @@ class Scene(Settings):
 
     @property
     def file_notes(self) -> tuple[str, ...]:
-        """The same but for what is planned."""
+        """Sentences on its files: units of meshes, and what is left out or repaired."""
         return self._notes(self.arm.file_notes)
 
     def _notes(self, on_arm: Sequence[str]) -> tuple[str, ...]:

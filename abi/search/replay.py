@@ -147,7 +147,7 @@ def replay(trace: SearchTrace, step: int) -> SearchState:
 
 
 def with_next(state: SearchState, node: int) -> SearchTrace | None:
-    """The same search, but of all that tie for the least f it expands ``node`` next.
+    """The search with ``node`` expanded next, of all that tie for the least f.
 
     All else keeps its order: with a consistent heuristic whatever came before that node ties with
     it, too, and its cost is final. None where that does not hold, or its f is not the least.

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+import scipy
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows, in_rows
@@ -76,9 +74,10 @@ def _near_rows(vertices: FloatArray, size: float) -> tuple[IntArray, IntArray]:
     """
     first, ids = distinct_rows(np.round(vertices / size) + 0.0)
     places = vertices[first]
-    pairs = cKDTree(places).query_pairs(size, output_type="ndarray")
+    pairs = scipy.spatial.cKDTree(places).query_pairs(size, output_type="ndarray")
     edges = np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])
-    count, group = connected_components(coo_matrix(edges, (len(first), len(first))), directed=False)
+    graph = scipy.sparse.coo_matrix(edges, (len(first), len(first)))
+    count, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, group, places)
     np.maximum.at(high, group, places)

@@ -80,7 +80,9 @@ class History:
             return
         field, (last, at) = _changed_field(self.noted, shown.scene), self._changed
         goes_on = field == last != "" and time - at < _SOON and not self.can_redo
-        kept = self._current + (0 if goes_on and self.can_undo else 1)
+        # a reset, which leads back to the step before, is one of its own
+        goes_on = goes_on and self.can_undo and shown.scene != self._noted[self._current - 1].scene
+        kept = self._current + (0 if goes_on else 1)
         self._noted = [*self._noted[:kept], shown][-_LONGEST:]
         self._current = len(self._noted) - 1
         self._changed = field, time

@@ -166,11 +166,12 @@ def test_changes_of_one_field_soon_after_each_other_are_one_step() -> None:
     history = History(_Gui(), _step(0), lambda _: None)  # type: ignore[arg-type]
     for number, time in ((1, 10.0), (2, 11.0), (3, 12.5), (4, 20.0)):
         history.note(_step(number), time)
-    found: list[HistoryStep] = []
-    while history.can_undo:
+    found = [_step(4)]
+    for _ in range(2):
         history._step(-1, None)
-        found.append(history.requested(_step(4)) or found[-1])
-    assert found == [_step(3), _step(0)]
+        found.append(history.requested(found[-1]) or found[-1])
+    assert found == [_step(4), _step(3), _step(0)]
+    assert not history.can_undo
     history.note(HistoryStep(Scene(version=1, spline={"degree": 3}), _step(0).loaded), 21.0)
     history.note(_step(1), 21.5)
     assert history.can_undo
