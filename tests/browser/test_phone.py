@@ -83,6 +83,14 @@ _HINT = """() => {
 }"""
 
 
+@pytest.fixture
+def new_phone(chromium: Browser, server: Server) -> Iterator[Page]:
+    """A tab on a phone in which nothing was touched."""
+    page = Page(chromium, server.url, 390, 844)
+    yield page
+    page.close()
+
+
 @pytest.fixture(scope="module")
 def phone(chromium: Browser, server: Server) -> Iterator[Page]:
     """A tab on a phone, its sheet folded."""
@@ -169,22 +177,24 @@ def _middle(page: Page, slider: Locator) -> tuple[float, tuple[float, float]]:
 
 
 @pytest.mark.slow
-def test_a_finger_that_begins_on_a_slider_scrolls_unless_it_goes_sideways(phone: Page) -> None:
-    if not _are_both_seen(phone):
-        phone.tab.get_by_text(TITLE, exact=True).click()
-    phone.until(lambda: _are_both_seen(phone), "the sheet")
-    slider = phone.tab.locator(".mantine-Slider-root:visible").first
+def test_a_finger_that_begins_on_a_slider_scrolls_unless_it_goes_sideways(new_phone: Page) -> None:
+    if not _are_both_seen(new_phone):
+        new_phone.tab.get_by_text(TITLE, exact=True).click()
+    new_phone.until(lambda: _are_both_seen(new_phone), "the sheet")
+    slider = new_phone.tab.locator(".mantine-Slider-root:visible").first
     knob = slider.locator("[role=slider]")
     before = knob.get_attribute("aria-valuenow")
-    scrolled, at = _middle(phone, slider)
-    _swipe(phone, at, 80, 3)
-    phone.until(lambda: knob.get_attribute("aria-valuenow") != before, "the slider to move")
-    assert phone.tab.evaluate(_SCROLLED) == scrolled
+    scrolled, at = _middle(new_phone, slider)
+    _swipe(new_phone, at, 80, 3)
+    new_phone.until(lambda: knob.get_attribute("aria-valuenow") != before, "the slider to move")
+    assert new_phone.tab.evaluate(_SCROLLED) == scrolled
 
-    phone.settle()
+    new_phone.settle()
     before = knob.get_attribute("aria-valuenow")
-    scrolled, at = _middle(phone, slider)
-    _swipe(phone, at, 3, -120)
-    phone.until(lambda: phone.tab.evaluate(_SCROLLED) > scrolled + 30, "the sheet to scroll")
+    scrolled, at = _middle(new_phone, slider)
+    _swipe(new_phone, at, 3, -120)
+    new_phone.until(
+        lambda: new_phone.tab.evaluate(_SCROLLED) > scrolled + 30, "the sheet to scroll"
+    )
     assert knob.get_attribute("aria-valuenow") == before
-    assert not phone.errors
+    assert not new_phone.errors
