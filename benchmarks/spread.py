@@ -23,11 +23,17 @@ def process_family(number: int) -> list[int]:
 
 
 def serving_processes(number: int) -> list[int]:
-    """The processes of ``abi serve``, without those that compile or read files."""
-    found = []
+    """The processes of ``abi serve``, without those that compile or read files.
+
+    These look like the one that starts them for a moment; only the first one starts workers.
+    """
+    found = [number]
     for one in process_family(number):
         with contextlib.suppress(OSError):
-            if b"\0serve\0" in Path(f"/proc/{one}/cmdline").read_bytes():
+            status = Path(f"/proc/{one}/stat").read_text()
+            parent = int(status.rpartition(")")[2].split()[1])
+            command = Path(f"/proc/{one}/cmdline").read_bytes()
+            if parent == number and b"\0--joins\0" in command:
                 found.append(one)
     return found
 

@@ -152,6 +152,7 @@ class Unreached(NamedTuple):
         limit: its limit, [rad] or [unit].
         slides: whether it slides.
         room: distance that its turn has to keep from the limit, [rad].
+        part: of an arm, where the joint is, for people who do not know its name; or empty.
     """
 
     shortfall: float
@@ -160,6 +161,7 @@ class Unreached(NamedTuple):
     limit: float = 0.0
     slides: bool = False
     room: float = 0.0
+    part: str = ""
 
     @property
     def words(self) -> str:
@@ -170,7 +172,8 @@ class Unreached(NamedTuple):
             if abs(self.value) <= abs(self.limit):
                 room = math.degrees(self.room)
                 side = f"which leaves less than {room:.1f}° to its limit of"
-            return f"would need {self.joint} at {value}, {side} {limit},"
+            where = f" (the {self.part})" if self.part else ""
+            return f"would need {self.joint}{where} at {value}, {side} {limit},"
         near = ", too near to its shoulder," if self.shortfall < 0 else ""
         at_limit = f", with {self.joint} at its limit of {limit}," if self.joint else ""
         return f"is out of reach by {format_length(abs(self.shortfall))}{near}{at_limit}"

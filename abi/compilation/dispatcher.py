@@ -7,6 +7,7 @@ the first kernel is to be compiled or loaded.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numba
@@ -23,6 +24,20 @@ _OPTIONS: dict[str, Any] = {
     "pipeline_class": Borrowing,
 }
 
+_MOST_FAILURES = 9
+
+
+def jitted(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """Numba's own dispatcher of a function, not compiled yet.
+
+    For the first one numba goes through Python's builtins, and fails if another thread adds to them
+    just then, as a notebook does with each cell: it is asked again.
+    """
+    for _ in range(_MOST_FAILURES):
+        with suppress(RuntimeError):
+            return numba.njit(**options)(function)
+    return numba.njit(**options)(function)
+
 
 class Dispatcher:
     """A function, compiled for the types of one example.
@@ -36,7 +51,7 @@ class Dispatcher:
     ) -> None:
         options = _OPTIONS | options
         self._signature = tuple(map(numba.typeof, example))
-        self.of_numba: Any = numba.njit(**options)(function)
+        self.of_numba: Any = jitted(function, options)
         described = repr(sorted(options.items())) + fields_of(example)
         self._cache = self._cache_of(function, stamp(function, described))
         if self._cache is not None:

@@ -368,6 +368,23 @@ def waiting_kernel(kernel: Kernel[..., Any]) -> Kernel[..., Any]:
     return kernel
 
 
+def test_a_notebook_that_adds_to_the_builtins_meanwhile_stops_no_compilation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from abi.compilation import dispatcher
+
+    failures = iter([RuntimeError("dictionary changed size during iteration")] * 2)
+
+    def failing(**options: Any) -> Any:
+        if (failure := next(failures, None)) is not None:
+            raise failure
+        return numba.njit(**options)
+
+    monkeypatch.setattr(dispatcher, "numba", SimpleNamespace(njit=failing))
+    assert dispatcher.jitted(lambda x: 2 * x, {})(4) == 8
+    assert next(failures, None) is None
+
+
 def test_a_compiling_process_that_is_gone_is_passed_over_in_silence(
     kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
 ) -> None:

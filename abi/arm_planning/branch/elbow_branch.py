@@ -125,8 +125,7 @@ class ElbowBranch:
         for number, part, angle in ((1, "shoulder", found.q2[row]), (2, "elbow", found.q3[row])):
             limit = math.copysign(self.arm.limits[number, 1], angle)
             if abs(angle) > abs(limit) - _SPARE:
-                name = f"{JOINTS[number]} (the {part})"
-                return Unreached(0.0, name, float(angle), limit, room=_SPARE)
+                return Unreached(0.0, JOINTS[number], float(angle), limit, room=_SPARE, part=part)
         return None
 
     def joint_path(self, curve: Curve, arc: ArcLength) -> PaperArmJointPath:

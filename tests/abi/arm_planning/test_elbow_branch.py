@@ -73,9 +73,11 @@ def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> 
             assert "out of reach by" in unreached.words
         else:
             found = solve(arm, point[None], np.zeros(1), elbow, np.zeros((1, 3)))
-            value = float({"q2": found.q2, "q3": found.q3}[unreached.joint[:2]][0])
+            value = float({"q2": found.q2, "q3": found.q3}[unreached.joint][0])
             assert unreached.value == pytest.approx(value)
             assert abs(value) > abs(unreached.limit) - 0.011
-            assert f"{unreached.joint} at {np.degrees(value):.1f}°" in unreached.words
-        reasons.add(unreached.joint[:2] or "distance")
+            part = {"q2": "shoulder", "q3": "elbow"}[unreached.joint]
+            words = f"{unreached.joint} (the {part}) at {np.degrees(value):.1f}°"
+            assert words in unreached.words
+        reasons.add(unreached.joint or "distance")
     assert reasons >= {"distance"} | ({"q2"} if elbow == "down" else set())
