@@ -76,8 +76,14 @@ AllowedPair = Annotated[tuple[str, str | int], BeforeValidator(_contact)]
 _POINT_ALONE = "a point: joints and orientation can be asked only of an arm from a URDF"
 
 
-_OF_URDF = ("urdf", "srdf", "tip", "base_link", "gripper", "allowed", "attached")
+_OF_URDF = ("urdf", "srdf", "tip", "base_link", "gripper", "allowed", "attached", "grasping")
 """Fields that say nothing of the paper's arm."""
+
+_OF_PAPER_ARM = (
+    *("a1", "a2", "a3", "a4", "a5", "elbow", "q5"),
+    *("forces", "masses", "radii", "dynamics"),
+)
+"""Fields that say nothing of a URDF."""
 
 
 class ArmSettings(Settings):
@@ -295,6 +301,14 @@ class ArmSettings(Settings):
             return self.robot.notes
         named = f"{self.base_link} does not carry them: {some_of(left_out)}"
         return (*self.robot.notes, f"Left out, so that nothing keeps clear of them, as {named}.")
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Names of the fields that say something, but of the other model of arm."""
+        others = _OF_URDF if self.model == "abi" else _OF_PAPER_ARM
+        fields = type(self).model_fields
+        usual = {name: fields[name].get_default(call_default_factory=True) for name in others}
+        return tuple(name for name in others if getattr(self, name) != usual[name])
 
     def _from_base(self, robot: Robot, base: str) -> Robot:
         """The part of a robot that its base link carries, the tip among it."""

@@ -262,8 +262,15 @@ class Scene(Settings):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on its files: units of meshes, and what is planned, left out or repaired."""
-        return self._notes(self.arm.notes(METRES[self.unit]))
+        """Sentences on its files: units of meshes, and what is planned, left out or repaired.
+
+        The last one names the fields of ``arm`` that say something of another model only.
+        """
+        told = self._notes(self.arm.notes(METRES[self.unit]))
+        if not self.arm.unused:
+            return told
+        named = ", ".join(f"arm.{name}" for name in self.arm.unused)
+        return (*told, f"Not used, as arm.model is {self.arm.model}: {named}.")
 
     @property
     def file_notes(self) -> tuple[str, ...]:

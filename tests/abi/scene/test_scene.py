@@ -342,6 +342,42 @@ def test_a_mesh_that_is_held_has_the_notes_that_it_has_as_an_obstacle() -> None:
     assert len(told[0]) == 2
 
 
+OF_ONE_MODEL: dict[str, dict[str, Any]] = {
+    "abi": {
+        "urdf": "panda",
+        "srdf": "a.srdf",
+        "tip": "a",
+        "base_link": "a",
+        "gripper": {"a": 1.0},
+        "allowed": [["a", 0]],
+        "grasping": True,
+    },
+    "urdf": {
+        **{name: 1.5 for name in ("a1", "a2", "a3", "a4", "a5", "q5")},
+        **{name: [2, 2, 2] for name in ("forces", "masses", "radii")},
+        "elbow": "down",
+        "dynamics": "as_printed",
+    },
+}
+OF_BOTH = {"model", "base", "base_wxyz", "avoid", "clearance"}
+REFUSED = {"axis", "start", "goal", "search", "attached"}
+"""Fields that the paper's arm does not pass over, but refuses."""
+
+
+@pytest.mark.parametrize("model", OF_ONE_MODEL)
+def test_what_is_said_of_the_other_arm_is_told(model: str) -> None:
+    others = OF_ONE_MODEL[model]
+    usual = Scene.from_dict({"version": 1, "arm": {"model": model}})
+    assert not any("Not used, as" in note for note in usual.notes)
+    for name, value in others.items():
+        told = usual.replace(arm={name: value}).notes
+        assert told == (*usual.notes, f"Not used, as arm.model is {model}: arm.{name}.")
+    (told_of,) = set(usual.replace(arm=others).notes) - set(usual.notes)
+    assert all(f"arm.{name}" in told_of for name in others)
+    # whoever adds a field says which arms it is of
+    assert OF_BOTH | REFUSED | set().union(*OF_ONE_MODEL.values()) == set(type(usual.arm).model_fields)
+
+
 def test_the_shipped_scenes_are_there() -> None:
     assert scene_names()[0] == "paper"
     assert {"two-boxes", "wall-with-window", "thin-plate", "no-way"} <= set(scene_names())
