@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Mapping
+
 from lxml import etree
 
 OF_THE_WORLD = frozenset(("floor", "obstacles"))
@@ -9,23 +12,31 @@ OF_THE_WORLD = frozenset(("floor", "obstacles"))
 _REFERENCES = ("link", "link1", "link2", "base_link", "tip_link", "parent_link", "child_link")
 
 
-def rename_links(root: etree._Element) -> tuple[str, ...]:
-    """Rename the links of a URDF or SRDF that are called as a part of the world is.
+def names_anew(urdf: etree._Element) -> dict[str, str]:
+    """New names of the links of a URDF that are called as a part of the world is, by their own.
 
-    ``floor`` becomes ``floor_link``, in the tree itself, wherever it is named. Else a pair of a
-    link and ``floor`` would have two meanings.
-
-    Returns:
-        Sentences on links of the file with such a name.
+    ``floor`` becomes ``floor_link``, or the first of ``floor_link_2``, ... that no link has. Else a
+    pair of a link and ``floor`` would have two meanings.
     """
-    notes = []
+    taken = {link.get("name", "").strip() for link in urdf.iterfind("link")}
+    found = {}
+    for name in sorted(OF_THE_WORLD & taken):
+        usual = f"{name}_link"
+        more = (f"{usual}_{k}" for k in itertools.count(2))
+        found[name] = next(new for new in itertools.chain([usual], more) if new not in taken)
+    return found
+
+
+def rename_links(root: etree._Element, names: Mapping[str, str]) -> None:
+    """Rename links of a URDF, or of its SRDF, in the tree itself, wherever they are named.
+
+    Args:
+        root: of the file.
+        names: the new names, as :func:`names_anew` finds them in the URDF.
+    """
     for element in root.iter("*"):
-        if element.tag == "link" and element.get("name", "").strip() in OF_THE_WORLD:
-            name = element.get("name", "").strip()
-            element.set("name", f"{name}_link")
-            if element.getparent() is root:
-                notes.append(f"Link {name} is called {name}_link here, for {name} is the world's.")
-        for reference in _REFERENCES:
-            if element.get(reference, "").strip() in OF_THE_WORLD:
-                element.set(reference, f"{element.get(reference, '').strip()}_link")
-    return tuple(notes)
+        references = ("name", *_REFERENCES) if element.tag == "link" else _REFERENCES
+        for reference in references:
+            new = names.get(element.get(reference, "").strip())
+            if new is not None:
+                element.set(reference, new)

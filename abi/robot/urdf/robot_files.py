@@ -16,10 +16,12 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.link_names import names_anew
 from abi.robot.urdf.mesh_lookup import MeshLookup, is_plain
 from abi.robot.urdf.mesh_places import PACKAGE_FILE, guesses, package_of, packages, places
 from abi.robot.urdf.robot import Robot, require_motion
 from abi.robot.urdf.srdf import read_srdf
+from abi.robot.urdf.strict_xml import parse
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.urdf_meshes import mesh_names
 from abi.robot.urdf.urdf_reader import read_urdf
@@ -235,7 +237,7 @@ def _read(files: Mapping[str, bytes], plain: bool = False) -> tuple[Robot, dict[
     robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
     robot = replace(robot, notes=(*robot.notes, *lookup.notes))
     texts = {name: files[name] for name in files if name.lower().endswith(_TEXTS)}
-    return _with_srdf(robot, files, PurePosixPath(found[0]).stem), texts | lookup.plain()
+    return _with_srdf(robot, files, found[0]), texts | lookup.plain()
 
 
 def _with_one(files: Mapping[str, bytes], name: str) -> dict[str, bytes]:
@@ -276,13 +278,14 @@ def _with_one_srdf(files: Mapping[str, bytes], name: str, beside: bytes | None) 
     return {**others, PurePosixPath(name).name: content}
 
 
-def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
+def _with_srdf(robot: Robot, files: Mapping[str, bytes], urdf: str) -> Robot:
     """The robot with the content of its SRDF: the only one among its files, or the one of its name.
 
     Without an SRDF more is checked than need be, so a choice among others is not made.
     """
     found = [name for name in files if name.lower().endswith(".srdf")]
     if len(found) > 1:
+        stem = PurePosixPath(urdf).stem
         own = [name for name in found if PurePosixPath(name).stem == stem]
         if len(own) != 1:
             note = f"No SRDF is used, as none of several is called {stem}.srdf."
@@ -290,7 +293,8 @@ def _with_srdf(robot: Robot, files: Mapping[str, bytes], stem: str) -> Robot:
         found = own
     if not found:
         return robot
-    srdf = read_srdf(files[found[0]], PurePosixPath(found[0]).name, robot)
+    renamed = names_anew(parse(files[urdf], PurePosixPath(urdf).name))
+    srdf = read_srdf(files[found[0]], PurePosixPath(found[0]).name, robot, renamed)
     notes = [*robot.notes]
     if srdf.name != robot.name:
         notes.append(f"Its SRDF is that of a robot {shown(srdf.name)}, and counts all the same.")

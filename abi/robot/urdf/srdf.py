@@ -46,19 +46,20 @@ class Srdf(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def read_srdf(content: bytes, name: str, robot: Robot) -> Srdf:
+def read_srdf(content: bytes, name: str, robot: Robot, renamed: Mapping[str, str]) -> Srdf:
     """Read an SRDF of a robot.
 
     Args:
         content: of the file.
         name: of the file, for the sentences.
         robot: the robot.
+        renamed: new names of its links, by those that the file has.
 
     Raises:
         SceneError: it is no SRDF, it is truncated, or a state has a position that is no number.
     """
     root = XmlElement(parse(content, name), name, "robot")
-    rename_links(root.xml)
+    rename_links(root.xml, renamed)
     groups: dict[str, tuple[str, ...]] = {}
     for group in root.all("group"):
         if group.text("name"):  # one inside another is a reference to one before

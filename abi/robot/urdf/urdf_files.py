@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 from lxml import etree
 
 from abi.errors import SceneError
-from abi.robot.urdf.link_names import rename_links
+from abi.robot.urdf.link_names import names_anew, rename_links
 from abi.robot.urdf.mesh_lookup import MeshLookup
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import unpacked
@@ -21,7 +21,8 @@ def description_of(robot: Robot) -> str:
     files = unpacked(robot.archive)
     path = _urdf_among(files)
     root = parse(files[path], PurePosixPath(path).name)
-    renamed = rename_links(root)
+    renamed = names_anew(root)
+    rename_links(root, renamed)
     if _drop_others(root, robot) or renamed:
         return str(etree.tostring(root, encoding="unicode"))
     return decoded(files[path])
@@ -37,7 +38,13 @@ def files_of(robot: Robot) -> dict[str, bytes]:
     lookup = MeshLookup(files, PurePosixPath(path).parent)
     name = PurePosixPath(path).name
     root = parse(files.pop(path), name)
-    rename_links(root)
+    if renamed := names_anew(root):
+        rename_links(root, renamed)
+        for other in [file for file in files if file.lower().endswith(".srdf")]:
+            with contextlib.suppress(SceneError):  # one of several, which is not read
+                srdf = parse(files[other], PurePosixPath(other).name)
+                rename_links(srdf, renamed)
+                files[other] = etree.tostring(srdf, xml_declaration=True, encoding="utf-8")
     _drop_others(root, robot)
     for mesh in root.iterfind("link//mesh"):
         with contextlib.suppress(SceneError):  # one for looks may be missing, as it was before

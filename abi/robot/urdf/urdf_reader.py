@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abi.errors import Missing
 from abi.robot.urdf.couplings import coupling_notes, read_couplings
-from abi.robot.urdf.link_names import rename_links
+from abi.robot.urdf.link_names import names_anew, rename_links
 from abi.robot.urdf.mimic import with_masters
 from abi.robot.urdf.robot import Link, Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
@@ -32,7 +32,8 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         SceneError: it is no URDF, truncated, not a single tree, or has a number without sense.
     """
     root = XmlElement(parse(content, name), name, "robot")
-    renamed = rename_links(root.xml)
+    renamed = names_anew(root.xml)
+    rename_links(root.xml, renamed)
     elements = [element.called() for element in root.all("link")]
     weightless = [one.text("name") for one in elements if not has_sense(one)]
     links: dict[str, Link] = {}
@@ -55,7 +56,11 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         notes.append(f"No torques, as masses make no sense: {some_of(weightless)}.")
     if not any(link.shapes for link in links.values()):
         notes.append("No link has a shape: lines from joint to joint stand for them.")
-    notes += [*renamed, *unused(root), *coupling_notes(couplings)]
+    notes += [
+        f"Link {name} is called {new} here, for {name} is the world's."
+        for name, new in renamed.items()
+    ]
+    notes += [*unused(root), *coupling_notes(couplings)]
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, links, ordered, tuple(notes), couplings=couplings)

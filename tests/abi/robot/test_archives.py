@@ -130,28 +130,36 @@ def test_a_mesh_that_its_known_package_lacks_is_refused(tmp_path: Path) -> None:
         from_folder(files, tmp_path)
 
 
-def test_a_link_called_as_a_part_of_the_world_is_renamed_wherever_it_is_named() -> None:
+@pytest.mark.parametrize("name", ["floor", "obstacles"])
+@pytest.mark.parametrize("taken", [(), ("link",), ("link", "link_2")])
+def test_a_link_called_as_a_part_of_the_world_gets_a_free_name_wherever_it_is_named(
+    name: str, taken: tuple[str, ...]
+) -> None:
     text = arm(*[(BOX, BOX)] * 3)
     pairs = '<disable_collisions link1="a" link2="c" reason="Never"/>'
     files: Files = {"r.urdf": text, "r.srdf": f'<robot name="r">{pairs}</robot>'}
     plain = from_zip(files)
-    for name in ("floor", "obstacles"):
-        named: Files = {
-            path: re.sub(r'"a"', f'"{name}"', str(content)) for path, content in files.items()
-        }
-        robot = from_zip(named)
-        assert (
-            robot.notes[0] == f"Link {name} is called {name}_link here, for {name} is the world's."
-        )
-        new = {"a": f"{name}_link"}
-        assert [*robot.links] == [new.get(link, link) for link in plain.links]
-        assert robot.may_touch == {frozenset((f"{name}_link", "c"))}
-        assert [(new.get(one.parent, one.parent), one.child) for one in plain.joints] == [
-            (one.parent, one.child) for one in robot.joints
-        ]
-        again = from_zip({**files_of(robot)})
-        assert [*again.links] == [*robot.links]
-        assert f'"{name}"' not in description_of(robot)
+    given = {"a": name, **dict(zip("bc", (f"{name}_{one}" for one in taken), strict=False))}
+
+    def quoted(found: re.Match[str]) -> str:
+        return f'"{given.get(found[1], found[1])}"'
+
+    named: Files = {
+        path: re.sub(r'"(\w+)"', quoted, str(content)) for path, content in files.items()
+    }
+    robot = from_zip(named)
+    free = f"{name}_link" if not taken else f"{name}_link_{len(taken) + 1}"
+    assert robot.notes[0] == f"Link {name} is called {free} here, for {name} is the world's."
+    new = {**given, "a": free}
+    assert [*robot.links] == [new.get(link, link) for link in plain.links]
+    assert robot.may_touch == {frozenset((free, new.get("c", "c")))}
+    assert [
+        (new.get(one.parent, one.parent), new.get(one.child, one.child)) for one in plain.joints
+    ] == [(one.parent, one.child) for one in robot.joints]
+    again = from_zip({**files_of(robot)})
+    assert [*again.links] == [*robot.links]
+    assert again.may_touch == robot.may_touch
+    assert f'"{name}"' not in description_of(robot)
 
 
 def test_the_longest_common_end_of_the_path_decides_and_a_note_tells_of_it() -> None:

@@ -353,7 +353,7 @@ OF_ONE_MODEL: dict[str, dict[str, Any]] = {
         "grasping": True,
     },
     "urdf": {
-        **{name: 1.5 for name in ("a1", "a2", "a3", "a4", "a5", "q5")},
+        **dict.fromkeys(("a1", "a2", "a3", "a4", "a5", "q5"), 1.5),
         **{name: [2, 2, 2] for name in ("forces", "masses", "radii")},
         "elbow": "down",
         "dynamics": "as_printed",
@@ -375,7 +375,9 @@ def test_what_is_said_of_the_other_arm_is_told(model: str) -> None:
     (told_of,) = set(usual.replace(arm=others).notes) - set(usual.notes)
     assert all(f"arm.{name}" in told_of for name in others)
     # whoever adds a field says which arms it is of
-    assert OF_BOTH | REFUSED | set().union(*OF_ONE_MODEL.values()) == set(type(usual.arm).model_fields)
+    assert OF_BOTH | REFUSED | set().union(*OF_ONE_MODEL.values()) == set(
+        type(usual.arm).model_fields
+    )
 
 
 def test_the_shipped_scenes_are_there() -> None:
