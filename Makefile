@@ -35,7 +35,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
-.PHONY: run install test check thorough quick coverage test-wheel test-lowest test-newest kernels modules lint docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
+.PHONY: run install test check thorough quick coverage test-wheel test-lowest test-newest tests kernels modules lint style types docs pictures thumbnails bench attack fuzz soak restarts poses format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -55,25 +55,29 @@ run: $(RUN)
 
 install: $(DEV)
 
-# the compiler has the processor that mypy leaves idle, and the modules whichever is idle first
-READY := $(MAKE) --jobs=2 lint kernels $(if $(ARGS),,modules)
+READY := $(MAKE) --jobs=2 style kernels $(if $(ARGS),,modules)
+# types are checked while browsers wait
+BESIDE := $(MAKE) --jobs=2 types
 
 test: $(DEV)
 	$(READY)
 	tools/chromium
 	tools/nginx
-	$(PYTEST) $(ARGS)
+	$(BESIDE) tests
 
 check: $(DEV)
 	$(READY)
-	$(PYTEST) -m "not browser" $(ARGS)
+	$(BESIDE) tests MARKED='-m "not browser"'
+
+tests: $(DEV)
+	$(PYTEST) $(MARKED) $(ARGS)
 
 # without CI, hypothesis tries others each time
 thorough: $(DEV)
 	$(READY)
 	tools/chromium
 	tools/nginx
-	env -u CI ABI_THOROUGH=1 $(PYTEST) $(ARGS)
+	env -u CI ABI_THOROUGH=1 $(BESIDE) tests
 
 # one file is done before the workers have started
 quick: $(DEV)
@@ -107,11 +111,15 @@ kernels: $(DEV)
 modules: $(DEV)
 	@$(BIN)/pytest --quiet --quiet --collect-only >/dev/null || true  # what fails there fails the tests
 
-lint: $(DEV)
+lint: style types
+
+style: $(DEV)
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
-	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+
+types: $(DEV)
+	nice $(BIN)/mypy
 
 bench: $(DEV)
 	@$(BIN)/python -m app bench $(ARGS)

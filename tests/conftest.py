@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, settings
 import abi
 from app.process.scratch import ScratchFolder, remove_abandoned
 from tests.thorough import EXAMPLES
-from tests.workers import ByFile, in_order
+from tests.workers import BROWSERS, ByFile, in_order
 
 _GIVES_WAY = pytest.StashKey[bool]()
 
@@ -45,8 +45,8 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """One worker a processor, and two more where two of them have browsers and mostly wait."""
-    return (os.cpu_count() or 1) + 2 * ("not browser" not in config.option.markexpr)
+    """One worker a processor, and one more for each browser, which mostly wait."""
+    return (os.cpu_count() or 1) + BROWSERS * ("not browser" not in config.option.markexpr)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,15 @@ import pytest
 from xdist.scheduler import LoadFileScheduling
 
 _BROWSER = Path(__file__).parent / "browser"
-_MIDDLE = "test_le"
-"""First name of the files of the second browser: both take about as long."""
+_FIRST_FILES = ("test_g", "test_me")
+"""First names of the files of the second and the third browser: all take about as long."""
+BROWSERS = len(_FIRST_FILES) + 1
 
 
 class ByFile(LoadFileScheduling):  # type: ignore[misc]
     """A file's tests go to one worker, so that what they share is made once.
 
-    Those of the browser go to two, whichever file they are in: more browsers than that at a time
+    Those of the browser go to three, whichever file they are in: more browsers than that at a time
     would be slower than any patience.
     """
 
@@ -28,7 +30,7 @@ class ByFile(LoadFileScheduling):  # type: ignore[misc]
     def _split_scope(self, nodeid: str) -> str:
         path = Path(nodeid.partition("::")[0])
         if path.parent.name == _BROWSER.name:
-            return "first browser" if path.name < _MIDDLE else "second browser"
+            return f"browser {bisect(_FIRST_FILES, path.name) + 1}"
         return str(path)
 
 
