@@ -26,10 +26,12 @@ _REASONS: dict[Reason, str] = {
 def arm_result(plan: Plan) -> str:
     """Result of stage 6, short enough for its heading; empty where it was not reached."""
     motion, clearance = plan.motion, plan.arm_clearance
+    if motion is not None and not motion.reachable:
+        return "out of reach ✗"
+    if lacks_motion(plan):  # what is drawn is not what was asked for, whatever it touches
+        return "no motion ✗"
     if motion is None or clearance is None:
         return ""
-    if not motion.reachable:
-        return "out of reach ✗"
     if clearance.contacts:
         worst = clearance.contacts[0]
         if worst.apart:
@@ -42,6 +44,11 @@ def arm_result(plan: Plan) -> str:
     if clearance.is_too_near:
         return "links too near ✗"
     return "proven clear ✓" if clearance.certified else "not proven clear ?"
+
+
+def lacks_motion(plan: Plan) -> bool:
+    """Check whether there is no motion of the arm as asked for, but perhaps one of the tool's."""
+    return plan.error is not None and plan.error.stage == "arm"
 
 
 def link_label(link: str) -> str:

@@ -9,6 +9,7 @@ import html
 import math
 from typing import Any
 
+from abi.arm_planning.arm_errors import ArmNotClear
 from abi.errors import AbiError, NoPath, StageError
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
@@ -163,7 +164,10 @@ class Messages:
             return _with_buttons(
                 _error(f"{title}.", numbers), self.banner.other_size(frame.plan.scene)
             )
-        hints = (explained.hint, dots, self._base.sentence(frame))
+        alone = ""
+        if reason is not None and isinstance(error, ArmNotClear):
+            alone = "The plan shown is for the tool tip alone."
+        hints = (explained.hint, dots, self._base.sentence(frame), alone)
         tell = _puzzle if is_puzzle(frame.plan.scene) else _error
         content = tell(explained.message, " ".join(filter(None, hints)))
         buttons = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 
 from abi.curves.three_phase_profile import ThreePhaseProfile
@@ -102,6 +103,8 @@ def arm_numbers(plan: Plan) -> list[Number]:
         return []
     clearance, unit = plan.arm_clearance, plan.scene.unit
     time = (f"{plan.profile.duration:.2f} s", "motion", "Time from start to goal.")
+    if plan.error is not None and plan.motion.reachable:
+        return [(judged("no", False), "motion of the arm", html.escape(plan.error.message))]
     if not plan.motion.reachable:
         return [
             time,

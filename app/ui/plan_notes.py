@@ -10,7 +10,12 @@ from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion_law import LAWS
 from abi.curves.cubic_profile import CubicProfile
 from abi.explain.arm_faults import CONTACTS, limit_sentence, limits_warning
-from abi.planner.arm_words import allowed_sentences, clearance_sentence, contact_sentence
+from abi.planner.arm_words import (
+    allowed_sentences,
+    clearance_sentence,
+    contact_sentence,
+    lacks_motion,
+)
 from abi.planner.plan import Plan
 from abi.planner.stage_results import AnyFit
 from app.shared.once_a_plan import once_a_plan
@@ -165,6 +170,8 @@ def _of_direction(span: HeldSpan) -> str:
 
 
 def _arm(plan: Plan) -> str:
+    if lacks_motion(plan):
+        return _no_motion(plan)
     if plan.motion is None:
         return ""
     motion, unit, curve = plan.motion, plan.scene.unit, plan.followed_curve
@@ -196,3 +203,17 @@ def _arm(plan: Plan) -> str:
     folded = f"<details>{summary}{allowed}</details>" if allowed else ""
     text = "<br>".join(lines) + folded
     return style.paragraph(text) if text else ""
+
+
+def _no_motion(plan: Plan) -> str:
+    """Why there is no motion of the arm, as told over the scene, and what is drawn instead."""
+    assert plan.error is not None
+    text = f"<b>✗ {html.escape(plan.error.message)}</b>"
+    contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
+    if plan.motion is not None and plan.motion.reachable:
+        text += "<br>What is drawn moves along the curve of the tool tip alone."
+    if contacts:
+        touched = (html.escape(contact_sentence(one, plan.scene.unit)) for one in contacts)
+        summary = f"<summary>What touches there: {len(contacts)}</summary>"
+        text += f"<details>{summary}{'<br>'.join(f'{one}.' for one in touched)}</details>"
+    return style.paragraph(text)

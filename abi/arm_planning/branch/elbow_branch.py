@@ -30,6 +30,7 @@ from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
+from abi.robot.paper_arm.pose_kernels import ArmTable
 from abi.scene.arm_settings import ArmSettings
 from abi.tet_mesh.node_tree import NodeTree
 
@@ -87,6 +88,15 @@ class ElbowBranch:
     def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         vertices = arguments.polyline("points", points)
+        fault = self._refuted(vertices, self.segments.table)
+        if fault is not None and fault.capsule < 0 and len(points) == 1:
+            # a link that touches something is seen there, and room that is short is not
+            touching = self._refuted(vertices, self.arm.table(self.elbow))
+            fault = fault if touching is None else touching
+        return fault
+
+    def _refuted(self, vertices: FloatArray, table: ArmTable) -> ArmRefutation | None:
+        """The same for an arm with the limits of a ``table``."""
         count = len(vertices) - 1
         segments = np.stack([vertices[:-1], vertices[1:]], axis=1)
         breaks = read_only(np.arange(count + 1, dtype=float))
@@ -96,7 +106,7 @@ class ElbowBranch:
             flat(segments),
             breaks,
             room,
-            self.segments.table,
+            table,
             self.segments.around,
             slide,
             self.most_tries,

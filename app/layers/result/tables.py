@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Mapping
 
+from abi.planner.arm_words import contact_sentence, lacks_motion
 from abi.planner.plan import Plan
 from app.shared.once_a_plan import once_a_plan
 from app.state.frame import Frame, Layer
@@ -177,12 +179,19 @@ def _arm_row(plan: Plan) -> tuple[str, ...]:
     kept = plan.arm_clearance
     if kept is None:
         return "whole arm", *_NO_STAGE
+    unit, required = plan.scene.unit, format_setting(kept.required)
+    hint = f"Of the links, {required} {unit} are asked for: stage 6."
+    title = f'<span title="{hint}">whole arm (≥ {required})</span>'
+    if lacks_motion(plan):  # what the arm touches that is drawn instead is another matter
+        return title, "–", "–", "no motion ✗"
     clearance = _clearance(kept.distance, kept.required, kept.certified, alarming=False)
-    title = f"whole arm (≥ {format_setting(kept.required)})"
-    hint = (
-        f"Of the links, {format_setting(kept.required)} {plan.scene.unit} are asked for: stage 6."
-    )
-    return f'<span title="{hint}">{title}</span>', "–", "–", clearance
+    if kept.contacts:  # those with the floor and itself, too
+        worst = kept.contacts[0]
+        if worst.certain and not worst.apart:
+            clearance = f"{'−' if worst.depth > 0 else ''}{format_length(worst.depth)} ✗"
+        hint = html.escape(f"{contact_sentence(worst, unit)}.")
+        clearance = f'<span title="{hint}">{clearance}</span>'
+    return title, "–", "–", clearance
 
 
 def _stage_row(

@@ -12,12 +12,15 @@ import pytest
 
 import abi
 from abi.errors import SceneError
+from abi.planner.arm_words import arm_result, contact_sentence
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
 from app.layers.result.tables import TablesLayer, _searches, _stages
 from app.panels.messages import _progress, _replan_ms
 from app.panels.stages.stage_headers import StageHeaders
 from app.state.frame import Frame
+from app.ui.numbers import format_length
+from app.ui.plan_notes import notes
 
 
 @pytest.mark.parametrize("ms", [0.01, 0.99, 13.0, 40_000.0])
@@ -29,6 +32,43 @@ def test_the_table_is_as_high_however_long_the_searches_took(ms: float) -> None:
     assert times.sub("", told) == times.sub("", usual)
     assert len(times.findall(told)) == len(times.findall(usual)) == len(plan.searches)
     assert max(map(len, times.findall(told))) <= 6
+
+
+@pytest.mark.parametrize(
+    ("name", "arm", "heading"),
+    [
+        ("wrong-elbow", {"elbow": "up"}, "no motion ✗"),
+        ("drag-a-box", {"elbow": "down"}, "no motion ✗"),
+        ("paper", {"base": (3.0, -30.0, 0.0)}, "out of reach ✗"),
+    ],
+)
+def test_an_arm_without_a_motion_has_one_reason_everywhere(
+    name: str, arm: dict[str, object], heading: str
+) -> None:
+    plan = abi.plan(load_scene(name).replace(arm=arm))
+    assert plan.error is not None
+    assert arm_result(plan) == heading
+    first, _, rest = notes(plan)["arm"].partition("<br>")
+    assert plan.error.message in unescape(first)
+    assert "<details" not in rest.partition("tool tip alone.")[0]
+    row = unescape(_stages(plan)).partition("whole arm")[2].partition("</tr>")[0]
+    assert "no motion ✗" in row
+    assert not re.search(r"\d ✗", row)
+
+
+def test_a_link_that_touches_counts_before_a_joint_that_lacks_room() -> None:
+    plan = abi.plan(load_scene("drag-a-box").replace(arm={"elbow": "down"}))
+    assert plan.error is not None
+    assert "the upper arm touches the floor at the start" in plan.error.message
+
+
+def test_the_arms_row_has_the_depth_of_the_contact_that_is_told() -> None:
+    plan = abi.plan(load_scene("drag-a-box").replace(arm={"elbow": "down", "avoid": False}))
+    assert plan.arm_clearance is not None
+    worst = plan.arm_clearance.contacts[0]
+    row = unescape(_stages(plan)).partition("whole arm")[2]
+    assert contact_sentence(worst, "cm") in row
+    assert f"−{format_length(worst.depth)} ✗" in row
 
 
 class _Tables:
