@@ -12,6 +12,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from contextvars import ContextVar
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
 
@@ -55,11 +56,8 @@ if hasattr(os, "register_at_fork"):
     )
 
 
-class _ThreadWork(threading.local):
-    interpreted = 0
-
-
-_of_thread = _ThreadWork()
+_interpreted_calls: ContextVar[int] = ContextVar("interpreted_calls", default=0)
+"""How many calls of kernels this thread has run as Python."""
 
 
 class Kernel(Generic[_P, _R]):
@@ -155,7 +153,7 @@ class Kernel(Generic[_P, _R]):
 
     def interpret(self, *arguments: Any) -> Any:
         """Run the function as Python, on lists, which it reads faster than arrays."""
-        _of_thread.interpreted += 1
+        _interpreted_calls.set(_interpreted_calls.get() + 1)
         self._begun = begun = time.perf_counter()
         plain = tuple(map(as_lists, arguments))
         with np.errstate(all="ignore"):  # as compiled
@@ -192,7 +190,7 @@ def compiled(
 
 def interpreted_calls() -> int:
     """Count the calls of kernels that this thread has run as Python."""
-    return _of_thread.interpreted
+    return _interpreted_calls.get()
 
 
 def is_off() -> bool:

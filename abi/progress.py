@@ -11,8 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Protocol
+from contextvars import ContextVar
 
 _PERIOD = 0.05
 """Seconds between two looks at whether a result is wanted, while its thread waits for another."""
@@ -22,51 +21,31 @@ class CancelledError(Exception):
     """Raised in a computation whose result is not wanted any more."""
 
 
-class Watch(Protocol):
-    """Who watches a thread."""
-
-    def cancelled(self) -> bool:
-        """Check whether the result is not wanted any more; called very often."""
-
-    def told(self, doing: str) -> None:
-        """Hear what is done now, as ``searching``."""
-
-
-class _ThreadWatch(threading.local):
-    watch: Watch | None = None
-
-
-_of_thread = _ThreadWatch()
-
-
-@dataclass(frozen=True)
-class QuietWatch:
-    """A watch that asks a function whether the result is not wanted any more, and tells nobody."""
-
-    asks: Callable[[], bool]
-
-    def cancelled(self) -> bool:
-        """Ask."""
-        return self.asks()
-
-    def told(self, doing: str) -> None:
-        """Hear it, and do nothing."""
+_cancelled: ContextVar[Callable[[], bool] | None] = ContextVar("cancelled", default=None)
+_told: ContextVar[Callable[[str], None] | None] = ContextVar("told", default=None)
+"""Who watches this thread: a new one begins without."""
 
 
 @contextmanager
-def watched_by(watch: Watch) -> Iterator[None]:
+def watched_by(
+    cancelled: Callable[[], bool], told: Callable[[str], None] | None = None
+) -> Iterator[None]:
     """Have what this thread computes in the block watched.
+
+    Args:
+        cancelled: whether the result is not wanted any more; called very often.
+        told: takes what is done now, as ``searching``; None to tell nobody.
 
     Raises:
         CancelledError: the result is not wanted any more. What remembers results between calls,
             as a planner, may then have half of one, and is to be told to forget all.
     """
-    before = _of_thread.watch
-    _of_thread.watch = watch
+    before = _cancelled.set(cancelled), _told.set(told)
     try:
         yield
     finally:
-        _of_thread.watch = before
+        _cancelled.reset(before[0])
+        _told.reset(before[1])
 
 
 def check() -> None:
@@ -75,8 +54,8 @@ def check() -> None:
     Raises:
         CancelledError: that is so.
     """
-    watch = _of_thread.watch
-    if watch is not None and watch.cancelled():
+    cancelled = _cancelled.get()
+    if cancelled is not None and cancelled():
         raise CancelledError
 
 
@@ -87,9 +66,9 @@ def tell(doing: str) -> None:
         CancelledError: it is not.
     """
     check()
-    watch = _of_thread.watch
-    if watch is not None:
-        watch.told(doing)
+    told = _told.get()
+    if told is not None:
+        told(doing)
 
 
 def wait(event: threading.Event, timeout: float | None = None) -> None:
@@ -102,7 +81,7 @@ def wait(event: threading.Event, timeout: float | None = None) -> None:
     Raises:
         CancelledError: it is not.
     """
-    if _of_thread.watch is None:
+    if _cancelled.get() is None:
         event.wait(timeout)
         return
     end = math.inf if timeout is None else time.monotonic() + timeout

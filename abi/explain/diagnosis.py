@@ -27,7 +27,7 @@ from abi.explain.reason import Reason
 from abi.explain.what_if import WhatIf, components, rounded_down
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
-from abi.progress import CancelledError, QuietWatch, watched_by
+from abi.progress import CancelledError, watched_by
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 from abi.search.graph import Graph
@@ -62,7 +62,7 @@ def explain(
         The reason; None if the plan has no error, or one of another kind.
     """
     try:
-        with watched_by(QuietWatch(cancelled)):
+        with watched_by(cancelled):
             reason = _reason(scene, plan, WhatIf(scene))
     except CancelledError:
         return None

@@ -69,5 +69,5 @@ class Details:
         if not isinstance(part, MeshLayer):
             part.draw(frame)
             return
-        with progress.watched_by(progress.QuietWatch(self._overtaken)):
+        with progress.watched_by(self._overtaken):
             part.draw(frame)

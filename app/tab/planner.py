@@ -69,7 +69,7 @@ class TabPlanner:
                     shared.keep(scene, plan, self.live.coarse, self.live.partial)
                     return plan
             self._watch.begin()
-            with progress.watched_by(self._watch):
+            with progress.watched_by(self._watch.cancelled, self._watch.told):
                 shared.wait(scene)
             if (made := self.take(scene, shared)) is not None:
                 return made
@@ -88,7 +88,7 @@ class TabPlanner:
         begin, before = time.thread_time(), interpreted_calls()
         self._watch.begin()
         try:
-            with progress.watched_by(self._watch):
+            with progress.watched_by(self._watch.cancelled, self._watch.told):
                 compiling.wait_for_kept()
                 plan = planner(scene)
         except progress.CancelledError:

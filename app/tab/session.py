@@ -460,7 +460,7 @@ class Session:
         if self._overdue is not None:
             frame, self._overdue = self._overdue, None
             # a picture that is begun is drawn to its end
-            with progress.watched_by(progress.QuietWatch(lambda: False)):
+            with progress.watched_by(lambda: False):
                 self._draw(frame)
         self.panels.messages.tell(doing)
 

@@ -8,7 +8,7 @@ import pytest
 
 from abi import load_scene, progress
 from abi.planner.planner import Planner
-from abi.progress import CancelledError, QuietWatch, watched_by
+from abi.progress import CancelledError, watched_by
 
 
 class _Watch:
@@ -34,7 +34,7 @@ def _check(passed: threading.Event) -> None:
 def test_a_plan_ends_where_it_is_cancelled_and_can_be_made_again(last: str) -> None:
     scene, planner = load_scene("two-boxes"), Planner(compile=False)
     watch = _Watch(last)
-    with pytest.raises(CancelledError), watched_by(watch):
+    with pytest.raises(CancelledError), watched_by(watch.cancelled, watch.told):
         planner(scene)
     assert watch.heard[-1] == last
     assert planner(scene).to_dict()["path"] == Planner(compile=False)(scene).to_dict()["path"]
@@ -42,7 +42,7 @@ def test_a_plan_ends_where_it_is_cancelled_and_can_be_made_again(last: str) -> N
 
 def test_a_plan_that_is_wanted_tells_its_stages_in_order() -> None:
     watch = _Watch("never")
-    with watched_by(watch):
+    with watched_by(watch.cancelled, watch.told):
         plan = Planner(compile=False)(load_scene("paper"))
     assert plan.error is None
     assert watch.heard == [
@@ -57,11 +57,11 @@ def test_a_plan_that_is_wanted_tells_its_stages_in_order() -> None:
 
 def test_only_the_thread_that_is_watched_is_cancelled() -> None:
     passed = threading.Event()
-    with watched_by(QuietWatch(lambda: True)):
+    with watched_by(lambda: True):
         other = threading.Thread(target=_check, args=(passed,))
         other.start()
         other.join()
-        with watched_by(QuietWatch(lambda: False)):
+        with watched_by(lambda: False):
             progress.check()
         with pytest.raises(CancelledError):
             progress.check()
@@ -76,7 +76,7 @@ def test_a_wait_for_another_thread_ends_too() -> None:
         asked[0] += 1
         return asked[0] > 2
 
-    with pytest.raises(CancelledError), watched_by(QuietWatch(cancelled)):
+    with pytest.raises(CancelledError), watched_by(cancelled):
         progress.wait(event)
     event.set()
     progress.wait(event)

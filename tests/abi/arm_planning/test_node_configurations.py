@@ -27,7 +27,7 @@ def test_the_tip_is_at_every_node_reached_and_the_result_may_become_unwanted_mea
     low, high = (tuple((start + side * 12).tolist()) for side in (-1, 1))
     mesh = tetrahedralise(Workspace(min=low, max=high), MeshSettings(pitch=1.6))
 
-    with progress.watched_by(progress.QuietWatch(partial(_wanted, asked))):
+    with progress.watched_by(partial(_wanted, asked)):
         found = spread_over(arm, mesh, start, pose, pose)
 
     tips = arm.tool(found.positions[found.reached])

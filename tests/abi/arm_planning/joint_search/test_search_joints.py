@@ -34,7 +34,7 @@ from abi.arrays import BoolArray, FloatArray
 from abi.errors import ArgumentError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Sphere
-from abi.progress import CancelledError, QuietWatch, watched_by
+from abi.progress import CancelledError, watched_by
 from tests.abi.arm_planning.test_chain_certificate import between, some_arm, some_obstacles
 
 ARMS = ("ur5e", "panda", "sliding", "linkage")
@@ -225,7 +225,7 @@ def test_a_search_that_is_not_wanted_any_more_ends() -> None:
     task_arm = some_arm("ur5e")
     space = JointSpace(task_arm, chain_world(task_arm, ObstacleSet(()), -1e3), 0.0)
     pose = np.array([[0.0, -1.2, 1.0, 0.3, 0.2, 0.0]])
-    with pytest.raises(CancelledError), watched_by(QuietWatch(lambda: True)):
+    with pytest.raises(CancelledError), watched_by(lambda: True):
         search_joints(space, pose, pose + 0.5)
 
 
