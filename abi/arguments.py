@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray, lock
-from abi.errors import ArgumentError
+from abi.errors import ArgumentError, Described
 
 _LETTERS = "nmk"
 _FLOAT64 = np.dtype(np.float64)
@@ -255,7 +255,7 @@ def _of_shape(
     fits = array.shape == shape or _fits(array.shape, shape)
     # a list without entries has no type of its own
     if not fits or (array.dtype.kind not in kinds and (array.size or array is values)):
-        given = _Described(f"an array of shape {array.shape} and type {array.dtype}")
+        given = Described(f"an array of shape {array.shape} and type {array.dtype}")
         raise ArgumentError(name, given, f"{wanted} of shape {_text_of(shape)}")
     return array
 
@@ -296,13 +296,3 @@ def _text_of(shape: tuple[int, ...]) -> str:
     letters = iter(_LETTERS)
     parts = [next(letters) if length == -1 else str(length) for length in shape]
     return f"({', '.join(parts)}{',' * (len(parts) == 1)})"
-
-
-class _Described:
-    """Stands for an array in an error, whose numbers would say nothing."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-
-    def __repr__(self) -> str:
-        return self._text

@@ -13,14 +13,11 @@
         ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
         ├── OutOfReach        the paper's arm cannot follow the curve all the way
         ├── NotFollowed       an arm that a URDF describes cannot follow it
-        ├── ArmNotClear       no motion was found on which the whole arm keeps clear
-        ├── TooSlow           the joints' limits make the motion many times as long as it should be
-        └── TooManySamples    the time step is too small for the motion
+        └── ArmNotClear       no motion was found on which the whole arm keeps clear
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, Self
 
@@ -51,11 +48,18 @@ class AbiError(Exception):
         return _of_kind, (type(self), self.args, vars(self))
 
 
-class Missing:
-    """Marker for a value that was not given."""
+class Described:
+    """Stands in an error for a value of which its ``repr`` says nothing: that is ``text``."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
 
     def __repr__(self) -> str:
-        return "missing"
+        return self._text
+
+
+MISSING = Described("missing")
+"""Stands for a value that was not given."""
 
 
 class ArgumentError(AbiError):
@@ -219,52 +223,6 @@ class ClearanceNotHeld(StageError):
         )
         self.clearance = clearance
         self.reached = reached
-
-
-class TooSlow(StageError):
-    """Error for a motion that takes many times longer than its length warrants.
-
-    Args:
-        duration: of the motion, [s].
-        length: of the tool's way, [unit].
-        enough: time that would be enough, [s].
-        worst: name of the joint that is nearest to its limits, and when it is, [s].
-    """
-
-    def __init__(
-        self, duration: float, length: float, enough: float, worst: tuple[str, float]
-    ) -> None:
-        joint, moment = worst
-        super().__init__(
-            "timing",
-            "too_slow",
-            f"Within the joints' limits the motion would take {duration:.0f} s for a way of "
-            f"{format_length(length)}, for which {enough:.2g} s should be enough: at "
-            f"t = {moment:.3g} s {joint.replace('_', ' ')} has to turn faster than anywhere else.",
-            "Choose the law time_optimal, which slows down only there, or move the way from where "
-            "the arm is nearly stretched out or its wrist straight.",
-        )
-        self.duration = duration
-
-
-class TooManySamples(StageError):
-    """Error for a time step that divides a motion into too many samples.
-
-    Args:
-        count: of the samples that it would take.
-        most: largest number that there may be.
-        duration: of the motion, [s].
-    """
-
-    def __init__(self, count: int, most: int, duration: float) -> None:
-        step = duration / (most - 1)
-        super().__init__(
-            "timing",
-            "too_many_samples",
-            f"With this time step a motion of {duration:.3g} s has {count:,} samples, and "
-            f"{most:,} may be planned.",
-            f"Choose a motion.time_step of at least {math.ceil(step * 1e6) / 1e6:.6f} s.",
-        )
 
 
 def _of_kind(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from abi.arm_planning.arm_model import ArmModel
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.fit_quadratic import Mode
-from abi.errors import TooManySamples
+from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.scene.settings import MOST_SAMPLES, MotionSettings
@@ -50,11 +51,18 @@ def sample_count(profile: PathProfile, asked: MotionSettings) -> int:
     """Number of samples of a motion, its first and last moment among them.
 
     Raises:
-        TooManySamples: the time step that is asked for takes more than there may be.
+        StageError: the time step that is asked for takes more than there may be.
     """
     if asked.time_step is None:
         return asked.samples or SAMPLES
     count = round(profile.duration / asked.time_step) + 1
     if count > MOST_SAMPLES:
-        raise TooManySamples(count, MOST_SAMPLES, profile.duration)
+        step = profile.duration / (MOST_SAMPLES - 1)
+        raise StageError(
+            "timing",
+            "too_many_samples",
+            f"With this time step a motion of {profile.duration:.3g} s has {count:,} samples, and "
+            f"{MOST_SAMPLES:,} may be planned.",
+            f"Choose a motion.time_step of at least {math.ceil(step * 1e6) / 1e6:.6f} s.",
+        )
     return max(count, 3)

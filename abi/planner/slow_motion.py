@@ -6,7 +6,7 @@ import numpy as np
 
 from abi.arm_planning.joint_rates import joint_rates
 from abi.curves.three_phase_profile import three_phase
-from abi.errors import TooSlow
+from abi.errors import StageError, format_length
 from abi.planner.plan import Plan
 
 _LONG, _TIMES = 60.0, 20.0
@@ -24,7 +24,7 @@ def refuse_slow(plan: Plan) -> None:
         plan: the plan; without an arm and its motion, nothing is refused.
 
     Raises:
-        TooSlow: the motion takes so long; names the joint, and when it is at its limit.
+        StageError: the motion takes so long; names the joint, and when it is at its limit.
     """
     arm, profile, motion, asked = plan.arm, plan.profile, plan.motion, plan.scene.motion
     if arm is None or profile is None or motion is None or profile.duration <= _LONG:
@@ -42,4 +42,12 @@ def refuse_slow(plan: Plan) -> None:
     )
     sample, joint = np.unravel_index(int(used.argmax()), used.shape)
     name, moment = motion.joints[joint], float(motion.time[sample])
-    raise TooSlow(profile.duration, length, max(joints, alone), (name, moment))
+    raise StageError(
+        "timing",
+        "too_slow",
+        f"Within the joints' limits the motion would take {profile.duration:.0f} s for a way of "
+        f"{format_length(length)}, for which {max(joints, alone):.2g} s should be enough: at "
+        f"t = {moment:.3g} s {name.replace('_', ' ')} has to turn faster than anywhere else.",
+        "Choose the law time_optimal, which slows down only there, or move the way from where "
+        "the arm is nearly stretched out or its wrist straight.",
+    )

@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from abi.errors import Missing, SceneError
+from abi.errors import MISSING, SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.primitives import PRIMITIVES
 from abi.scene.held_axis import AXIS_TAGS, HeldAxis
@@ -78,12 +78,12 @@ def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
         detail["input"], dict
     ):
         location.append("shape")
-        detail["input"] = detail["input"].get("shape", Missing())
+        detail["input"] = detail["input"].get("shape", MISSING)
     field = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in location).lstrip(".")
     missing = detail["type"] == "missing"
     return SceneError(
         field or "scene",
-        Missing() if missing else detail["input"],
+        MISSING if missing else detail["input"],
         _expectation(detail, location, scene),
     )
 

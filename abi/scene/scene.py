@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from abi import assets
-from abi.errors import Missing, SceneError
+from abi.errors import MISSING, SceneError
 from abi.length_text import with_minus
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
@@ -167,7 +167,7 @@ class Scene(Settings):
                     raise SceneError(f"arm.{name}", f"the tool tip at {point}", expected)
                 if name not in self.model_fields_set:  # a default, which nobody has given
                     expected = f"a point of the workspace, as the default {point} is outside"
-                    raise SceneError(name, Missing(), expected)
+                    raise SceneError(name, MISSING, expected)
                 raise SceneError(
                     name, point, f"{axis} between {with_minus(f'{low:g} and {high:g}')} {self.unit}"
                 )
@@ -198,7 +198,7 @@ class Scene(Settings):
             field = f"tasks[{number}]"
             check_axis(f"{field}.axis", leg.axis, self.arm.model, self.arm.search)
             if number > 0 and leg.goal is None:
-                raise SceneError(f"{field}.goal", Missing(), "a waypoint")
+                raise SceneError(f"{field}.goal", MISSING, "a waypoint")
             if leg.attach is not None and leg.attach >= len(self.obstacles):
                 expected = f"the number of an obstacle, below {len(self.obstacles)}"
                 raise SceneError(f"{field}.attach", leg.attach, expected)

@@ -19,8 +19,6 @@ from abi.errors import (
     PointBlocked,
     SceneError,
     StageError,
-    TooManySamples,
-    TooSlow,
 )
 
 ERRORS = [
@@ -32,8 +30,6 @@ ERRORS = [
     OutOfReach(0.5, 1.25, 0.7654321, True),
     OutOfReach(0.5, 1.25, 0.7654321, False, (12.3456, 2.4)),
     NotFollowed(0.5, 1.25, 0.7654321),
-    TooSlow(1244.2, 0.3, 1.234, ("wrist_1", 0.5)),
-    TooManySamples(123_456, 20_000, 1.2346),
 ]
 
 

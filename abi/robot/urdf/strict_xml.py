@@ -11,7 +11,7 @@ import scipy
 from lxml import etree
 
 from abi.arrays import FloatArray, read_only
-from abi.errors import Missing, SceneError
+from abi.errors import MISSING, SceneError
 from abi.obstacles.pose import Vec3
 
 MAX_BYTES, MAX_ELEMENTS = 2_000_000, 20_000
@@ -89,7 +89,7 @@ class XmlElement:
         """First child with a tag; SceneError if there is none."""
         found = self.child(tag)
         if found is None:
-            raise self.refuse(tag, Missing(), f"one <{tag}>")
+            raise self.refuse(tag, MISSING, f"one <{tag}>")
         return found
 
     def text(self, attribute: str, default: str = "") -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from lxml import etree
 
 from abi.arrays import ByteArray, FloatArray, read_only
-from abi.errors import Missing, SceneError
+from abi.errors import MISSING, SceneError
 from abi.obstacles.mesh_files.parts import NO_COLOURS, Parts
 from abi.robot.urdf.robot import Link, LinkShape
 from abi.robot.urdf.strict_xml import XmlElement
@@ -149,7 +149,7 @@ def _shape(part: XmlElement, kind: str, pose: FloatArray, meshes: Meshes) -> Lin
         if math.prod(size) < 0:
             faces = faces[:, ::-1]
     if kind == "box" and not all(size):
-        raise part.refuse("size", Missing(), "three numbers above 0")
+        raise part.refuse("size", MISSING, "three numbers above 0")
     return LinkShape(
         kind,  # type: ignore[arg-type]
         size,

@@ -6,7 +6,7 @@ damaged, ambiguous or too large is refused with one sentence.
 
 from __future__ import annotations
 
-from abi.errors import Missing
+from abi.errors import MISSING
 from abi.robot.urdf.couplings import coupling_notes, read_couplings
 from abi.robot.urdf.link_names import names_anew, rename_links
 from abi.robot.urdf.mimic import with_masters
@@ -43,7 +43,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
             raise element.refuse("name", link.name, "a name that no link before it has")
         links[link.name] = link
     if not links:
-        raise root.refuse("link", Missing(), "one or more, as a file without links holds no robot")
+        raise root.refuse("link", MISSING, "one or more, as a file without links holds no robot")
     if len(links) > MAX_LINKS:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
     joints = [read_joint(element.called()) for element in root.all("joint")]

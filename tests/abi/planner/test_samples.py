@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
-from abi.errors import SceneError, TooManySamples, TooSlow
+from abi.errors import SceneError, StageError
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner, plan
 from abi.planner.slow_motion import refuse_slow
@@ -40,7 +42,11 @@ def test_samples_beside_a_step_and_too_many_are_refused() -> None:
     with pytest.raises(SceneError, match="time_step"):
         scene.replace(motion={"samples": 9, "time_step": 0.1})
 
-    assert isinstance(plan(scene.replace(motion={"time_step": 1e-5})).error, TooManySamples)
+    error = plan(scene.replace(motion={"time_step": 1e-5})).error
+    assert error is not None
+    assert error.kind == "too_many_samples"
+    step = float(error.hint.split()[-2])
+    assert plan(scene.replace(motion={"time_step": step})).error is None
 
 
 def test_a_motion_slowed_down_beyond_use_is_refused_and_a_slow_one_that_is_asked_for_is_not() -> (
@@ -55,8 +61,10 @@ def test_a_motion_slowed_down_beyond_use_is_refused_and_a_slow_one_that_is_asked
     assert slow.arm is not None
     unasked = Plan(scene, arm=slow.arm, profile=slow.profile, motion=slow.motion)
 
-    with pytest.raises(TooSlow) as refusal:
+    with pytest.raises(StageError) as refusal:
         refuse_slow(unasked)
 
+    assert refusal.value.kind == "too_slow"
     assert f"{slow.profile.duration:.0f} s" in refusal.value.message
+    assert re.search(r"for a way of \d+(\.\d+)? cm,", refusal.value.in_unit("cm").message)
     refuse_slow(slow)
