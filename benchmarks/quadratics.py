@@ -30,15 +30,11 @@ def run(name: str, make: Callable[[np.random.Generator], Scene], scenes: int, se
     splines = planned = 0
     while planned < scenes:
         result = plan(make(rng))
-        if result.bspline is None or result.bspline_arc is None:
+        if result.bspline is None:
             continue
         planned += 1
         splines += result.bspline.holds
-        arguments = (
-            result.bspline_arc,
-            ObstacleSet(result.scene.obstacles),
-            result.bspline.required,
-        )
+        arguments = ObstacleSet(result.scene.obstacles), result.bspline.required
         for mode in MODES:
             begin = time.perf_counter()
             fitted = fit(result.bspline, *arguments, mode)

@@ -123,7 +123,7 @@ def _add_lines(drawing: Drawing, plan: Plan, shown: frozenset[str]) -> None:
             drawing.line(result.points, style.ALGORITHMS[result.algorithm][1], 2)
     if plan.taut is not None and "taut" in shown:
         drawing.line(plan.taut.points, style.TAUT, 2)
-    for name, (fit, _) in plan.curves.items():
+    for name, fit in plan.curves.items():
         if fit is not None and name in shown:
             points = fit.curve(parameters(fit.curve.interval, 60))
             drawing.line(points, style.CURVES[name][1], 2.6)

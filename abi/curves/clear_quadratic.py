@@ -18,7 +18,6 @@ from numpy.polynomial import legendre
 from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.curves.clearance.curve_clearance import ROUNDING, curve_clearance
-from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
 from abi.obstacles.obstacle_set import ObstacleSet
 
@@ -33,18 +32,6 @@ _ROUNDS = 16
 _SETTLED = 1e-3  # of the curve's extent: largest move of a round that needs no other
 _ALLOWANCE = 1e-5  # of the curve's extent, kept beyond the clearance
 _INFEASIBLE = 1e-6  # distance of (0, 1) to the cone of the rows, above which they are feasible
-
-
-@dataclass(frozen=True, eq=False)
-class ByArcLength:
-    """A curve as a function of the fraction of its arc length travelled."""
-
-    curve: Curve
-    arc: ArcLength
-
-    def __call__(self, part: FloatArray) -> FloatArray:
-        """Points (n, 3) at fractions (n,) of the arc length, [unit]."""
-        return self.curve(self.arc.parameter(part * self.arc.length))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,14 +105,14 @@ class _Pieces:
 
 
 def least_squares_target(
-    curve: ByArcLength, breaks: FloatArray, obstacles: ObstacleSet, clearance: float
+    curve: PointsAt, breaks: FloatArray, obstacles: ObstacleSet, clearance: float
 ) -> Target:
     """The curve on ``breaks`` with the ends of ``curve`` that is nearest to it in L2.
 
     With one piece that is :func:`abi.curves.quadratic.least_squares`.
 
     Args:
-        curve: the curve to approximate, of a length above 0.
+        curve: points of the curve to approximate at shares of its arc length, which is above 0.
         breaks: from 0 to 1, increasing, shape (m + 1,).
         obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].

@@ -1,23 +1,24 @@
-"""A fitted curve together with its clearance."""
+"""A fitted curve together with its clearance and its arc length."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, TypeVar
 
-from abi.arrays import ShortRepr
-from abi.curves.clearance.bezier import PolynomialCurve
+from abi.arrays import FloatArray, ShortRepr
 from abi.curves.clearance.curve_clearance import ROUNDING, Clearance, proven_clearance
+from abi.curves.curve import ArcLength, Curve, arc_length
 from abi.obstacles.obstacle_set import ObstacleSet
 
-CurveT = TypeVar("CurveT", bound=PolynomialCurve)
+CurveT = TypeVar("CurveT", bound=Curve)
 
 _TOLERANCE = 1e-6  # of the curve's extent
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(ShortRepr, Generic[CurveT]):
-    """A fitted curve and its clearance.
+    """A fitted curve, its clearance and its arc length.
 
     Attributes:
         curve: the curve.
@@ -30,6 +31,15 @@ class Fit(ShortRepr, Generic[CurveT]):
     clearance: Clearance
     required: float
     note: str = ""
+
+    @cached_property
+    def arc(self) -> ArcLength:
+        """Arc length of the curve."""
+        return arc_length(self.curve)
+
+    def at_share(self, share: FloatArray) -> FloatArray:
+        """Points (n, 3) of the curve at shares (n,) of its arc length, [unit], world."""
+        return self.curve(self.arc.parameter(share * self.arc.length))
 
     @property
     def holds(self) -> bool:

@@ -129,7 +129,7 @@ def _finished(fitted: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]
         cleared = _cleared(finer.curve, goal, _PUSHES)
         if cleared is not finer.curve:
             finer = proven_fit(cleared, cleared.extent, goal.obstacles, required)
-    return finer if finer.holds and arc_length(finer.curve).length <= longest else fitted
+    return finer if finer.holds and finer.arc.length <= longest else fitted
 
 
 def _cleared(spline: BSpline, goal: _Goal, most_pushes: int) -> BSpline:

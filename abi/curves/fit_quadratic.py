@@ -11,8 +11,7 @@ import numpy as np
 from abi.arrays import FloatArray, read_only
 from abi.curves import fit_bspline
 from abi.curves.bspline import BSpline
-from abi.curves.clear_quadratic import ByArcLength, Target, least_squares_target, nearest_clear
-from abi.curves.curve import ArcLength
+from abi.curves.clear_quadratic import PointsAt, Target, least_squares_target, nearest_clear
 from abi.curves.fit import Fit, proven_fit
 from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -66,7 +65,6 @@ class Demand:
 
 def fit(
     spline: Fit[BSpline],
-    arc: ArcLength,
     obstacles: ObstacleSet,
     clearance: float,
     mode: Mode,
@@ -80,7 +78,6 @@ def fit(
 
     Args:
         spline: the curve to approximate.
-        arc: its arc length.
         obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
         mode: one of the three.
@@ -90,12 +87,12 @@ def fit(
     Returns:
         The curve; if none is found, the least-squares curve with ``holds`` False and a ``note``.
     """
-    quadratic = least_squares(spline.curve, arc)
+    quadratic = least_squares(spline.curve, spline.arc)
     fitted = proven_fit(quadratic, quadratic.extent, obstacles, clearance)
     if mode == "least_squares" or (fitted.holds and (accepts is None or accepts(quadratic))):
         return fitted
-    curve, demand = ByArcLength(spline.curve, arc), Demand(obstacles, clearance, accepts)
-    single = nearest_single(quadratic, curve, demand)
+    demand = Demand(obstacles, clearance, accepts)
+    single = nearest_single(quadratic, spline.at_share, demand)
     if single is not None:
         return single
     if mode == "clear":
@@ -104,7 +101,7 @@ def fit(
             note="No single quadratic with these ends was found that keeps the clearance; "
             "mode pieces joins several.",
         )
-    several = fewest_pieces(spline.curve, curve, demand)
+    several = fewest_pieces(spline, demand)
     if several is not None:
         return several
     contrast = "; the B-spline does" if spline.holds else ": the B-spline does not"
@@ -113,9 +110,7 @@ def fit(
     )
 
 
-def nearest_single(
-    quadratic: Quadratic, curve: ByArcLength, demand: Demand
-) -> Fit[Quadratic] | None:
+def nearest_single(quadratic: Quadratic, curve: PointsAt, demand: Demand) -> Fit[Quadratic] | None:
     """The clear quadratic nearest in L2 to ``quadratic`` among those searched, with its ends.
 
     Its one free control point is moved in 48 directions by 12 distances. From the nearest clear
@@ -124,7 +119,7 @@ def nearest_single(
 
     Args:
         quadratic: the least-squares quadratic of one piece, not clear.
-        curve: the curve it approximates.
+        curve: points of the curve that it approximates, at shares of its arc length.
         demand: what it has to meet. If the nearest clear curve does not meet the further condition,
             the nearest of the moved ones that does is taken and brought nearer by halving its
             distance.
@@ -138,7 +133,7 @@ def nearest_single(
     return _nearest_met(target, demand)
 
 
-def fewest_pieces(spline: BSpline, curve: ByArcLength, demand: Demand) -> Fit[Quadratic] | None:
+def fewest_pieces(spline: Fit[BSpline], demand: Demand) -> Fit[Quadratic] | None:
     """The clear C¹ curve with the fewest quadratic pieces found, from two up.
 
     The quadratic B-spline on the control polygon, refined by :func:`abi.curves.fit_bspline.fit`,
@@ -149,22 +144,21 @@ def fewest_pieces(spline: BSpline, curve: ByArcLength, demand: Demand) -> Fit[Qu
 
     Args:
         spline: the curve to approximate, of a length above 0.
-        curve: the same as a function of its arc length.
         demand: what it has to meet.
     """
-    last = demand.met(_on_the_polygon(spline, demand))
+    last = demand.met(_on_the_polygon(spline.curve, demand))
     most = MOST_PIECES if last is None else min(MOST_PIECES, len(last.curve.pieces) - 1)
     tried = 1
     for pieces in (count for count in _COUNTS if count <= most):
-        fitted = _in_pieces(pieces, curve, demand)
+        fitted = _in_pieces(pieces, spline.at_share, demand)
         if fitted is not None:
-            between = (_in_pieces(k, curve, demand) for k in range(tried + 1, pieces))
+            between = (_in_pieces(k, spline.at_share, demand) for k in range(tried + 1, pieces))
             return next((fewer for fewer in between if fewer is not None), fitted)
         tried = pieces
     return last
 
 
-def _in_pieces(pieces: int, curve: ByArcLength, demand: Demand) -> Fit[Quadratic] | None:
+def _in_pieces(pieces: int, curve: PointsAt, demand: Demand) -> Fit[Quadratic] | None:
     """Clear curve with that many pieces near ``curve``, or None."""
     obstacles, clearance = demand.obstacles, demand.clearance
     for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(curve, pieces)):
@@ -255,7 +249,7 @@ def _sphere(count: int) -> FloatArray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
-def _closer_where_bent(curve: ByArcLength, pieces: int) -> FloatArray:
+def _closer_where_bent(curve: PointsAt, pieces: int) -> FloatArray:
     """Breaks (pieces + 1,), half of them spaced by length and half by the turn of the tangent."""
     t = np.linspace(0, 1, 257)
     steps = np.diff(curve(t), axis=0)

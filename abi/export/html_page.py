@@ -167,7 +167,7 @@ def _arm_step(plan: Plan, duration: float) -> dict[str, Any]:
 
 def _kept(plan: Plan, name: str) -> str:
     """Phrase on whether a curve keeps the clearance, or only the tool tip along it."""
-    fit, _ = plan.curves[name]
+    fit = plan.curves[name]
     if fit is None or not fit.holds:
         return "✗ nearer to an obstacle than asked"
     if plan.followed == name and not plan.is_arm_clear:

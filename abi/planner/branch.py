@@ -12,16 +12,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
+from abi.curves.quadratic import Quadratic
 from abi.planner.plan import Plan
-from abi.planner.stage_results import (
-    CurveName,
-    QuadraticOnSpline,
-    ShortestPath,
-    SplineOnPath,
-    TimedMotion,
-)
+from abi.planner.stage_results import AnyFit, CurveName, ShortestPath, TimedMotion
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
+from abi.search.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
 STAGE_NAMES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
@@ -46,16 +44,16 @@ class Branch(Protocol):
     def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
         """Stage 3: that search and those it is compared with."""
 
-    def bspline(self, shortest: ShortestPath) -> SplineOnPath:
-        """Stages 3½ and 4: the path pulled taut, and a B-spline near it."""
+    def bspline(self, shortest: ShortestPath) -> tuple[TautPath | None, Fit[BSpline]]:
+        """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it."""
 
-    def quadratic(self, bspline: SplineOnPath) -> QuadraticOnSpline:
+    def quadratic(self, bspline: Fit[BSpline]) -> Fit[Quadratic]:
         """Stage 5: the quadratic nearest to the B-spline."""
 
-    def followed(self, bspline: SplineOnPath, quadratic: QuadraticOnSpline) -> CurveName:
+    def followed(self, bspline: Fit[BSpline], quadratic: Fit[Quadratic]) -> CurveName:
         """Name of the curve that the arm follows."""
 
-    def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
+    def motion(self, followed: AnyFit) -> TimedMotion:
         """Stage 6: the motion of the arm along that curve."""
 
 
@@ -106,23 +104,22 @@ class BranchRun:
         )
         return found
 
-    def fit_curves(self, path: ShortestPath) -> SplineOnPath | QuadraticOnSpline:
+    def fit_curves(self, path: ShortestPath) -> AnyFit:
         """Stages 4 and 5: the B-spline, the quadratic, and which of them the arm follows.
 
         Raises:
             StageError: there is no curve to follow.
         """
         self.plan = replace(self.plan, searches=self.branch.searches(path))
-        bspline = self.branch.bspline(path)
-        taut, fit, arc = bspline
-        self.plan = replace(self.plan, taut=taut, bspline=fit, bspline_arc=arc)
+        taut, bspline = self.branch.bspline(path)
+        self.plan = replace(self.plan, taut=taut, bspline=bspline)
         quadratic = self.branch.quadratic(bspline)
-        self.plan = replace(self.plan, quadratic=quadratic.fit, quadratic_arc=quadratic.arc)
+        self.plan = replace(self.plan, quadratic=quadratic)
         followed = self.branch.followed(bspline, quadratic)
         self.plan = replace(self.plan, followed=followed)
         return bspline if followed == "bspline" else quadratic
 
-    def move_arm(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
+    def move_arm(self, followed: AnyFit) -> TimedMotion:
         """Stage 6: the arm's motion along the curve that it follows.
 
         Raises:

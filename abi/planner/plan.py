@@ -63,10 +63,10 @@ class Plan(StageResults, ReadOnlyCopies):
     @cached_property
     def liquid_tilt(self) -> float | None:
         """Largest tilt of the liquid in a cup on the tool, [rad]; None without a motion."""
-        fit, arc = self.followed_curve, self.followed_arc
-        if fit is None or arc is None or self.profile is None:
+        fit = self.followed_curve
+        if fit is None or self.profile is None:
             return None
-        return largest_tilt(fit.curve, arc, self.profile, self.scene.unit)
+        return largest_tilt(fit.curve, fit.arc, self.profile, self.scene.unit)
 
     @cached_property
     def joint_rates(self) -> JointRates | None:

@@ -123,8 +123,8 @@ def taut(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
 
 def bspline(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 4."""
-    fit, arc = results.bspline, results.bspline_arc
-    if fit is None or arc is None:
+    fit = results.bspline
+    if fit is None:
         return None
     spline = fit.curve
     return {
@@ -133,7 +133,7 @@ def bspline(results: StageResults, scene: Scene, ms: Times, full: bool) -> Secti
         "knots": spline.knots.tolist(),
         "inserted": spline.inserted,
         "moved": spline.moved,
-        "length": arc.length,
+        "length": fit.arc.length,
         **_clearance(fit),
         "ms": ms["bspline"],
     }
@@ -141,8 +141,8 @@ def bspline(results: StageResults, scene: Scene, ms: Times, full: bool) -> Secti
 
 def quadratic(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     """Stage 5, the curve."""
-    fit, arc = results.quadratic, results.quadratic_arc
-    if fit is None or arc is None:
+    fit = results.quadratic
+    if fit is None:
         return None
     return {
         "mode": scene.quadratic.mode,
@@ -151,7 +151,7 @@ def quadratic(results: StageResults, scene: Scene, ms: Times, full: bool) -> Sec
             for t0, t1, coefficients in fit.curve.pieces
         ],
         "note": fit.note or None,
-        "length": arc.length,
+        "length": fit.arc.length,
         **_clearance(fit),
         "ms": ms["quadratic"],
     }

@@ -25,7 +25,7 @@ from abi.planner.foreseen_kernels import kernels_foreseen
 from abi.planner.joint_space_motion import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
-from abi.planner.stage_results import QuadraticOnSpline, SplineOnPath, TimedMotion
+from abi.planner.stage_results import AnyFit, TimedMotion
 from abi.planner.tool_branch import ToolBranch, ToolStages
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene, require_scene
@@ -179,7 +179,7 @@ class Planner:
                 on_mesh = on_mesh.nor_in_joints(fault)
             raise on_mesh from None
 
-    def _curve(self, tool: ToolBranch, run: BranchRun) -> SplineOnPath | QuadraticOnSpline:
+    def _curve(self, tool: ToolBranch, run: BranchRun) -> AnyFit:
         """The curve of the tool alone that the arm is to follow.
 
         Raises:

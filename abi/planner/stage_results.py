@@ -39,27 +39,6 @@ class ShortestPath(NamedTuple):
     clearance: float
 
 
-class SplineOnPath(NamedTuple):
-    """Result of stages 3½ and 4.
-
-    Attributes:
-        taut: the path pulled taut; None if the scene does not ask for that.
-        fit: the B-spline and its clearance.
-        arc: its arc length.
-    """
-
-    taut: TautPath | None
-    fit: Fit[BSpline]
-    arc: ArcLength
-
-
-class QuadraticOnSpline(NamedTuple):
-    """Result of stage 5: the quadratic and its clearance, and its arc length."""
-
-    fit: Fit[Quadratic]
-    arc: ArcLength
-
-
 class TimedMotion(NamedTuple):
     """Result of stage 6: the motion along the curve, the joints over time, and their clearance."""
 
@@ -87,10 +66,8 @@ class StageResults:
         path_clearance: distance of that path to the obstacles; inf without obstacles.
         taut: stage 3½, the path pulled taut; None if that is switched off.
         optimum: lower bound of the length of any curve that keeps the clearance.
-        bspline: stage 4, the B-spline and its clearance.
-        bspline_arc: its arc length.
-        quadratic: stage 5, the quadratic and its clearance.
-        quadratic_arc: its arc length.
+        bspline: stage 4, the B-spline, its clearance and its arc length.
+        quadratic: stage 5, the quadratic, its clearance and its arc length.
         followed: ``bspline`` or ``quadratic``, whichever the arm follows.
         profile: stage 5, the motion along that curve.
         motion: stage 6, the arm's joint positions over time.
@@ -108,9 +85,7 @@ class StageResults:
     taut: TautPath | None = None
     optimum: Bound | None = None
     bspline: Fit[BSpline] | None = None
-    bspline_arc: ArcLength | None = None
     quadratic: Fit[Quadratic] | None = None
-    quadratic_arc: ArcLength | None = None
     followed: CurveName | None = None
     profile: PathProfile | None = None
     motion: ArmMotion | None = None
@@ -124,20 +99,29 @@ class StageResults:
         return None if self.free is None else self.free.mesh
 
     @property
-    def curves(self) -> dict[str, tuple[AnyFit | None, ArcLength | None]]:
-        """Curves of stages 4 and 5 by name, each with its arc length."""
-        quadratic = self.quadratic, self.quadratic_arc
-        return {"bspline": (self.bspline, self.bspline_arc), "quadratic": quadratic}
+    def curves(self) -> dict[str, AnyFit | None]:
+        """Curves of stages 4 and 5 by name."""
+        return {"bspline": self.bspline, "quadratic": self.quadratic}
 
     @property
     def followed_curve(self) -> AnyFit | None:
         """The curve that the arm executes."""
-        return self.curves[self.followed][0] if self.followed else None
+        return self.curves[self.followed] if self.followed else None
+
+    @property
+    def bspline_arc(self) -> ArcLength | None:
+        """Arc length of the B-spline."""
+        return None if self.bspline is None else self.bspline.arc
+
+    @property
+    def quadratic_arc(self) -> ArcLength | None:
+        """Arc length of the quadratic."""
+        return None if self.quadratic is None else self.quadratic.arc
 
     @property
     def followed_arc(self) -> ArcLength | None:
         """Arc length of the curve that the arm executes."""
-        return self.curves[self.followed][1] if self.followed else None
+        return None if self.followed_curve is None else self.followed_curve.arc
 
     @property
     def moves_along(self) -> str | None:
@@ -165,7 +149,7 @@ class StageResults:
     @property
     def kept_lengths(self) -> dict[str, float]:
         """Lengths of the paths and curves proven to keep the clearance, by stage, [unit]."""
-        lacking = {name for name, (fit, _) in self.curves.items() if fit is None or not fit.holds}
+        lacking = {name for name, fit in self.curves.items() if fit is None or not fit.holds}
         kept = {name: length for name, length in self.lengths.items() if name not in lacking}
         return {name: length for name, length in kept.items() if length is not None}
 

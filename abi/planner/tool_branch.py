@@ -17,8 +17,10 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.curves import fit_bspline, fit_quadratic
+from abi.curves.bspline import BSpline
 from abi.curves.cubic_profile import PathProfile
-from abi.curves.curve import arc_length
+from abi.curves.fit import Fit
+from abi.curves.quadratic import Quadratic
 from abi.errors import ClearanceNotHeld
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
@@ -26,19 +28,14 @@ from abi.planner.joint_space_motion import move_joints
 from abi.planner.planning_problem import PlanningProblem, sample_count
 from abi.planner.remembered_call import RememberedCall
 from abi.planner.shared_mesh import shared_mesh
-from abi.planner.stage_results import (
-    CurveName,
-    QuadraticOnSpline,
-    ShortestPath,
-    SplineOnPath,
-    TimedMotion,
-)
+from abi.planner.stage_results import AnyFit, CurveName, ShortestPath, TimedMotion
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.search.search import SEARCHES, SearchFunction, SearchResult
 from abi.search.taut.lower_bound import Bound, lower_bound
+from abi.search.taut.taut_path import TautPath
 from abi.search.taut.taut_path import taut as pull_taut
 from abi.tet_mesh.exclusion import FreeMesh
 
@@ -61,9 +58,7 @@ class ToolStages:
         self.taut = RememberedCall(pull_taut)
         self.optimum = RememberedCall(lower_bound)
         self.bspline = RememberedCall(fit_bspline.fit)
-        self.bspline_arc = RememberedCall(arc_length)
         self.quadratic = RememberedCall(fit_quadratic.fit)
-        self.quadratic_arc = RememberedCall(arc_length)
         self.profiles = RememberedCall(_profiles)
         self.model = RememberedCall(model_of)
         # methods of any arm, and their arguments
@@ -85,8 +80,8 @@ class ToolStages:
             "path_clearance": (self.path_clearance,),
             "taut": (self.taut,),
             "optimum": (self.optimum,),
-            "bspline": (self.bspline, self.bspline_arc),
-            "quadratic": (self.quadratic, self.quadratic_arc),
+            "bspline": (self.bspline,),
+            "quadratic": (self.quadratic,),
             "timing": (self.profiles,),
             "joint_search": (self.joints,),
             "arm": (self.model, self.collision_world, self.joint_paths, *self.along_joint_paths),
@@ -168,7 +163,7 @@ class ToolBranch:
             *ends, self.problem.obstacles, scene.spline.clearance, scene.workspace
         )
 
-    def bspline(self, shortest: ShortestPath) -> SplineOnPath:
+    def bspline(self, shortest: ShortestPath) -> tuple[TautPath | None, Fit[BSpline]]:
         """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it."""
         problem, stages, wanted = self.problem, self.stages, self.problem.scene.spline
         graph, path, away = shortest
@@ -177,20 +172,18 @@ class ToolBranch:
             taut = stages.taut(graph, problem.obstacles, problem.margin, path)
             points, away = taut.points, taut.clearance
         progress.tell("fitting curves")
-        fit = stages.bspline(
+        return taut, stages.bspline(
             points, wanted.degree, problem.obstacles, wanted.clearance, taut is not None, away
         )
-        return SplineOnPath(taut, fit, stages.bspline_arc(fit.curve))
 
-    def quadratic(self, bspline: SplineOnPath) -> QuadraticOnSpline:
+    def quadratic(self, bspline: Fit[BSpline]) -> Fit[Quadratic]:
         """Stage 5: the quadratic nearest to the B-spline."""
         scene, obstacles = self.problem.scene, self.problem.obstacles
-        fit = self.stages.quadratic(
-            bspline.fit, bspline.arc, obstacles, scene.spline.clearance, self.problem.quadratic_mode
+        return self.stages.quadratic(
+            bspline, obstacles, scene.spline.clearance, self.problem.quadratic_mode
         )
-        return QuadraticOnSpline(fit, self.stages.quadratic_arc(fit.curve))
 
-    def followed(self, bspline: SplineOnPath, quadratic: QuadraticOnSpline) -> CurveName:
+    def followed(self, bspline: Fit[BSpline], quadratic: Fit[Quadratic]) -> CurveName:
         """Name of the curve that the arm follows.
 
         Raises:
@@ -199,13 +192,13 @@ class ToolBranch:
         scene = self.problem.scene
         if scene.motion.curve != "auto":
             return scene.motion.curve
-        if quadratic.fit.holds:
+        if quadratic.holds:
             return "quadratic"
-        if bspline.fit.holds:
+        if bspline.holds:
             return "bspline"
-        raise ClearanceNotHeld(scene.spline.clearance, bspline.fit.clearance.distance)
+        raise ClearanceNotHeld(scene.spline.clearance, bspline.clearance.distance)
 
-    def is_refuted(self, followed: SplineOnPath | QuadraticOnSpline) -> bool:
+    def is_refuted(self, followed: AnyFit) -> bool:
         """Check if it shows at once that the arm is not clear along the curve on any joint_path.
 
         Only then need the motion along it not be sampled and measured, which takes longer.
@@ -215,7 +208,7 @@ class ToolBranch:
             self.problem.scene.arm.clearance,
             self.collision_world,
         )
-        asked = followed.fit.curve, followed.arc, problem.obstacles, around, required
+        asked = followed.curve, followed.arc, problem.obstacles, around, required
         if problem.model.is_refuted(*asked):
             self._skip(self.stages.joint_paths, *self.stages.along_joint_paths)
             return True
@@ -234,7 +227,7 @@ class ToolBranch:
         for stage in stages:
             stage.ms = 0.0
 
-    def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
+    def motion(self, followed: AnyFit) -> TimedMotion:
         """Stage 6: the motion on the last joint_path that is clear, or else on the first."""
         joint_paths = self._joint_paths(followed)
         moved = [
@@ -261,10 +254,10 @@ class ToolBranch:
             self.problem.model.collision_world, self.problem.obstacles, lowest
         )
 
-    def _joint_paths(self, followed: SplineOnPath | QuadraticOnSpline) -> Sequence[JointPath]:
+    def _joint_paths(self, followed: AnyFit) -> Sequence[JointPath]:
         """Joint paths along the curve, one for each branch of the arm."""
         progress.tell("moving the arm")
-        problem, curve = self.problem, followed.fit.curve
+        problem, curve = self.problem, followed.curve
         return self.stages.joint_paths(
             *(problem.model.joint_paths, curve, followed.arc, problem.scene.arm, problem.obstacles),
             self.collision_world,

@@ -19,17 +19,12 @@ from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
 from abi.curves import fit_quadratic
-from abi.curves.curve import arc_length
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.errors import NoPath
 from abi.planner.planning_problem import PlanningProblem, sample_count
-from abi.planner.stage_results import (
-    CurveName,
-    QuadraticOnSpline,
-    ShortestPath,
-    SplineOnPath,
-    TimedMotion,
-)
+from abi.planner.stage_results import AnyFit, CurveName, ShortestPath, TimedMotion
 from abi.robot.any_arm import AnyArm
 from abi.scene.arm_end import ENDS
 from abi.search.build_graph import build_graph
@@ -120,7 +115,7 @@ class WholeArmBranch:
             for name in self.problem.searches
         )
 
-    def bspline(self, shortest: ShortestPath) -> SplineOnPath:
+    def bspline(self, shortest: ShortestPath) -> tuple[TautPath | None, Fit[BSpline]]:
         """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it.
 
         Where no curve near the taut path is proven clear, it is pulled with more room to round its
@@ -143,43 +138,33 @@ class WholeArmBranch:
                 points, wanted.degree, obstacles, wanted.clearance, away, self.arm_branch
             )
             if fit is not None:
-                return SplineOnPath(taut, fit, arc_length(fit.curve))
+                return taut, fit
         raise self._not_clear("curve")
 
-    def quadratic(self, bspline: SplineOnPath) -> QuadraticOnSpline:
+    def quadratic(self, bspline: Fit[BSpline]) -> Fit[Quadratic]:
         """Stage 5: the quadratic nearest to the B-spline, if possible one that is clear."""
         scene, obstacles = self.problem.scene, self.problem.obstacles
-        fit = fit_quadratic.fit(
-            *(
-                bspline.fit,
-                bspline.arc,
-                obstacles,
-                scene.spline.clearance,
-                self.problem.quadratic_mode,
-            ),
-            self._is_clear_along,
-        )
+        mode, is_clear = self.problem.quadratic_mode, self._is_clear_along
+        fit = fit_quadratic.fit(bspline, obstacles, scene.spline.clearance, mode, is_clear)
         fault = self._refutation(fit.curve) if fit.holds else None
-        if fault is not None:
-            fit = replace(fit, note=_note(fault, self.problem.model.arm))
-        return QuadraticOnSpline(fit, arc_length(fit.curve))
+        return fit if fault is None else replace(fit, note=_note(fault, self.problem.model.arm))
 
-    def followed(self, bspline: SplineOnPath, quadratic: QuadraticOnSpline) -> CurveName:
+    def followed(self, bspline: Fit[BSpline], quadratic: Fit[Quadratic]) -> CurveName:
         """Name of the curve that the arm follows: the quadratic only if it is clear along it."""
         asked = self.problem.scene.motion.curve
         if asked != "auto":
             return asked
-        is_clear = quadratic.fit.holds and self._is_clear_along(quadratic.fit.curve)
+        is_clear = quadratic.holds and self._is_clear_along(quadratic.curve)
         return "quadratic" if is_clear else "bspline"
 
-    def motion(self, followed: SplineOnPath | QuadraticOnSpline) -> TimedMotion:
+    def motion(self, followed: AnyFit) -> TimedMotion:
         """Stage 6: the motion along the curve.
 
         Raises:
             ArmNotClear: the arm is not proven clear along it.
         """
         scene = self.problem.scene
-        joint_path = self.arm_branch.joint_path(followed.fit.curve, followed.arc)
+        joint_path = self.arm_branch.joint_path(followed.curve, followed.arc)
         profile = _profile(joint_path, scene.motion)  # type: ignore[arg-type]  # all have a hash
         motion = joint_path.motion(profile, sample_count(profile, scene.motion))
         clearance = joint_path.clearance(

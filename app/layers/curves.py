@@ -20,7 +20,7 @@ SAMPLES = 160
 @once_a_plan
 def _line(plan: Plan, name: str) -> Segments:
     """The curve of that name as segments."""
-    fit, _ = plan.curves[name]
+    fit = plan.curves[name]
     assert fit is not None
     return segments(fit.curve(parameters(fit.curve.interval, SAMPLES)))
 
@@ -61,7 +61,7 @@ class CurvesLayer(Layer):
         self._control.show("control" in frame.shown)
 
     def _draw_curves(self, plan: Plan) -> None:
-        for name, (fit, _) in plan.curves.items():
+        for name, fit in plan.curves.items():
             line, curve = self._lines[name], None if fit is None else fit.curve
             line.thickness = 7.0 if name == plan.followed else 4.0
             if self._drawn.get(name, self) is curve:

@@ -130,7 +130,7 @@ def _lines(plan: Plan) -> dict[str, FloatArray]:
     lines: dict[str, FloatArray] = {}
     if plan.path is not None:
         lines["path"] = plan.path.points
-    for name, (fit, _) in plan.curves.items():
+    for name, fit in plan.curves.items():
         if fit is not None:
             lines[name] = fit.curve(parameters(fit.curve.interval, 60))
     for result in plan.searches:

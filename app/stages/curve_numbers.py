@@ -42,14 +42,15 @@ def excess(plan: Plan, length: float) -> Number:
 
 def curve_numbers(plan: Plan, curve: str) -> list[Number]:
     """Length, gap and kept distance of a curve, ``bspline`` or ``quadratic``; none without it."""
-    fit, arc = plan.curves[curve]
-    if fit is None or arc is None:
+    fit = plan.curves[curve]
+    if fit is None:
         return []
     unit, followed = plan.scene.unit, curve == plan.followed
     hint = "Length of the curve that the arm follows." if followed else "Length of the curve."
-    numbers = [(f"{format_length(arc.length)} {unit}", f"{style.CURVES[curve][0]} length", hint)]
+    length = f"{format_length(fit.arc.length)} {unit}"
+    numbers = [(length, f"{style.CURVES[curve][0]} length", hint)]
     if fit.holds:
-        numbers.append(excess(plan, arc.length))
+        numbers.append(excess(plan, fit.arc.length))
     distance = distance_to_show(fit.clearance)
     if math.isinf(distance):
         return numbers

@@ -9,7 +9,6 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.curves.bspline import BSpline, clamped
-from abi.curves.curve import arc_length
 from abi.curves.fit import Fit, proven_fit
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
@@ -54,4 +53,4 @@ def bend(plan: Plan, places: Mapping[int, Vec3 | FloatArray]) -> BentCurve:
     fit = proven_fit(curve, curve.extent, ObstacleSet(plan.scene.obstacles), required)
     influence = curve.influence(np.linspace(*curve.interval, _SAMPLES))[:, numbers]
     changed = float((influence > 0).any(axis=1).mean())
-    return BentCurve(spline, fit, arc_length(curve).length, len(numbers), changed)
+    return BentCurve(spline, fit, fit.arc.length, len(numbers), changed)

@@ -58,7 +58,7 @@ def _least(plan: Plan) -> float:
 
 
 def _clearance(plan: Plan, name: str) -> float | None:
-    fit, _ = plan.curves[name]
+    fit = plan.curves[name]
     if fit is None or math.isinf(fit.clearance.distance):
         return None
     return distance_to_show(fit.clearance)

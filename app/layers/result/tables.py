@@ -157,10 +157,10 @@ def _path_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
 def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
     """Rows of B-spline and quadratic."""
     rows: list[tuple[str, ...]] = []
-    for name, (fit, arc) in plan.curves.items():
+    for name, fit in plan.curves.items():
         label, colour = style.CURVES[name]
         title = f"{style.swatch(colour)}{label}"
-        if fit is None or arc is None:
+        if fit is None:
             rows.append((title, *_NO_STAGE))
             continue
         executed = "<b> ▸</b>" if name == plan.followed else ""
@@ -168,7 +168,7 @@ def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
         clearance = _clearance(
             shown, plan.scene.spline.clearance, certified, alarming=name == plan.followed
         )
-        row = _stage_row(title + executed, arc.length, best, clearance)
+        row = _stage_row(title + executed, fit.arc.length, best, clearance)
         # the bound is on clear curves: one that is not has no gap to it
         rows.append(row if fit.holds else (*row[:2], "–", row[3]))
     return rows

@@ -6,10 +6,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, read_only
-from abi.curves import curve as curves
 from abi.curves import fit_quadratic
 from abi.curves.bspline import BSpline
-from abi.curves.clear_quadratic import ByArcLength, Target, least_squares_target, nearest_clear
+from abi.curves.clear_quadratic import Target, least_squares_target, nearest_clear
 from abi.curves.fit import Fit
 from abi.curves.fit_bspline import fit as fit_spline
 from abi.curves.fit_quadratic import Demand, Mode, fewest_pieces, fit
@@ -33,7 +32,7 @@ def spline_through(scene: Scene) -> Fit[BSpline] | None:
 
 
 def fitted(spline: Fit[BSpline], obstacles: ObstacleSet, mode: Mode) -> Fit[Quadratic]:
-    return fit(spline, curves.arc_length(spline.curve), obstacles, spline.required, mode)
+    return fit(spline, obstacles, spline.required, mode)
 
 
 def dense(obstacles: ObstacleSet, curve: Quadratic) -> float:
@@ -99,17 +98,15 @@ def test_a_joined_curve_is_its_pieces_and_its_derivatives_are_differences(
 @given(seeds, st.integers(1, 6))
 def test_the_target_is_the_least_squares_curve(seed: int, pieces: int) -> None:
     rng = np.random.default_rng(seed)
-    spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, NO_OBSTACLES, 0.0).curve
-    arc = curves.arc_length(spline)
-    by_length = ByArcLength(spline, arc)
+    spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, NO_OBSTACLES, 0.0)
     breaks = np.linspace(0, 1, pieces + 1)
-    target = least_squares_target(by_length, breaks, NO_OBSTACLES, 0.0)
+    target = least_squares_target(spline.at_share, breaks, NO_OBSTACLES, 0.0)
     if pieces == 1:
-        single = least_squares(spline, arc)
+        single = least_squares(spline.curve, spline.arc)
         made = Quadratic.from_control_points(target.control_points, breaks)
         np.testing.assert_allclose(made.coefficients, single.coefficients, atol=1e-3)
     t = (np.arange(4000) + 0.5) / 4000
-    aim = by_length(t)
+    aim = spline.at_share(t)
     least = np.mean((Quadratic.from_control_points(target.control_points, breaks)(t) - aim) ** 2)
     for _ in range(5):
         other = target.control_points.copy()
@@ -186,8 +183,7 @@ def test_past_the_most_pieces_the_control_polygon_decides(
     path = np.array([[0.0, 2.5, 0.0], *corners, [xs[-1] + 1, 2.5, 0.0]])
     spline = fit_spline(path, 4, ObstacleSet(teeth), CLEARANCE)
     assert spline.holds
-    shape = ByArcLength(spline.curve, curves.arc_length(spline.curve))
-    made = fewest_pieces(spline.curve, shape, Demand(ObstacleSet(teeth), CLEARANCE))
+    made = fewest_pieces(spline, Demand(ObstacleSet(teeth), CLEARANCE))
 
     assert made is not None
     assert made.holds
@@ -225,7 +221,7 @@ def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
     sphere = (Sphere(radius=1.0, position=(3.0, 0.0, 0.0)),)
     path = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [6.0, 0.0, 0.0]])
     straight = fit_spline(path, 3, NO_OBSTACLES, 0.0)
-    made = fit(straight, curves.arc_length(straight.curve), ObstacleSet(sphere), CLEARANCE, "clear")
+    made = fit(straight, ObstacleSet(sphere), CLEARANCE, "clear")
 
     assert made.holds
     t = np.linspace(0, 1, 20_001)
@@ -318,12 +314,11 @@ def test_a_further_condition_is_met_or_no_curve_is_given_for_one(mode: Mode) -> 
     def is_far_aside(curve: Quadratic) -> bool:
         return is_below(curve) and bool(curve(np.array([0.5]))[0, 1] < 2.5)
 
-    arc = curves.arc_length(spline.curve)
     for accepts in (is_below, is_far_aside):
-        found = fit(spline, arc, ball, 0.2, mode, accepts)
+        found = fit(spline, ball, 0.2, mode, accepts)
         assert found.holds
         assert accepts(found.curve)
         assert dense(ball, found.curve) >= 0.2 - 1e-9
         np.testing.assert_allclose(found.curve(np.array([0.0, 1.0])), ends[[0, -1]], atol=1e-9)
-    none = fit(spline, arc, ball, 0.2, mode, lambda curve: False)
+    none = fit(spline, ball, 0.2, mode, lambda curve: False)
     assert none.note
