@@ -22,6 +22,7 @@ from abi.certification.clearance_proof import (
 )
 from abi.certification.exact_contact import ContactFinder
 from abi.certification.joint_limits import LimitsKept, joint_limits
+from abi.certification.kept_direction import KeptDirection, kept_direction
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch, Touch, named
@@ -49,7 +50,7 @@ def certify_motion(
     acceleration: float | None = None,
     most_tries: int = MOST_TRIES,
 ) -> MotionVerdict:
-    """Decide whether a motion keeps a scene's robot clear.
+    """Decide whether a motion keeps a scene's robot clear, and beside that limits and direction.
 
     Args:
         motion: the motion.
@@ -65,18 +66,22 @@ def certify_motion(
     """
     clearance = arguments.number("clearance", clearance, 0.0, math.inf)
     moves = robot_motion(motion, scene, start)
-    limits = joint_limits(moves, acceleration)
-    verdict = _verdict(problem_of(moves, scene), scene, limits, clearance, most_tries)
+    beside = joint_limits(moves, acceleration), kept_direction(moves, scene)
+    verdict = _verdict(problem_of(moves, scene), scene, beside, clearance, most_tries)
     if verdict.state != "undecided":
         return verdict
     # bodies of few corners, which are soon proven clear, may touch where the links do not
     links = {str(name) for one in verdict.doubts for name in (one.link, one.obstacle)}
     closely = links & {*moves.chain.robot.links}
-    return _verdict(problem_of(moves, scene, closely), scene, limits, clearance, most_tries)
+    return _verdict(problem_of(moves, scene, closely), scene, beside, clearance, most_tries)
 
 
 def _verdict(
-    problem: MotionProblem, scene: Scene, limits: LimitsKept, clearance: float, most_tries: int
+    problem: MotionProblem,
+    scene: Scene,
+    beside: tuple[LimitsKept, KeptDirection | None],
+    clearance: float,
+    most_tries: int,
 ) -> MotionVerdict:
     """What the bodies prove; where they do not, what the exact shapes decide."""
     motion = problem.motion.motion
@@ -90,16 +95,16 @@ def _verdict(
             whole = (TimeStretch(*ends, "undecided"),)
             return MotionVerdict(
                 *("undecided", scene, problem, found.distance, least, (), apart, whole),
-                *(limits, None),
+                *(*beside, None),
             )
         proof = _wider(problem, proof, found, most_tries)
         margin = proof.margin if len(problem.obstacles) else math.inf
         whole = (TimeStretch(*ends, "clear"),)
-        return MotionVerdict("clear", scene, problem, margin, least, (), (), whole, limits, proof)
+        return MotionVerdict("clear", scene, problem, margin, least, (), (), whole, *beside, proof)
     touches, doubts, stretches = _decided(problem, proof, inside, clearance)
     state: State = "touches" if touches else "undecided"
     return MotionVerdict(
-        *(state, scene, problem, found.distance, least, touches, doubts, stretches, limits, None)
+        *(state, scene, problem, found.distance, least, touches, doubts, stretches, *beside, None)
     )
 
 

@@ -68,7 +68,7 @@ class RobotMotion(ShortRepr):
         """Joint positions at parameters (k,), shape (k, n), [rad] or [m]."""
         parameters = arguments.numbers("parameters", parameters, (-1,))
         piece = np.clip(parameters.astype(int), 0, len(self.points) - 1)
-        return _on_curves(self.points[piece], parameters - piece)
+        return on_curves(self.points[piece], parameters - piece)
 
     def rates_at(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Joint positions, speeds and accelerations at parameters (k,), each of shape (k, n).
@@ -79,13 +79,13 @@ class RobotMotion(ShortRepr):
         points, found = self.points[piece], []
         spans = np.diff(self.motion.times)[piece][:, None, None]
         for _ in range(3):
-            found.append(_on_curves(points, parameters - piece))
+            found.append(on_curves(points, parameters - piece))
             degree = points.shape[1] - 1
             points = degree * np.diff(points, axis=1) / spans if degree else 0 * points
         return found[0], found[1], found[2]
 
 
-def _on_curves(points: FloatArray, shares: FloatArray) -> FloatArray:
+def on_curves(points: FloatArray, shares: FloatArray) -> FloatArray:
     """Places (k, n) on Bézier curves with points (k, d + 1, n), at shares (k,) of them."""
     while points.shape[1] > 1:
         points = points[:, :-1] + shares[:, None, None] * (points[:, 1:] - points[:, :-1])

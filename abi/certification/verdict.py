@@ -10,6 +10,7 @@ from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import ShortRepr
 from abi.certification.clearance_proof import MotionProblem, Separation
 from abi.certification.joint_limits import LimitsKept
+from abi.certification.kept_direction import KeptDirection
 from abi.length_text import format_proven
 from abi.scene.scene import Scene
 
@@ -86,6 +87,7 @@ class MotionVerdict(ShortRepr):
         doubts: what is not decided.
         stretches: the whole motion in the order of time.
         limits: limits of the joints.
+        direction: whether the tool keeps the direction that the scene asks for; None for none.
         proof: the directions that prove it; None if it is not clear.
     """
 
@@ -98,6 +100,7 @@ class MotionVerdict(ShortRepr):
     doubts: tuple[Doubt, ...]
     stretches: tuple[TimeStretch, ...]
     limits: LimitsKept
+    direction: KeptDirection | None
     proof: Separation | None
 
     @property
@@ -163,6 +166,7 @@ class MotionVerdict(ShortRepr):
             "undecided": [one._asdict() for one in self.doubts],
             "stretches": [one._asdict() for one in self.stretches],
             "limits": self.limits.to_dict(),
+            "direction": None if self.direction is None else self.direction.to_dict(),
             "allowed": [one._asdict() for one in self.problem.bodies.allowed],
             "notes": [*self.problem.motion.notes, *self.scene.file_notes],
             "motion": motion.to_dict(),

@@ -1,4 +1,4 @@
-"""Sentences of a verdict besides its first: what was assumed, limits, and links that may touch."""
+"""Sentences of a verdict besides its first: what was assumed, limits, direction, allowed links."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from abi.certification.joint_limits import LimitPassed
 from abi.certification.verdict import MotionVerdict
+from abi.robot.urdf.urdf_joints import some_of
 
 _UNITS = {
     "position": ("rad", "m"),
@@ -32,6 +33,39 @@ def limit_sentences(verdict: MotionVerdict) -> list[str]:
     return passed
 
 
+def direction_sentences(verdict: MotionVerdict) -> list[str]:
+    """A sentence on whether the tool keeps its direction; none where the scene asks for none.
+
+    Args:
+        verdict: on the motion.
+    """
+    kept = verdict.direction
+    if kept is None:
+        return []
+    within = f"within {kept.tolerance:g} rad"
+    if kept.state == "not judged":
+        return [f"Not judged is whether the tool keeps its direction {within}: {kept.why}."]
+    assert kept.angle is not None
+    assert kept.time is not None
+    measured = f"{kept.angle:.3g} rad at {verdict.at(kept.time)}"
+    part = f"from {verdict.at(kept.first)} to {verdict.at(kept.last)}"
+    if kept.state == "kept":
+        return [
+            f"The tool keeps its direction {within} {part}, between waypoints, too: measured is at "
+            f"most {measured}."
+        ]
+    where = [f"{verdict.at(first)} to {verdict.at(last)}" for first, last in kept.stretches]
+    if kept.state == "left":
+        return [
+            f"The tool does not keep its direction {within} {part}: it is off by {measured}, and "
+            f"by too much from {some_of(where, 3)}."
+        ]
+    return [
+        f"It is not decided whether the tool keeps its direction {within} from "
+        f"{some_of(where, 3)}; measured is at most {measured}."
+    ]
+
+
 def remarks(verdict: MotionVerdict) -> list[str]:
     """Sentences on what was assumed, how the file was read, limits, and links that may touch."""
     others = [one for one in verdict.problem.bodies.allowed if one.reason in ("srdf", "always")]
@@ -39,6 +73,7 @@ def remarks(verdict: MotionVerdict) -> list[str]:
         f"Assumed: {verdict.assumed}.",
         *verdict.problem.motion.notes,
         *limit_sentences(verdict),
+        *direction_sentences(verdict),
         *(f"{one.link} and {one.other} may touch ({one.reason})." for one in others),
     ]
 

@@ -7,15 +7,19 @@ that pose; otherwise the stretch is halved.
 
 from __future__ import annotations
 
+import bisect
+import itertools
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
 from abi.scene.held_axis import HeldAxis
-from abi.verify.exact.chain import ExactChain, ExactFrame, nearly_sine_and_cosine
-from abi.verify.exact.solids import dot, sqrt_bounds, sub, vector
+from abi.scene.scene import Scene
+from abi.verify.exact.chain import ExactChain, nearly_sine_and_cosine
+from abi.verify.exact.solids import Vec3, dot, sqrt_bounds, sub, vector
+from abi.verify.exact_path import ExactPath, Row
 from abi.verify.fault import Fault
-from abi.verify.plan_fields import numbers_of
+from abi.verify.plan_fields import finite, mapping, numbers_of
 
 _SLACK = Fraction(1, 10**9)
 """Angle by which the tolerance may be exceeded, [rad], as URDF files are rounded."""
@@ -25,14 +29,19 @@ _UNIFORM = 1e-9
 """Largest difference between steps of time, over the motion's duration."""
 
 
-def check_held(
-    axis: HeldAxis, chain: ExactChain, rows: Sequence[Sequence[Fraction]], section: dict[str, Any]
+def check_held_at_samples(
+    axis: HeldAxis,
+    chain: ExactChain,
+    tip: str,
+    rows: Sequence[Sequence[Fraction]],
+    section: dict[str, Any],
 ) -> str:
     """Check that the tip keeps a direction, and return what is proven as the end of a sentence.
 
     Args:
         axis: the direction, and the part of the motion that keeps it.
         chain: the arm.
+        tip: the link.
         rows: positions between which the joints go straight, at uniform times.
         section: the plan's, with the times of some of the rows.
 
@@ -41,23 +50,97 @@ def check_held(
     """
     _check_uniform(section, rows)
     last = len(rows) - 1
-    waiting = [(Fraction(axis.begin) * last, Fraction(axis.end) * last)]
-    tolerance = Fraction(axis.tolerance) + _SLACK
-    while waiting:
-        start, end = waiting.pop()
-        middle = (start + end) / 2
-        here = _positions(rows, middle)
-        left = tolerance - _turn(chain, here, _between(rows, start, end))
-        if left > 0 and _within(chain.place(here)[-1], axis, left):
-            continue
-        if end - start < _SHORTEST:
-            within = f"within {axis.tolerance:g} rad at {float(middle / last):.3f} of its time"
-            raise Fault(f"the gripper does not keep its direction {within}")
-        waiting += [(middle, end), (start, middle)]
+    path = ExactPath(tuple(itertools.pairwise([*row] for row in rows)))
+    check_held(axis, chain, tip, path, (Fraction(axis.begin) * last, Fraction(axis.end) * last))
     return (
         f", the gripper within {axis.tolerance:g} rad of its direction from {axis.begin:g} to "
         f"{axis.end:g} of the time"
     )
+
+
+def check_held_in_motion(
+    data: dict[str, Any], scene: Scene, chain: ExactChain, path: ExactPath
+) -> str:
+    """Check what a verdict says of the tool's direction; what is proven, as part of a sentence.
+
+    Args:
+        data: the verdict on a motion from elsewhere.
+        scene: its scene, which asks for the direction.
+        chain: the robot.
+        path: the joints' motion.
+
+    Raises:
+        Fault: the direction is said to be kept, and is not proven to be.
+    """
+    told = data.get("direction")
+    if told is None:
+        return ""
+    told = mapping("direction", told)
+    if told.get("state") != "kept":
+        return ", its tool's direction not said to be kept"
+    axis, exact = scene.arm.held_axis, scene.arm.exact_axis
+    if exact is not None:
+        tolerance = finite("direction.tolerance", told.get("tolerance"))
+        axis = HeldAxis(direction=exact, tolerance=tolerance)
+    if axis is None or told.get("tolerance") != axis.tolerance or len(scene.tasks) > 1:
+        raise Fault("the direction that it keeps is not the scene's")
+    times = [Fraction(one) for one in numbers_of("motion.times", data["motion"]["times"])]
+    if (axis.begin, axis.end) != (0.0, 1.0) and data["motion"].get("timed", True) is not True:
+        raise Fault("it keeps a direction for a part of its time, and has no times")
+    duration = times[-1] - times[0]
+    begin, end = (times[0] + Fraction(one) * duration for one in (axis.begin, axis.end))
+    for name, at in (("first", begin), ("last", end)):
+        if abs(Fraction(finite(f"direction.{name}", told.get(name))) - at) > _UNIFORM * duration:
+            raise Fault("the direction is kept at other times than the scene asks for")
+    check_held(
+        axis, chain, scene.arm.tool, path, (_parameter(times, begin), _parameter(times, end))
+    )
+    return f", its tool within {axis.tolerance:g} rad of its direction"
+
+
+def _parameter(times: Sequence[Fraction], at: Fraction) -> Fraction:
+    """Parameter of a time between the first and the last waypoint."""
+    k = min(bisect.bisect_right(times, at), len(times) - 1) - 1
+    return k + (at - times[k]) / (times[k + 1] - times[k])
+
+
+def check_held(
+    axis: HeldAxis,
+    chain: ExactChain,
+    tip: str,
+    path: ExactPath,
+    part: tuple[Fraction, Fraction],
+) -> None:
+    """Raise a Fault unless the tip is proven to keep a direction.
+
+    Args:
+        axis: the direction.
+        chain: the arm.
+        tip: the link whose z axis keeps it.
+        path: the joints' motion.
+        part: first and last parameter between which it is kept.
+    """
+    waiting = [part]
+    tolerance = Fraction(axis.tolerance) + _SLACK
+    while waiting:
+        start, end = waiting.pop()
+        middle = _cut(start, end)
+        here = path.positions(middle)
+        left = tolerance - _turn(chain, tip, here, path.hull(start, end))
+        if left > 0 and _within(_z_axis(chain, tip, here), axis, left):
+            continue
+        if end - start < _SHORTEST:
+            share = float(middle / len(path.pieces))
+            within = f"within {axis.tolerance:g} rad at {share:.3f} of its time"
+            raise Fault(f"the gripper does not keep its direction {within}")
+        waiting += [(middle, end), (start, middle)]
+
+
+def _cut(start: Fraction, end: Fraction) -> Fraction:
+    """Where a stretch is cut: between two pieces of the path if it is of several, else halfway."""
+    middle = (start + end) / 2
+    first, last = int(start) + 1, -int(-end // 1) - 1
+    return Fraction(min(max(round(middle), first), last)) if first <= last else middle
 
 
 def _check_uniform(section: dict[str, Any], rows: Sequence[Sequence[Fraction]]) -> None:
@@ -74,27 +157,10 @@ def _check_uniform(section: dict[str, Any], rows: Sequence[Sequence[Fraction]]) 
         raise Fault("its times are not uniform")
 
 
-def _positions(rows: Sequence[Sequence[Fraction]], at: Fraction) -> list[Fraction]:
-    """Coordinates at a parameter."""
-    row = min(int(at), len(rows) - 2)
-    pairs = zip(rows[row], rows[row + 1], strict=True)
-    return [a + (at - row) * (b - a) for a, b in pairs]
-
-
-def _between(
-    rows: Sequence[Sequence[Fraction]], start: Fraction, end: Fraction
-) -> list[Sequence[Fraction]]:
-    """Coordinates at both ends of a stretch and at the rows in it."""
-    inside = rows[int(start) + 1 : -int(-end // 1)]
-    return [_positions(rows, start), _positions(rows, end), *inside]
-
-
-def _turn(
-    chain: ExactChain, here: Sequence[Fraction], others: list[Sequence[Fraction]]
-) -> Fraction:
+def _turn(chain: ExactChain, tip: str, here: Row, others: Sequence[Row]) -> Fraction:
     """Bound of the turn of the tip from a pose while the coordinates stay among others, [rad]."""
     total = Fraction(0)
-    for k in chain.above(chain.before[-1]):
+    for k in chain.above(chain.frames[tip]):
         joint = chain.joints[k]
         if joint.kind != "prismatic":
             at = chain.value(joint, here)
@@ -102,11 +168,19 @@ def _turn(
     return total
 
 
-def _within(frame: ExactFrame, axis: HeldAxis, angle: Fraction) -> bool:
-    """Check whether the z axis of a frame is at most ``angle``, up to π / 2, off a direction."""
-    (origin, error), (tip, other) = (frame.place(vector(one)) for one in ((0, 0, 0), (0, 0, 1)))
-    z, direction = sub(tip, origin), vector(axis.direction)
-    slack = (error + other) * sum(map(abs, direction))
-    least = dot(z, direction) - slack
-    length = sqrt_bounds(dot(z, z) * dot(direction, direction))[1]
+def _z_axis(chain: ExactChain, tip: str, here: Row) -> tuple[Vec3, Fraction]:
+    """The z axis of a link at a pose, and a bound of its error along each axis."""
+    frame, (turn, origin) = chain.frames[tip], chain.places[tip]
+    ends = [cast(Vec3, tuple(one)) for one in (origin, origin + turn[:, 2])]
+    if frame < 0:
+        return sub(ends[1], ends[0]), Fraction(0)
+    (first, error), (last, other) = (chain.place(here)[frame].place(one) for one in ends)
+    return sub(last, first), error + other
+
+
+def _within(z: tuple[Vec3, Fraction], axis: HeldAxis, angle: Fraction) -> bool:
+    """Check whether an axis is at most ``angle``, up to π / 2, off a direction."""
+    (along, error), direction = z, vector(axis.direction)
+    least = dot(along, direction) - error * sum(map(abs, direction))
+    length = sqrt_bounds(dot(along, along) * dot(direction, direction))[1]
     return least >= nearly_sine_and_cosine(angle)[1] * length

@@ -14,7 +14,7 @@ _OF_PLANS = (
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
 )
 _OF_URDF_PLANS = ("timing.t1", "timing.t2", "timing.t3", "timing.peak_speed", "arm.elbow")
-_OF_MOTIONS = ("limits", "motion.duration")
+_OF_MOTIONS = ("limits", "direction.angle", "motion.duration")
 """Unchecked fields, the most telling ones of each section; computing times are left out."""
 
 

@@ -38,7 +38,7 @@ from abi.verify.exact.link_corners import LinkPiece, check_corners
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, dot, sub, times_length, vector
 from abi.verify.fault import Fault
-from abi.verify.held_direction import check_held
+from abi.verify.held_direction import check_held_at_samples
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.samples import check_samples, check_tool_points
 from abi.verify.separation import check_apart
@@ -172,7 +172,9 @@ def check_chain(
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles, allowed)
     held = scene.arm.held_axis or _claimed_axis(scene, section)
-    kept = "" if held is None else check_held(held, chain, motion.rows, section)
+    kept = ""
+    if held is not None:
+        kept = check_held_at_samples(held, chain, scene.arm.tool, motion.rows, section)
     count = sum(map(len, planes.values()))
     words = words_of(margin, scene.unit)
     if scene.arm.grasping:

@@ -31,6 +31,7 @@ from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, times_length
 from abi.verify.exact_path import ExactPath, exact_path
 from abi.verify.fault import Fault
+from abi.verify.held_direction import check_held_in_motion
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.separation import check_apart
@@ -166,11 +167,12 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     _check_outside(motion, bodies, obstacles)
     _check_pairs(allowed, bodies, pairs)
     _check_told(data)
+    direction = check_held_in_motion(data, scene, motion.chain, motion.path)
     count = sum(map(len, planes.values()))
     kept = words_of(margin, scene.unit, "its moving links")
     return (
         f"{kept}, and clear of the floor and each other "
-        f"({len(pairs)} pairs), by {count} directions; {_excepted(data)}"
+        f"({len(pairs)} pairs), by {count} directions{direction}; {_excepted(data)}"
     )
 
 

@@ -20,7 +20,7 @@ from abi.certification.motion import Motion
 from abi.certification.read_motion import BAGS, FORMATS, own_joints
 from abi.certification.repair import repair
 from abi.certification.verdict import MotionVerdict
-from abi.certification.verdict_words import limit_sentences
+from abi.certification.verdict_words import direction_sentences, limit_sentences
 from abi.errors import AbiError, MotionError, SeveralTrajectoriesError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
@@ -175,6 +175,9 @@ class CheckMotionPanel:
         words += [f"✗ {limits[0]}" if passed else limits[0]]
         if passed > 1:
             words.append(f"{passed} limits are passed in all; Plots shows the joints.")
+        if verdict.direction is not None:
+            sign = "" if verdict.direction.state == "kept" else "✗ "
+            words += [f"{sign}{one}" for one in direction_sentences(verdict)]
         buttons = ""
         if verdict.state != "clear":
             buttons = button(

@@ -22,7 +22,7 @@ from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene, load_scene
 from abi.verify.exact.chain import exact_chain
 from abi.verify.fault import Fault
-from abi.verify.held_direction import check_held
+from abi.verify.held_direction import check_held_at_samples
 from abi.verify.verify import verify
 
 DOWN = {"direction": [0.0, 0.0, -1.0], "tolerance": 0.1}
@@ -133,7 +133,7 @@ def test_a_verifier_refuses_a_part_a_tolerance_or_a_time_that_is_not_kept() -> N
     scene, section = planned(0.0, 0.5).scene, honest["arm"]
     chain = exact_chain(scene.arm.robot, scene.arm.tool, scene.arm.base, 1)
     rows = [[*map(Fraction, row)] for row in section["certificate"]["positions"]]
-    check = partial(check_held, chain=chain, rows=rows)
+    check = partial(check_held_at_samples, chain=chain, tip=scene.arm.tool, rows=rows)
     check(HeldAxis.model_validate(axis), section=section)
     for change in ({"tolerance": 0.001}, {"direction": [0.0, 0.3, -1.0]}, {"to": 0.999}):
         with pytest.raises(Fault, match="does not keep its direction"):

@@ -134,7 +134,8 @@ def turned(part: float) -> bool:
     axis = HeldAxis.model_validate({"direction": direction.tolist(), "tolerance": 0.1})
     still = {"time": [0.0, 1.0], "positions": [joints, joints]}
     try:
-        held_direction.check_held(axis, chain, [[*map(Fraction, joints)]] * 2, still)
+        rows = [[*map(Fraction, joints)]] * 2
+        held_direction.check_held_at_samples(axis, chain, scene.arm.tool, rows, still)
     except Fault:
         return False
     return True

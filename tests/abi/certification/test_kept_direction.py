@@ -1,0 +1,173 @@
+"""The direction that a scene asks of the tool: samples never refute what is said to be kept."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from abi.arrays import FloatArray
+from abi.certification.certify_motion import certify_motion
+from abi.certification.kept_direction import KeptDirection, kept_direction
+from abi.certification.motion import Motion
+from abi.certification.robot_motion import RobotMotion, robot_motion
+from abi.certification.robot_scene import robot_scene
+from abi.certification.verdict_words import direction_sentences
+from abi.planner.planner import plan
+from abi.scene.scene import Scene, load_scene
+from abi.verify.exact.chain import exact_joints
+from abi.verify.exact_path import exact_path
+from abi.verify.fault import Fault
+from abi.verify.held_direction import check_held_in_motion
+from abi.verify.verify import verify
+from tests.thorough import of_each_kind
+
+pytestmark = pytest.mark.slow
+JOINTS = (
+    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
+)
+DOWN = [0.2, -1.4, 1.9, -2.0708, -1.5708, 0.4]
+"""With the tool of UR5e straight down."""
+
+
+@cache
+def alone() -> Scene:
+    return robot_scene("ur5e")
+
+
+def holding(**axis: Any) -> Scene:
+    return alone().replace(arm={"axis": {"direction": [0.0, 0.0, -1.0], **axis}})
+
+
+def nodding(degree: int, by: float) -> Motion:
+    """The tool nods by an angle and back between three waypoints, at which it is down."""
+    count = 3
+    positions, rates = np.tile(DOWN, (count, 1)), np.zeros((count, 6))
+    positions[:, 0] += [0.0, 0.4, 0.8]  # turns about the vertical, so it stays down
+    if degree == 1:
+        positions = np.insert(positions, 1, positions[:2].mean(axis=0), axis=0)
+        positions[1, 3] += by
+        return Motion(JOINTS, np.arange(4.0), positions)
+    # from a speed u to rest a cubic is off by 4 u / 27 after a third, a quintic by 16 u / 81
+    rates[0, 3] = 27 / 4 * by if degree == 3 else 81 / 16 * by
+    still = np.zeros((count, 6)) if degree == 5 else None
+    return Motion(JOINTS, np.arange(3.0), positions, rates, still)
+
+
+def angle_off(motion: RobotMotion, scene: Scene, parameters: FloatArray) -> FloatArray:
+    """Angle between the tool's z axis and straight down, [rad]."""
+    tip = next(one for one in motion.chain.carried if one.link == scene.arm.tool)
+    z = motion.chain.poses(motion.positions_at(parameters))[:, tip.frame, :, :3] @ tip.pose[:3, 2]
+    return np.asarray(np.arctan2(np.hypot(z[:, 0], z[:, 1]), -z[:, 2]))
+
+
+def judged(motion: Motion, scene: Scene) -> KeptDirection:
+    found = kept_direction(robot_motion(motion, scene), scene)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("degree", [1, 3, 5])
+def test_a_nod_between_waypoints_is_found(degree: int) -> None:
+    scene = holding(tolerance=0.1)
+    assert judged(nodding(degree, 0.099), scene).state == "kept"
+    found = judged(nodding(degree, 0.2), scene)
+    assert found.state == "left"
+    assert found.angle == pytest.approx(0.2, rel=1e-3)
+    ((first, last),) = found.stretches
+    assert first < 1 < last if degree == 1 else first < 1 / 3 < last
+    moved = robot_motion(nodding(degree, 0.2), scene)
+    at = np.linspace(0.0, float(len(moved.points)), 4001)
+    beyond = at[angle_off(moved, scene, at) > 0.1]  # a waypoint a second
+    assert (first, last) == pytest.approx((beyond[0], beyond[-1]), abs=2e-3)
+
+
+def test_only_the_part_that_is_asked_for_counts() -> None:
+    nod = nodding(3, 0.2)  # within the first of two seconds
+    assert judged(nod, holding(tolerance=0.1, **{"from": 0.5})).state == "kept"
+    assert judged(nod, holding(tolerance=0.1, to=0.5)).state == "left"
+    assert judged(nod, holding(tolerance=0.1, to=0.04)).state == "kept"
+    untimed = Motion(JOINTS, nod.times, nod.positions, timed=False)
+    assert judged(untimed, holding(tolerance=0.1)).state == "kept"
+    assert judged(untimed, holding(tolerance=0.1, to=0.5)).state == "not judged"
+
+
+@pytest.mark.parametrize("seed", of_each_kind(range(40), *range(6)))
+def test_samples_never_refute_a_direction_that_is_kept(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    count = int(random.integers(2, 6))
+    positions = np.array(DOWN) + random.normal(scale=0.1, size=(count, 6))
+    rates = random.normal(scale=0.2, size=(2, count, 6))
+    times = np.cumsum(random.uniform(0.1, 1, count))
+    speeds, growths = (rates[k] if seed % 3 > k else None for k in range(2))
+    motion = Motion(JOINTS, times, positions, speeds, growths)
+    begin, end = np.sort(random.uniform(size=2)).tolist()
+    scene = holding(tolerance=0.1)
+    moved = robot_motion(motion, scene)
+    duration = motion.times[-1] - motion.times[0]
+    times = motion.times[0] + duration * np.linspace(begin, end, 2001)
+    off = angle_off(moved, scene, np.interp(times, motion.times, np.arange(float(count))))
+    # a tolerance a little above the largest angle is proven, one a little below is not
+    for factor, state in ((1.01, "kept"), (0.99, "left")):
+        tolerance = float(factor * off.max())
+        axis = {"tolerance": tolerance, "from": begin, "to": end}
+        found = judged(motion, holding(**axis))
+        assert found.state == state
+        assert found.angle is not None
+        assert (found.angle <= tolerance) == (state == "kept")
+        for first, last in found.stretches:
+            assert times[0] - 1e-12 <= first < last <= times[-1] + 1e-12
+        outside = np.ones(len(times), dtype=bool)
+        for first, last in found.stretches:
+            outside &= (times < first - 1e-12) | (times > last + 1e-12)
+        assert off[outside].max(initial=0.0) <= tolerance + 1e-9
+
+
+def test_the_verdict_is_checked_again_in_exact_numbers() -> None:
+    scene = holding(tolerance=0.1)
+    verdict = certify_motion(nodding(3, 0.098), scene)
+    assert verdict.direction is not None
+    assert verdict.direction.state == "kept"
+    assert "keeps its direction" in direction_sentences(verdict)[0]
+    honest = verdict.to_dict()
+    (checked,) = verify(honest)
+    assert checked.proven, checked.reason
+    assert "of its direction" in checked.reason
+    # the same said of a motion that does not keep it
+    liar = certify_motion(nodding(3, 0.102), scene).to_dict()
+    assert liar["verdict"] == "clear"
+    liar["direction"] = honest["direction"]
+    assert "does not keep" in verify(liar)[0].reason
+
+
+@pytest.mark.parametrize("degree", [1, 3, 5])
+def test_another_direction_or_part_than_the_scene_s_is_refused(degree: int) -> None:
+    scene = holding(tolerance=0.1)
+    verdict = certify_motion(nodding(degree, 0.098), scene)
+    data = verdict.to_dict()
+    chain = exact_joints(scene.arm.robot, JOINTS, scene.arm.base, 1, scene.arm.base_wxyz)
+    path = exact_path(data["motion"], [1] * len(JOINTS))
+    assert "of its direction" in check_held_in_motion(data, scene, chain, path)
+    for damage in ({"tolerance": 0.2}, {"last": 1.0}):
+        wrong = {**data, "direction": data["direction"] | damage}
+        with pytest.raises(Fault):
+            check_held_in_motion(wrong, scene, chain, path)
+    with pytest.raises(Fault, match="not the scene's"):
+        check_held_in_motion(data, alone(), chain, path)
+
+
+def test_a_planned_motion_keeps_what_its_scene_holds_exactly() -> None:
+    scene = load_scene("kitchen-ur5e")
+    assert scene.arm.exact_axis is not None
+    found = plan(scene)
+    assert found.motion is not None
+    positions = found.motion.positions
+    turned = Motion(found.motion.joints, found.motion.time, positions)
+    assert judged(turned, scene).state == "kept"
+    off = positions.copy()
+    off[200, 4] += 0.02
+    assert judged(Motion(found.motion.joints, found.motion.time, off), scene).state == "left"
+    assert kept_direction(robot_motion(turned, scene), scene.replace(arm={"axis": None})) is None
