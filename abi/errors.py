@@ -100,8 +100,8 @@ class MotionError(AbiError):
         self.joint = joint
 
 
-class SeveralTrajectoriesError(MotionError):
-    """Error for a bag with several trajectories, of which one is to be named.
+class SeveralChoicesError(AbiError):
+    """Error for a file with several robots or trajectories, of which one is to be named.
 
     Args:
         message: how many there are.

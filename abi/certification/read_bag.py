@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from mcap.records import Schema
 
-from abi.errors import MotionError, SeveralTrajectoriesError, short
+from abi.errors import MotionError, SeveralChoicesError, short
 
 KINDS = (
     "trajectory_msgs/msg/JointTrajectory",
@@ -76,7 +76,7 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
             only one in the bag.
 
     Raises:
-        SeveralTrajectoriesError: it has several, and none is named.
+        SeveralChoicesError: it has several, and none is named.
         MotionError: it is no bag, or has no such trajectory.
     """
     found = list[BagMessage]()
@@ -115,7 +115,7 @@ def _chosen(found: list[BagMessage], topic: str | None) -> BagMessage:
         )
     if not asked:
         raise MotionError(f"The bag has no trajectory {short(topic)}.", f"It has {told}.")
-    raise SeveralTrajectoriesError(
+    raise SeveralChoicesError(
         f"The bag has {len(asked)} trajectories.",
         f"Choose one by its topic and number, abi certify --topic: {told}.",
         tuple(

@@ -14,9 +14,10 @@ import time
 from collections.abc import Callable, Mapping
 
 from abi.certification.motion import Motion, RobotState
-from abi.errors import MotionError, SceneError, SeveralTrajectoriesError
+from abi.errors import MotionError, SceneError, SeveralChoicesError
 from abi.obstacles.triangle_mesh.mesh_source import CheckedFile
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.progress import CancelledError
 from abi.robot.urdf.robot import Robot
 from app.reading.reading import Job, ReadingResult
 from app.reading.reading_places import ReadingPlaces, Ticket
@@ -37,22 +38,6 @@ Delayed = Callable[[], object]
 
 def _ignore() -> None:
     """Default callback for a long wait: does nothing."""
-
-
-class StoppedError(Exception):
-    """Raised if a file is not wanted any more."""
-
-
-class SeveralRobotsError(Exception):
-    """Raised if an archive has several robots and none is named.
-
-    Attributes:
-        choices: paths of their URDF files.
-    """
-
-    def __init__(self, choices: tuple[str, ...]) -> None:
-        super().__init__(", ".join(choices))
-        self.choices = choices
 
 
 class Reader:
@@ -91,7 +76,7 @@ class Reader:
 
         Raises:
             SceneError: it is refused, or took too long or too much.
-            StoppedError: ``stopped`` was set.
+            CancelledError: ``stopped`` was set.
         """
         return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name]
 
@@ -103,14 +88,11 @@ class Reader:
         ``ROBOTS.zip/URDF`` as name is that one of the URDF files of the zip.
 
         Raises:
-            SeveralRobotsError: it is a zip with several URDF files, and none is named.
+            SeveralChoicesError: it is a zip with several URDF files, and none is named.
             SceneError: it is refused, or took too long or too much.
-            StoppedError: ``stopped`` was set.
+            CancelledError: ``stopped`` was set.
         """
-        answer = self.read(Job("arm", name, content), stopped, delayed)
-        if answer.choices:
-            raise SeveralRobotsError(answer.choices)
-        return answer.robots[name]
+        return self.read(Job("arm", name, content), stopped, delayed).robots[name]
 
     def scene(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
@@ -121,7 +103,7 @@ class Reader:
 
         Raises:
             SceneError: it is refused, or took too long or too much.
-            StoppedError: ``stopped`` was set.
+            CancelledError: ``stopped`` was set.
         """
         answer = self.read(Job("scene", name, content), stopped, delayed)
         return json.loads(answer.data), {**answer.robots, **answer.surfaces}
@@ -140,16 +122,12 @@ class Reader:
         ``topic`` is that of a trajectory in a bag. The other arguments are those of :meth:`mesh`.
 
         Raises:
-            SeveralTrajectoriesError: it is a bag with several, and none is named.
+            SeveralChoicesError: it is a bag with several, and none is named.
             MotionError: what it holds is no motion; names row, joint and unit.
             SceneError: it took too long or too much.
-            StoppedError: ``stopped`` was set.
+            CancelledError: ``stopped`` was set.
         """
         answer = self.read(Job("motion", name, content, slides, topic), stopped, delayed)
-        if answer.wrong is not None and answer.choices:
-            raise SeveralTrajectoriesError(*answer.wrong, answer.choices)
-        if answer.wrong is not None:
-            raise MotionError(*answer.wrong)
         data = json.loads(answer.data)
         joints, objects, base, root, attached, rests = data["start"]
         held = None if attached is None else (*attached,)
@@ -168,7 +146,9 @@ class Reader:
 
         Raises:
             SceneError: it is refused, or took too long or too much.
-            StoppedError: ``stopped`` was set.
+            MotionError: it is a motion's, and none.
+            SeveralChoicesError: it has several robots or trajectories, and none is named.
+            CancelledError: ``stopped`` was set.
         """
         stopped = stopped or threading.Event()
         ticket = self._places.queue(stopped)
@@ -178,7 +158,7 @@ class Reader:
         finally:
             self._places.give_back(ticket)
         if stopped.is_set():
-            raise StoppedError
+            raise CancelledError
         if answer is None:
             _log.warning("reader lost: %s %r after %.1f s", job.kind, job.name, seconds)
             raise SceneError("file", job.name, "a file that takes less time and memory to read")
@@ -186,8 +166,11 @@ class Reader:
             self.faults.append(answer.fault)
             _log.warning("reader fault: %s %r: %s", job.kind, job.name, answer.fault)
         if answer.refusal is not None:
-            refusal = answer.refusal
-            raise SceneError(refusal.field, refusal.value, refusal.expected)
+            raise SceneError(*answer.refusal)
+        if answer.wrong is not None and answer.choices:
+            raise SeveralChoicesError(*answer.wrong, answer.choices)
+        if answer.wrong is not None:
+            raise MotionError(*answer.wrong)
         return answer
 
     def close(self) -> None:
@@ -212,7 +195,7 @@ class Reader:
                 is_told = True
                 _log.info("reader busy: %s %r waits", job.kind, job.name)
                 delayed()
-        raise StoppedError
+        raise CancelledError
 
     def _answer(self, job: Job, stopped: Stopped) -> tuple[ReadingResult | None, float]:
         """Answer of a process, None if it ended, and the seconds that it took."""

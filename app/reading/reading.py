@@ -12,7 +12,7 @@ from typing import Any, Literal
 import msgspec
 
 from abi.certification.read_motion import read_motion
-from abi.errors import MotionError, SceneError, SeveralTrajectoriesError
+from abi.errors import AbiError, MotionError, SceneError, SeveralChoicesError
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -46,20 +46,12 @@ class Job(msgspec.Struct):
     topic: str | None = None
 
 
-class Refusal(msgspec.Struct):
-    """A :class:`SceneError` as plain data."""
-
-    field: str
-    value: Any
-    expected: str
-
-
 class ReadingResult(msgspec.Struct):
     """Outcome of reading a file.
 
     Attributes:
-        refusal: why it is not taken; None where it is.
-        wrong: what is wrong with a motion, and what would work; None where it is taken.
+        refusal: field, value and what was expected of a :class:`SceneError`; None without one.
+        wrong: what else is wrong, and what would work; None where nothing is.
         fault: name of an error that no reader should have raised; empty otherwise.
         data: plain data of a scene or a motion, as JSON.
         surfaces: repaired meshes, by their names.
@@ -68,7 +60,7 @@ class ReadingResult(msgspec.Struct):
             be named.
     """
 
-    refusal: Refusal | None = None
+    refusal: tuple[str, Any, str] | None = None
     wrong: tuple[str, str] | None = None
     fault: str = ""
     data: bytes = b""
@@ -86,13 +78,13 @@ def read(job: Job) -> ReadingResult:
     except SceneError as error:
         return ReadingResult(_refusal(error))
     except MotionError as error:
-        several = error.choices if isinstance(error, SeveralTrajectoriesError) else ()
-        wrong = _plain(error.message), _plain(error.hint)
-        return ReadingResult(wrong=wrong, choices=tuple(map(_plain, several)))
+        return ReadingResult(wrong=_words(error))
+    except SeveralChoicesError as error:
+        return ReadingResult(wrong=_words(error), choices=tuple(map(_plain, error.choices)))
     except MemoryError:
-        return ReadingResult(Refusal("file", job.name, "one that takes less memory to read"))
+        return ReadingResult(("file", job.name, "one that takes less memory to read"))
     except Exception as error:  # it stays in this process
-        refusal = Refusal("file", job.name, "a file that can be read")
+        refusal = "file", job.name, "a file that can be read"
         return ReadingResult(refusal, fault=f"{type(error).__name__}: {error}"[:300])
     finally:
         link_bodies.cache_clear()
@@ -133,7 +125,9 @@ def _mesh(name: str, content: bytes) -> ReadingResult:
 
 def _arm(name: str, content: bytes) -> ReadingResult:
     if file_of(name) == name and len(choices := robots_in(content)) > 1:
-        return ReadingResult(choices=choices)
+        raise SeveralChoicesError(
+            f"The archive has {len(choices)} robots.", "Name the URDF file of one.", choices
+        )
     return ReadingResult(robots={name: _whole(name, {file_of(name): content})})
 
 
@@ -195,14 +189,19 @@ def _whole(name: str, files: Files, srdf: str | None = None) -> Robot:
     return robot
 
 
-def _refusal(error: SceneError) -> Refusal:
+def _refusal(error: SceneError) -> tuple[str, Any, str]:
     """Convert an error to plain data that the schema can carry."""
     value = error.value
     try:
         msgspec.msgpack.encode(value)
     except (TypeError, ValueError, OverflowError):
         value = repr(value)[:200]
-    return Refusal(_plain(error.field), value, _plain(error.expected))
+    return _plain(error.field), value, _plain(error.expected)
+
+
+def _words(error: AbiError) -> tuple[str, str]:
+    """Message and hint of an error, as plain text."""
+    return _plain(error.message), _plain(error.hint)
 
 
 def _plain(text: str) -> str:

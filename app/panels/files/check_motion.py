@@ -21,19 +21,12 @@ from abi.certification.read_motion import BAGS, FORMATS, own_joints
 from abi.certification.repair import repair
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import direction_sentences, limit_sentences
-from abi.errors import AbiError, MotionError, SeveralTrajectoriesError
+from abi.errors import AbiError, MotionError, SeveralChoicesError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.panels.files.file_uploads import (
-    FileKind,
-    FileUploads,
-    SeveralChoices,
-    UploadJob,
-    shown_name,
-)
+from app.panels.files.file_uploads import FileUploads, SeveralChoices, UploadJob
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.reading.reader import READER
-from app.reading.stored_upload import ROOM, StoredUpload
 from app.state.frame import Frame
 from app.ui import notices
 from app.ui.overlay import button
@@ -73,7 +66,7 @@ class CheckMotionPanel:
             hint="A trajectory that another planner made for this arm: is it clear at all times? "
             "ROS 2 JointTrajectory, bag, CSV with joint names, or JSON.",
         )
-        self.uploads = FileUploads(gui, self.upload, FileKind(self._deal, shown_name), wake)
+        self.uploads = FileUploads(gui, self.upload, self._deal, wake)
         self.trajectory = gui.add_dropdown(
             "trajectory in the bag",
             (_NONE,),
@@ -224,17 +217,15 @@ class CheckMotionPanel:
             self._chosen = chosen
             self.uploads.again(self._bag, several.file, partial(self._deal, topic=chosen))
 
-    def _deal(self, content: bytes, dealing: UploadJob[_Read], topic: str | None = None) -> _Read:
+    def _deal(self, job: UploadJob[_Read], topic: str | None = None) -> _Read:
         """Read a motion's file for the robot that the tab has now."""
-        dealing.step("reading", 0.5)
+        job.step("reading", 0.5)
         try:
             robot = _with_robot(self._scene).arm.robot
-            name, slides = dealing.name, own_joints(robot)
-            return READER.motion(content, name, slides, topic, dealing.stopped, dealing.wait)
-        except SeveralTrajectoriesError as error:
-            file = StoredUpload(ROOM)
-            file[0] = content
-            return SeveralChoices(file, error.choices)
+            slides = own_joints(robot)
+            return READER.motion(job.content, job.name, slides, topic, job.stopped, job.wait)
+        except SeveralChoicesError as error:
+            return SeveralChoices(job.file, error.choices)
         except MotionError as error:
             return error
 

@@ -18,8 +18,8 @@ from typing import Generic, TypeVar
 import viser
 
 from abi.errors import SceneError
+from abi.progress import CancelledError
 from app.panels.widgets import Wake
-from app.reading.reader import StoppedError
 from app.reading.stored_upload import ROOM, StoredUpload
 from app.ui import page
 
@@ -44,31 +44,41 @@ class UploadEvent(Generic[_T]):
 
 
 class UploadJob(Generic[_T]):
-    """An uploaded file while it is read and prepared.
+    """An uploaded file that waits for its turn, or is read and prepared.
 
     Attributes:
-        name: of the file.
+        name: of the file, as it is shown.
+        file: what has arrived of it.
+        deal: what comes of it.
         stopped: set when it is not wanted any more.
+        tell: is called with what becomes of it.
     """
 
     def __init__(
         self,
         name: str,
+        file: StoredUpload,
+        deal: Deal[_T],
         stopped: threading.Event,
         show: Callable[[str, float], None],
         tell: Callable[[UploadEvent[_T]], None],
     ) -> None:
-        self.name, self.stopped = name, stopped
-        self._show, self._tell = show, tell
+        self.name, self.file, self.deal = name, file, deal
+        self.stopped, self.tell, self._show = stopped, tell, show
+
+    @property
+    def content(self) -> bytes:
+        """The whole content."""
+        return self.file.content()
 
     def step(self, does: str, share: float) -> None:
         """Show what is done now, and the part of the work at which the bar is to stand, 0 to 1.
 
         Raises:
-            StoppedError: the file is not wanted any more.
+            CancelledError: the file is not wanted any more.
         """
         if self.stopped.is_set():
-            raise StoppedError
+            raise CancelledError
         self._show(f"{self.name}: {does}", share)
 
     def wait(self) -> None:
@@ -77,7 +87,7 @@ class UploadJob(Generic[_T]):
 
     def is_read(self, result: _T) -> None:
         """Tell what was read, though it is still to be prepared."""
-        self._tell(UploadEvent(self.name, result, done=False))
+        self.tell(UploadEvent(self.name, result, done=False))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,33 +98,13 @@ class SeveralChoices:
     choices: tuple[str, ...]
 
 
-Deal = Callable[[bytes, UploadJob[_T]], _T]
-"""What comes of the content of a file; may raise SceneError and StoppedError."""
+Deal = Callable[[UploadJob[_T]], _T]
+"""What comes of a file; may raise SceneError and CancelledError."""
 
 
-@dataclass(frozen=True)
-class FileKind(Generic[_T]):
-    """How files of one kind are read and named.
-
-    Attributes:
-        deal: what comes of the content of one.
-        named: its name on the page, of the one that it was sent with.
-        several: whether the page lets several be chosen at once.
-    """
-
-    deal: Deal[_T]
-    named: Callable[[str], str]
-    several: bool = False
-
-
-@dataclass(frozen=True)
-class _Waiting(Generic[_T]):
-    """A file that waits for its turn: None for an empty one, and the event that it came with."""
-
-    name: str
-    file: StoredUpload | None
-    event: object
-    deal: Deal[_T]
+def shown_name(name: str) -> str:
+    """Name of a file as the page shows it."""
+    return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"
 
 
 class FileUploads(Generic[_T]):
@@ -124,14 +114,26 @@ class FileUploads(Generic[_T]):
         self,
         gui: viser.GuiApi,
         button: viser.GuiUploadButtonHandle,
-        kind: FileKind[_T],
+        deal: Deal[_T],
         wake: Wake,
+        named: Callable[[str], str] = shown_name,
+        several: bool = False,
     ) -> None:
+        """Begin without a file.
+
+        Args:
+            gui: of the tab.
+            button: with which files are chosen.
+            deal: what comes of one.
+            wake: is called whenever there is news.
+            named: name of a file on the page, of the one that it was sent with.
+            several: whether the page lets several be chosen at once.
+        """
         self._line = gui.add_html("", visible=False)
         self._bar = gui.add_progress_bar(0.0, visible=False)
         self._stop = gui.add_button("Stop reading", visible=False)
-        self._kind, self._wake = kind, wake
-        self._waiting: queue.SimpleQueue[_Waiting[_T]] = queue.SimpleQueue()
+        self._deal, self._wake, self._named, self._several = deal, wake, named, several
+        self._waiting: queue.SimpleQueue[UploadJob[_T]] = queue.SimpleQueue()
         self._news: queue.SimpleQueue[UploadEvent[_T]] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._lock = threading.Lock()
@@ -170,7 +172,7 @@ class FileUploads(Generic[_T]):
         with self._lock:
             if self._pending:
                 return
-            name = self._kind.named(name)
+            name = self._named(name)
             if part is None:
                 self._say(f"{name}: nothing more of it comes. Reload the page.")
             else:
@@ -179,26 +181,26 @@ class FileUploads(Generic[_T]):
             self._bar.visible = part is not None
 
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
-        name, file = event.target.value.name, self._arrived()
+        name, file = self._named(event.target.value.name), self._arrived()
         page.forget_file(event.target)
-        if event.client is not None and self._kind.several:
+        if event.client is not None and self._several:
             page.call(event.client, "next")
         self._last = event
-        self._queue(_Waiting(self._kind.named(name), file, event, self._kind.deal))
+        # an empty file has no part that arrives
+        self.again(name, _new_upload() if file is None else file, self._deal)
 
     def again(self, name: str, file: StoredUpload, deal: Deal[_T]) -> None:
-        """Read a file that has arrived once more, by another function.
+        """Read a file that has arrived, once more where it has been read by another function.
 
         Args:
             name: of the file, as it is shown.
-            file: its content.
+            file: what has arrived of it.
             deal: what comes of it.
         """
-        self._queue(_Waiting(name, file, self._last, deal))
-
-    def _queue(self, waiting: _Waiting[_T]) -> None:
+        tell = functools.partial(self._tell, self._last)
+        job = UploadJob(name, file, deal, self._stopped, self._tell_step, tell)
         with self._lock:
-            self._waiting.put(waiting)
+            self._waiting.put(job)
             self._pending += 1
             if self._pending == 1:
                 self._stopped.clear()
@@ -212,33 +214,18 @@ class FileUploads(Generic[_T]):
     def _work(self) -> None:
         """Read the waiting files one after the other, in a thread of its own."""
         while True:
-            waiting = self._waiting.get()
-            name, event = waiting.name, waiting.event
-            result = None if self._stopped.is_set() else self._deal(waiting)
-            del waiting  # its room is for the next
+            job = self._waiting.get()
+            name, tell = job.name, job.tell
+            result = _result(job)
+            del job  # its room is for the next
             with self._lock:
                 self._pending -= 1
                 last = self._pending == 0
-            self._news.put(UploadEvent(name, None if self._stopped.is_set() else result))
             if last:
                 self._show(None, 0.0)
-            self._wake(event)
+            tell(UploadEvent(name, None if self._stopped.is_set() else result))
             if last:
                 return
-
-    def _deal(self, waiting: _Waiting[_T]) -> _T | SceneError | None:
-        """Read one file; None if that was stopped."""
-        file, name = waiting.file, waiting.name
-        if file is not None and file.lost:
-            return SceneError("file", name, file.lost)
-        tell = functools.partial(self._tell, waiting.event)
-        dealing = UploadJob(name, self._stopped, self._tell_step, tell)
-        try:
-            return waiting.deal(b"" if file is None else file.content(), dealing)
-        except SceneError as error:
-            return error
-        except StoppedError:
-            return None
 
     def _tell(self, event: object, news: UploadEvent[_T]) -> None:
         self._news.put(news)
@@ -263,6 +250,15 @@ def _new_upload() -> StoredUpload:
     return StoredUpload(ROOM)
 
 
-def shown_name(name: str) -> str:
-    """Name of a file as the page shows it."""
-    return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"
+def _result(job: UploadJob[_T]) -> _T | SceneError | None:
+    """Read one file; None if that was stopped."""
+    if job.stopped.is_set():
+        return None
+    if job.file.lost:
+        return SceneError("file", job.name, job.file.lost)
+    try:
+        return job.deal(job)
+    except SceneError as error:
+        return error
+    except CancelledError:
+        return None

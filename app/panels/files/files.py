@@ -12,7 +12,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
-from app.panels.files.file_uploads import FileKind, FileUploads, shown_name
+from app.panels.files.file_uploads import FileUploads, shown_name
 from app.panels.files.scene_uploads import SceneFile, borrowed, parse, read
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
@@ -71,7 +71,7 @@ class FilesPanel:
             hint=f"YAML up to {MAX_BYTES // 1000} kB, JSON up to {MAX_JSON_BYTES // 1000} kB; or a "
             "zip archive with its meshes.",
         )
-        self.uploads = FileUploads(gui, self.upload, FileKind(read, shown_name), wake)
+        self.uploads = FileUploads(gui, self.upload, read, wake)
         self.save = gui.add_button(
             "Save this scene",
             hint="Downloads it as a YAML file, or as a zip if it has meshes.",

@@ -8,7 +8,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from app.drawing.mesh_picture import drawn_triangles
-from app.panels.files.file_uploads import FileKind, FileUploads, UploadJob
+from app.panels.files.file_uploads import FileUploads, UploadJob
 from app.panels.widgets import Wake
 from app.reading.reader import READER
 
@@ -21,17 +21,17 @@ def add_mesh_uploads(gui: viser.GuiApi, wake: Wake) -> FileUploads[Surface]:
         mime_type=",".join(SUFFIXES),
         hint=f"{kinds}, up to 50 MB.",
     )
-    return FileUploads(gui, button, FileKind(_prepared, safe_name, several=True), wake)
+    return FileUploads(gui, button, _prepared, wake, named=safe_name, several=True)
 
 
-def _prepared(content: bytes, dealing: UploadJob[Surface]) -> Surface:
+def _prepared(job: UploadJob[Surface]) -> Surface:
     """Read, repair and prepare one file."""
-    dealing.step("reading and repairing", 0.25)
-    surface = READER.mesh(content, dealing.name, dealing.stopped, dealing.wait)
-    dealing.step("preparing", 0.75)
+    job.step("reading and repairing", 0.25)
+    surface = READER.mesh(job.content, job.name, job.stopped, job.wait)
+    job.step("preparing", 0.75)
     drawn_triangles(surface)
-    dealing.is_read(surface)
-    MeshShape.of(surface, file=dealing.name).prepare()
+    job.is_read(surface)
+    MeshShape.of(surface, file=job.name).prepare()
     return surface
 
 

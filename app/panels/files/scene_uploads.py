@@ -32,13 +32,13 @@ class SceneFile:
     files: Files
 
 
-def read(content: bytes, dealing: UploadJob[SceneFile]) -> SceneFile:
+def read(job: UploadJob[SceneFile]) -> SceneFile:
     """Read a scene file, and prepare its meshes."""
-    dealing.step("reading", 0.25)
-    found = SceneFile(*READER.scene(content, dealing.name, dealing.stopped, dealing.wait))
+    job.step("reading", 0.25)
+    found = SceneFile(*READER.scene(job.content, job.name, job.stopped, job.wait))
     for name, file in found.files.items():
         if isinstance(file, Surface):
-            dealing.step(f"preparing {shown_name(name)}", 0.75)
+            job.step(f"preparing {shown_name(name)}", 0.75)
             drawn_triangles(file)
             body_frame(file).prepare()  # planning would wait for it
     return found

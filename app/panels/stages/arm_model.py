@@ -9,6 +9,7 @@ from typing import Any
 
 import viser
 
+from abi.errors import SeveralChoicesError
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.held_joints import NOT_HELD, planned_sentence
@@ -18,17 +19,14 @@ from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
 from app.panels.files.file_uploads import (
-    FileKind,
     FileUploads,
     SeveralChoices,
     UploadJob,
-    shown_name,
 )
 from app.panels.stages.gripper import GripperPanel
 from app.panels.stages.tool_direction import ToolDirectionPanel
 from app.panels.widgets import Wake
-from app.reading.reader import READER, SeveralRobotsError
-from app.reading.stored_upload import ROOM, StoredUpload
+from app.reading.reader import READER
 from app.ui import notices
 
 _PAPER = "the paper's arm"
@@ -68,7 +66,7 @@ class ArmModelPanel:
         self.upload = gui.add_upload_button(
             "Add an arm…", mime_type=".zip,.urdf", hint="A URDF file, or a zip with its meshes."
         )
-        self.uploads = FileUploads(gui, self.upload, FileKind(_read, shown_name), wake)
+        self.uploads = FileUploads(gui, self.upload, _read, wake)
         self.robot = gui.add_dropdown(
             "robot in the file", (_NONE,), hint="The URDF file to take.", visible=False
         )
@@ -200,7 +198,8 @@ class ArmModelPanel:
         several, chosen = self._several, self.robot.value
         if several is not None and chosen in several.choices and chosen != self._chosen:
             self._chosen = chosen
-            self.uploads.again(_zip_of(chosen), several.file, partial(_read_one, chosen))
+            read = partial(_read, name=f"robots.zip/{chosen}")
+            self.uploads.again(_zip_of(chosen), several.file, read)
 
     def _take(self, name: str, robot: Robot) -> None:
         """Choose an arm that was read."""
@@ -258,21 +257,13 @@ def _zip_of(file: str) -> str:
     return f"{PurePosixPath(file).stem}.zip"
 
 
-def _read(content: bytes, dealing: UploadJob[_Read]) -> _Read:
-    """Read the file of an arm, or keep it where it has several."""
-    dealing.step("reading", 0.5)
+def _read(job: UploadJob[_Read], name: str = "") -> _Read:
+    """Read the file of an arm, or keep it where it has several; of an archive the robot named."""
+    job.step("reading", 0.5)
     try:
-        return READER.arm(content, dealing.name, dealing.stopped, dealing.wait)
-    except SeveralRobotsError as error:
-        file = StoredUpload(ROOM)
-        file[0] = content
-        return SeveralChoices(file, error.choices)
-
-
-def _read_one(robot: str, content: bytes, dealing: UploadJob[_Read]) -> _Read:
-    """Read one of the robots of an archive."""
-    dealing.step("reading", 0.5)
-    return READER.arm(content, f"robots.zip/{robot}", dealing.stopped, dealing.wait)
+        return READER.arm(job.content, name or job.name, job.stopped, job.wait)
+    except SeveralChoicesError as error:
+        return SeveralChoices(job.file, error.choices)
 
 
 def _choose(box: viser.GuiDropdownHandle[str], values: Mapping[str, object], value: object) -> None:

@@ -22,12 +22,13 @@ from abi.certification.read_motion import read_motion
 from abi.errors import ArgumentError, SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.progress import CancelledError
 from abi.robot.urdf import robot_files
 from abi.robot.urdf.robot_files import robot_from_archive
 from abi.scene.scene import Scene
 from app.reading import messages
 from app.reading import reader as module
-from app.reading.reader import Reader, StoppedError
+from app.reading.reader import Reader
 from app.reading.running_reader import AT_ONCE, ReaderLimits, reading_memory
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
@@ -256,7 +257,7 @@ def test_too_much_memory_is_refused_and_the_next_file_is_read() -> None:
 def test_what_is_not_wanted_any_more_is_not_waited_for(reader: Reader) -> None:
     stopped = threading.Event()
     stopped.set()
-    with pytest.raises(StoppedError):
+    with pytest.raises(CancelledError):
         reader.mesh(file_of(".stl"), "a.stl", stopped)
 
 
@@ -280,7 +281,7 @@ def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(
         told.append("others first")
         threading.Timer(0.3, stopped.set).start()
 
-    with pytest.raises(StoppedError):
+    with pytest.raises(CancelledError):
         reader.mesh(file_of(".stl"), "a.stl", stopped, tell)
     assert told == ["others first"]
     assert not reader._places._waiting
