@@ -6,14 +6,14 @@ import csv
 import io
 from collections.abc import Mapping, Sequence
 
-from app.teach.poll import Answer, Asked
+from app.teach.poll import Answer, Poll
 
 _HEAD = ("question", "asked at", "lesson", "text", "round", "student", "answer", "right")
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """First characters that make a spreadsheet take a text for a formula."""
 
 
-def table(asked: Sequence[Asked], words: Mapping[str, str]) -> str:
+def table(asked: Sequence[Poll], words: Mapping[str, str]) -> str:
     """The answers as CSV; a student is a self-chosen word, or a number.
 
     Args:
@@ -33,25 +33,25 @@ def table(asked: Sequence[Asked], words: Mapping[str, str]) -> str:
         for number, answers in enumerate(one.rounds, 1):
             for student, answer in answers.items():
                 name = words.get(student) or f"student {students[student]}"
-                right = {True: "yes", False: "no"}[one.poll.is_right(answer)]
+                right = {True: "yes", False: "no"}[one.is_right(answer)]
                 writer.writerow(
                     (
-                        one.poll.number,
-                        one.poll.asked_at,
-                        _harmless(one.poll.lesson),
-                        _harmless(one.poll.text),
+                        one.number,
+                        one.asked_at,
+                        _harmless(one.lesson),
+                        _harmless(one.text),
                         number,
                         _harmless(name),
                         _harmless(_told(one, answer)),
-                        right if one.poll.has_right else "",
+                        right if one.has_right else "",
                     )
                 )
     return target.getvalue()
 
 
-def _told(asked: Asked, answer: Answer) -> str:
+def _told(poll: Poll, answer: Answer) -> str:
     if isinstance(answer, int):
-        return asked.poll.choices[answer]
+        return poll.choices[answer]
     return f"({', '.join(f'{x:.4g}' for x in answer)})"
 
 

@@ -14,7 +14,7 @@ from app.shared.shared_plans import SharedPlans
 from app.state.tab_state import TabState
 from app.teach.class_file import ClassFile
 from app.teach.class_table import table
-from app.teach.poll import ROUNDS, Answer, Asked, Poll, Record, poll_of
+from app.teach.poll import ROUNDS, Answer, Poll, Record, poll_of
 
 _log = logging.getLogger("abi.class")
 _MAX_WORD = 30
@@ -46,16 +46,10 @@ class Classroom:
         self._teachers: set[int] = set()
 
     @property
-    def asked(self) -> Asked | None:
+    def poll(self) -> Poll | None:
         """The present question with its answers; None without one."""
         record = self._record
         return None if record.closed or not record.asked else record.asked[-1]
-
-    @property
-    def poll(self) -> Poll | None:
-        """The present question; None without one."""
-        asked = self.asked
-        return None if asked is None else asked.poll
 
     @property
     def lead(self) -> bool:
@@ -136,7 +130,7 @@ class Classroom:
 
     def reveal(self) -> None:
         """Reveal the answers to all."""
-        self._change(lambda asked: replace(asked, revealed=True))
+        self._change(lambda poll: replace(poll, revealed=True))
 
     def ask_again(self) -> None:
         """Begin the second round of the present question."""
@@ -155,29 +149,29 @@ class Classroom:
         Once the right answer has been told, none is counted any more.
         """
         with self._lock:
-            asked, student = self.asked, self._students.get(tab)
-            if asked is None or student is None or (asked.revealed and asked.poll.has_right):
+            poll, student = self.poll, self._students.get(tab)
+            if poll is None or student is None or (poll.revealed and poll.has_right):
                 return
-            if asked.poll.number != number or not asked.poll.takes(answer):
+            if poll.number != number or not poll.takes(answer):
                 return
-            rounds = (*asked.rounds[:-1], {**asked.answers, student: answer})
-            self._record.asked[-1] = replace(asked, rounds=rounds)
+            rounds = (*poll.rounds[:-1], {**poll.answers, student: answer})
+            self._record.asked[-1] = replace(poll, rounds=rounds)
             self._write()
             own = {other for other, whose in self._students.items() if whose == student} - {tab}
-            told = set(self._wakes) if asked.revealed else self._teachers | own
+            told = set(self._wakes) if poll.revealed else self._teachers | own
             wakes = [wake for other, wake in self._wakes.items() if other in told and other != tab]
         for wake in wakes:
             wake()
 
     def answer_of(self, tab: int) -> Answer | None:
         """Answer of a tab's student in this round; None without one."""
-        asked = self.asked
-        return None if asked is None else asked.answers.get(self._students.get(tab, ""))
+        poll = self.poll
+        return None if poll is None else poll.answers.get(self._students.get(tab, ""))
 
     def counts(self) -> tuple[int, ...]:
         """Number of students for each answer of the present question."""
-        asked = self.asked
-        return () if asked is None else asked.counts()
+        poll = self.poll
+        return () if poll is None else poll.counts()
 
     def name(self, tab: int, word: str) -> None:
         """Set the word that stands for a tab's student in the results."""
@@ -206,42 +200,42 @@ class Classroom:
     @property
     def taking_part(self) -> int:
         """Number of students who are present or have answered the present question."""
-        asked = self.asked
+        poll = self.poll
         with self._lock:
             tabs = self._students.items()
             here = {student for tab, student in tabs if tab not in self._teachers}
-        answers: Mapping[str, Answer] = {} if asked is None else asked.answers
+        answers: Mapping[str, Answer] = {} if poll is None else poll.answers
         return len(here | set(answers))
 
     @property
     def _next(self) -> int:
         """Number of the next question."""
-        return 1 + max((one.poll.number for one in self._record.asked), default=0)
+        return 1 + max((one.number for one in self._record.asked), default=0)
 
     def _begin(self, poll: Poll) -> None:
         now = datetime.now().astimezone().isoformat(timespec="seconds")
         with self._lock:
-            self._record.asked.append(Asked(replace(poll, asked_at=now)))
+            self._record.asked.append(replace(poll, asked_at=now))
             self._record.closed = False
             self._write()
         self._wake_all()
 
-    def _change(self, change: Callable[[Asked], Asked]) -> None:
+    def _change(self, change: Callable[[Poll], Poll]) -> None:
         """Change the present question, if there is one."""
         with self._lock:
-            asked = self.asked
-            if asked is None:
+            poll = self.poll
+            if poll is None:
                 return
-            self._record.asked[-1] = change(asked)
+            self._record.asked[-1] = change(poll)
             self._write()
         self._wake_all()
 
     def _forget(self, student: str) -> None:
         """Drop the answer of the present student; the lock is held."""
-        asked = self.asked
-        if asked is not None and student in asked.answers:
-            left = {key: value for key, value in asked.answers.items() if key != student}
-            self._record.asked[-1] = replace(asked, rounds=(*asked.rounds[:-1], left))
+        poll = self.poll
+        if poll is not None and student in poll.answers:
+            left = {key: value for key, value in poll.answers.items() if key != student}
+            self._record.asked[-1] = replace(poll, rounds=(*poll.rounds[:-1], left))
 
     def _write(self) -> None:
         """Save the record; the lock is held."""
@@ -259,8 +253,8 @@ class Classroom:
             wake()
 
 
-def _second_round(asked: Asked) -> Asked:
+def _second_round(poll: Poll) -> Poll:
     """The question in its second round, with hidden answers."""
-    if len(asked.rounds) >= ROUNDS:
-        return asked
-    return replace(asked, rounds=(*asked.rounds, {}), revealed=False)
+    if len(poll.rounds) >= ROUNDS:
+        return poll
+    return replace(poll, rounds=(*poll.rounds, {}), revealed=False)

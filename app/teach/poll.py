@@ -1,4 +1,4 @@
-"""A question to a class, and the answers of its rounds."""
+"""A question to a class with the answers of its rounds, and the record of all questions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Answer = int | Vec3
 
 @dataclass(frozen=True)
 class Poll:
-    """A question to all.
+    """A question to all, and the answers of its rounds.
 
     Attributes:
         number: from 1 on, another for each question.
@@ -34,6 +34,8 @@ class Poll:
         places: the right places, [unit], world; empty where none is known.
         lesson: lesson and page that were open; empty for none.
         asked_at: time at which it was asked, as ISO 8601 text; empty where none was noted.
+        rounds: of each, the answers by student.
+        revealed: whether the answers are shown.
     """
 
     number: int
@@ -44,6 +46,8 @@ class Poll:
     places: tuple[Vec3, ...] = ()
     lesson: str = ""
     asked_at: str = ""
+    rounds: tuple[Mapping[str, Answer], ...] = field(default_factory=lambda: ({},))
+    revealed: bool = False
 
     @property
     def asks_place(self) -> bool:
@@ -67,32 +71,6 @@ class Poll:
             return answer == self.right
         return any(math.dist(answer, place) < _SAME_PLACE for place in self.places)
 
-
-def poll_of(
-    number: int, text: str, choices: tuple[str, ...], right: int = -1, why: str = ""
-) -> Poll | None:
-    """The question with its non-empty answers; None with fewer than two."""
-    said = [k for k, choice in enumerate(choices) if choice.strip()][:MAX_CHOICES]
-    if not text.strip() or len(said) < 2:
-        return None
-    kept = tuple(choices[k][:_MAX_TEXT] for k in said)
-    return Poll(number, text[:_MAX_TEXT], kept, said.index(right) if right in said else -1, why)
-
-
-@dataclass(frozen=True)
-class Asked:
-    """A question, and the answers of its rounds.
-
-    Attributes:
-        poll: the question.
-        rounds: of each, the answers by student.
-        revealed: whether the answers are shown.
-    """
-
-    poll: Poll
-    rounds: tuple[Mapping[str, Answer], ...] = field(default_factory=lambda: ({},))
-    revealed: bool = False
-
     @property
     def answers(self) -> Mapping[str, Answer]:
         """The answers of the present round."""
@@ -101,14 +79,14 @@ class Asked:
     def counts(self, number: int = -1) -> tuple[int, ...]:
         """Number of students for each choice in a round, by default the present one."""
         given = list(self.rounds[number].values())
-        return tuple(given.count(choice) for choice in range(len(self.poll.choices)))
+        return tuple(given.count(choice) for choice in range(len(self.choices)))
 
     def right_share(self, number: int = -1) -> float | None:
         """Fraction of right answers in a round; None if unknown or without answers."""
         given = self.rounds[number].values()
-        if not self.poll.has_right or not given:
+        if not self.has_right or not given:
             return None
-        return sum(map(self.poll.is_right, given)) / len(given)
+        return sum(map(self.is_right, given)) / len(given)
 
     @property
     def gain(self) -> float | None:
@@ -121,18 +99,29 @@ class Asked:
         return (second - first) / (1 - first)
 
 
+def poll_of(
+    number: int, text: str, choices: tuple[str, ...], right: int = -1, why: str = ""
+) -> Poll | None:
+    """The question with its non-empty answers; None with fewer than two."""
+    said = [k for k, choice in enumerate(choices) if choice.strip()][:MAX_CHOICES]
+    if not text.strip() or len(said) < 2:
+        return None
+    kept = tuple(choices[k][:_MAX_TEXT] for k in said)
+    return Poll(number, text[:_MAX_TEXT], kept, said.index(right) if right in said else -1, why)
+
+
 class Record(msgspec.Struct):
     """All questions and answers of a class, and the teacher's settings.
 
     Attributes:
-        asked: the questions, the last one last.
+        asked: the questions with their answers, the last one last.
         closed: whether the last question is asked no more.
         words: that students have chosen for the results.
         lead: whether all follow the teacher.
         draft: question and answers that the teacher is writing.
     """
 
-    asked: list[Asked] = []
+    asked: list[Poll] = []
     closed: bool = False
     words: dict[str, str] = {}
     lead: bool = False

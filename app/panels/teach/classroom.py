@@ -23,7 +23,7 @@ from app.state.frame import Frame
 from app.state.tab_state import TabState
 from app.teach.classroom import Classroom
 from app.teach.measures import filled
-from app.teach.poll import MAX_CHOICES, ROUNDS, Answer, Asked
+from app.teach.poll import MAX_CHOICES, ROUNDS, Answer, Poll
 from app.theatre.theatre import node_at
 from app.ui import notices
 from app.ui.overlay import Overlay, button
@@ -186,11 +186,11 @@ class ClassroomPanel:
 
     def hold_back(self, theatre: TheatrePanel) -> None:
         """Keep the answer to the class's question out of lesson and search while it is open."""
-        asked = self._classroom.asked
-        hidden = asked is not None and not asked.revealed
+        poll = self._classroom.poll
+        hidden = poll is not None and not poll.revealed
         self._lessons.voted = hidden and not self.teaches
         # the hall sees the teacher's search
-        theatre.voted = asked is not None and hidden and bool(asked.poll.places)
+        theatre.voted = poll is not None and hidden and bool(poll.places)
         theatre.yields_clicks = self._takes_clicks
 
     @property
@@ -255,13 +255,13 @@ class ClassroomPanel:
         if not self.teaches:
             self._classroom.name(self._tab, self.word.value)
         self._take(frame)
-        asked, own = self._classroom.asked, self._classroom.answer_of(self._tab)
+        poll, own = self._classroom.poll, self._classroom.answer_of(self._tab)
         students = self._classroom.taking_part
-        self._draw_places(asked, own, frame)
-        sees_all = self.teaches or (asked is not None and asked.revealed)
-        told = (len(asked.answers), students) if asked is not None and self.teaches else ()
-        answers = asked.answers if asked is not None and sees_all else None
-        identity = asked and (asked.poll, len(asked.rounds), asked.revealed)
+        self._draw_places(poll, own, frame)
+        sees_all = self.teaches or (poll is not None and poll.revealed)
+        told = (len(poll.answers), students) if poll is not None and self.teaches else ()
+        answers = poll.answers if poll is not None and sees_all else None
+        identity = poll and (poll.number, len(poll.rounds), poll.revealed)
         lesson = self.teaches and self._lessons.question is not None
         steps = self.teaches and frame.theatre is not None and not frame.theatre.race
         state = (identity, told, answers, own, students, self.teaches, frame.lecture, lesson, steps)
@@ -269,31 +269,31 @@ class ClassroomPanel:
             return
         self._drawn = state
         self.ask_lesson.visible, self.ask_next.visible = lesson, steps
-        self._show_controls(asked)
-        self._text.visible = asked is not None
+        self._show_controls(poll)
+        self._text.visible = poll is not None
         for number, widget in enumerate(self.answers):
-            open_choices = () if asked is None or asked.revealed else asked.poll.choices
+            open_choices = () if poll is None or poll.revealed else poll.choices
             widget.visible = not self.teaches and number < len(open_choices)
             if widget.visible:
                 mark = "Your answer: " if number == own else ""
                 widget.label = f"{mark}{open_choices[number]}"
-        if asked is None:
+        if poll is None:
             self._overlay.show("class", "")
             return
-        text = question_text(asked, students, answered=self.teaches)
+        text = question_text(poll, students, answered=self.teaches)
         self._text.content = text
         # a student sees it in whichever tab, the hall in a lecture, whose panels are folded
-        open_ = frame.lecture if self.teaches else own is None and not asked.revealed
-        self._overlay.show("class", self._card(asked, text) if open_ else "")
+        open_ = frame.lecture if self.teaches else own is None and not poll.revealed
+        self._overlay.show("class", self._card(poll, text) if open_ else "")
 
-    def _show_controls(self, asked: Asked | None) -> None:
+    def _show_controls(self, poll: Poll | None) -> None:
         """Show what the teacher can do with the present question."""
-        on = self.teaches and asked is not None
-        hidden = on and asked is not None and not asked.revealed
+        on = self.teaches and poll is not None
+        hidden = on and poll is not None and not poll.revealed
         self.reveal.visible = hidden
         # who has been told the answer has nothing to talk about
-        again = hidden or (on and asked is not None and not asked.poll.has_right)
-        self.again.visible = again and asked is not None and len(asked.rounds) < ROUNDS
+        again = hidden or (on and poll is not None and not poll.has_right)
+        self.again.visible = again and poll is not None and len(poll.rounds) < ROUNDS
         self.close_poll.visible = on
         self.results.visible = self.teaches
 
@@ -311,21 +311,21 @@ class ClassroomPanel:
             if place is not None:
                 self._classroom.answer(self._tab, poll.number, place)
 
-    def _draw_places(self, asked: Asked | None, own: Answer | None, frame: Frame) -> None:
+    def _draw_places(self, poll: Poll | None, own: Answer | None, frame: Frame) -> None:
         """Show the places that were answered: all once they are revealed, before that the own."""
         given: list[Answer] = []
         right: tuple[Vec3, ...] = ()
-        if asked is not None and asked.poll.asks_place:
+        if poll is not None and poll.asks_place:
             given = [own] if own is not None else []
-            if asked.revealed:
-                given, right = list(asked.answers.values()), asked.poll.places
+            if poll.revealed:
+                given, right = list(poll.answers.values()), poll.places
         places = [answer for answer in given if not isinstance(answer, int)]
         self._dots.draw(places, right, frame.plan.scene)
 
-    def _card(self, asked: Asked, text: str) -> str:
+    def _card(self, poll: Poll, text: str) -> str:
         """The question over the scene, as HTML, with the answers to press or their bars."""
-        if not self.teaches and asked.poll.choices:
-            pairs = zip(self.answers, asked.poll.choices, strict=False)
+        if not self.teaches and poll.choices:
+            pairs = zip(self.answers, poll.choices, strict=False)
             buttons = "".join(button(widget, choice) for widget, choice in pairs)
             text += f'<div class="abi-buttons">{buttons}</div>'
         return f'<div class="abi-card abi-tour">{text}</div>'

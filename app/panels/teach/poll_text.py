@@ -4,30 +4,29 @@ from __future__ import annotations
 
 import html
 
-from app.teach.poll import Asked
+from app.teach.poll import Poll
 from app.ui import style
 from app.ui.numbers import with_minus
 
 
-def question_text(asked: Asked, students: int, answered: bool) -> str:
+def question_text(poll: Poll, students: int, answered: bool) -> str:
     """The question, and what may be seen of its answers.
 
     Args:
-        asked: the question.
+        poll: the question.
         students: number of those who take part.
         answered: whether to say how many have answered while the answers are hidden.
     """
-    poll = asked.poll
     text = f"<b>{html.escape(poll.text)}</b>"
-    if asked.revealed:
-        return style.paragraph(text) + _revealed(asked, students)
-    if len(asked.rounds) > 1:
+    if poll.revealed:
+        return style.paragraph(text) + _revealed(poll, students)
+    if len(poll.rounds) > 1:
         text += " <i>Second round: talk with your neighbour, then answer again.</i>"
     if poll.asks_place:
         text += " Click or tap a node in the scene."
     text = style.paragraph(text)
     if answered:
-        text += style.paragraph(f"{len(asked.answers)} of {students} have answered.")
+        text += style.paragraph(f"{len(poll.answers)} of {students} have answered.")
     return text
 
 
@@ -44,16 +43,15 @@ def bars(choices: tuple[str, ...], counts: tuple[int, ...], students: int, right
     return style.paragraph(f"{rows}{sum(counts)} of {students} have answered.")
 
 
-def _revealed(asked: Asked, students: int) -> str:
-    poll = asked.poll
+def _revealed(poll: Poll, students: int) -> str:
     if poll.asks_place:
-        text = style.paragraph(f"{len(asked.answers)} of {students} have answered.")
+        text = style.paragraph(f"{len(poll.answers)} of {students} have answered.")
     else:
-        text = bars(poll.choices, asked.counts(), students, poll.right)
-    shares = [asked.right_share(number) for number in range(len(asked.rounds))]
+        text = bars(poll.choices, poll.counts(), students, poll.right)
+    shares = [poll.right_share(number) for number in range(len(poll.rounds))]
     told = [f"{100 * share:.0f} %" for share in shares if share is not None]
     if told:
-        gain = asked.gain
+        gain = poll.gain
         more = "" if gain is None else f" (gain {with_minus(f'{gain:.2f}')} of what was missing)"
         text += style.paragraph(f"Right: {' → '.join(told)}{more}.")
     return text + (style.paragraph(html.escape(poll.why)) if poll.why else "")

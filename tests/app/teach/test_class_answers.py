@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from app.tab.session import Session
 from app.teach.class_file import ClassFile
 from app.teach.class_table import table
 from app.teach.classroom import Classroom
-from app.teach.poll import Asked, Poll
+from app.teach.poll import Poll
 from tests.app.fake_tab import FakeTab, until
 from tests.app.teach.test_classroom import open_tab, over_scene, panel
 
@@ -53,7 +54,7 @@ def test_votes_settings_and_words_outlast_a_server_that_is_killed(tmp_path: Path
     before.answer(1, 1, 0)
 
     after = Classroom("mine", ClassFile(tmp_path / "record"))  # nothing was closed
-    assert after.asked == before.asked
+    assert after.poll == before.poll
     assert after.counts() == (1, 0)
     assert (after.lead, after.draft) == (True, ("draft", "x", "y"))
     after.join(7, print)
@@ -65,7 +66,7 @@ def test_votes_settings_and_words_outlast_a_server_that_is_killed(tmp_path: Path
     assert after.poll.number == 2
     after.end()
     assert not (tmp_path / "record").exists()
-    assert Classroom("mine", ClassFile(tmp_path / "record")).asked is None
+    assert Classroom("mine", ClassFile(tmp_path / "record")).poll is None
 
 
 def test_results_that_are_kept_are_a_table_for_spreadsheets(tmp_path: Path) -> None:
@@ -91,7 +92,7 @@ def test_results_that_are_kept_are_a_table_for_spreadsheets(tmp_path: Path) -> N
 
 def test_a_damaged_record_is_none(tmp_path: Path) -> None:
     (tmp_path / "record").write_bytes(b'{"asked": 3}')
-    assert Classroom("mine", ClassFile(tmp_path / "record")).asked is None
+    assert Classroom("mine", ClassFile(tmp_path / "record")).poll is None
 
 
 @given(
@@ -102,7 +103,7 @@ def test_the_gain_is_the_part_of_what_was_missing(first: list[int], second: list
     rounds = tuple(
         {f"student {k}": answer for k, answer in enumerate(answers)} for answers in (first, second)
     )
-    asked = Asked(_POLL, rounds, revealed=True)
+    asked = replace(_POLL, rounds=rounds, revealed=True)
     missing = first.count(0) / len(first)
     gain = asked.gain
     if missing == 0:
@@ -119,15 +120,15 @@ def test_the_gain_is_the_part_of_what_was_missing(first: list[int], second: list
 
 
 def test_nothing_is_told_before_it_is_revealed() -> None:
-    hidden = Asked(_POLL, ({"student a": 1},))
+    hidden = replace(_POLL, rounds=({"student a": 1},))
     told = question_text(hidden, 2, answered=True)
     assert "1 of 2 have answered" in told
     assert not {"two", "Because", "✓", "Right"} & set(told.replace(".", " ").split())
-    shown = question_text(Asked(_POLL, hidden.rounds, revealed=True), 2, answered=True)
+    shown = question_text(replace(hidden, revealed=True), 2, answered=True)
     assert "✓ two: <b>1</b>" in shown
     assert "Because." in shown
     for revealed in (False, True):
-        second = Asked(_POLL, (*hidden.rounds, {}), revealed=revealed)
+        second = replace(hidden, rounds=(*hidden.rounds, {}), revealed=revealed)
         assert ("answer again" in question_text(second, 2, answered=True)) is not revealed
 
 
@@ -209,8 +210,7 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
         assert session.panels.lessons.answers[1].disabled
         click(student, points[state.following])
         until(lambda: classroom.answer_of(session.client.client_id) is not None)
-        assert classroom.asked is not None
-        assert classroom.asked.right_share() == 1
+        assert classroom.poll.right_share() == 1
         wrong = points[next(node for node in state.open if node != state.following)]
         for fake, one in students:
             fake.set(one.panels.lessons.answers[1], True)
@@ -218,7 +218,7 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
             fake.set(one.panels.theatre.step, 30)
             click(fake, wrong)  # what is sent after that is read after that
         chosen = 2 * [tuple(wrong.tolist())]
-        until(lambda: classroom.asked is not None and [*classroom.asked.answers.values()] == chosen)
+        until(lambda: classroom.poll is not None and [*classroom.poll.answers.values()] == chosen)
         for _, one in students:
             until(lambda one=one: one.panels.theatre.step.value == 24 and one.resting)  # type: ignore[misc]
             theatre = one.frame.theatre
@@ -227,14 +227,14 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
             assert one.panels.lessons.asks
 
         # a right node that nobody has hit is marked, too
-        assert classroom.asked.right_share() == 0
+        assert classroom.poll.right_share() == 0
         assert classroom.poll.places[0] not in balls(taught)
         teacher.set(panel(taught).reveal, True)
         for one in (taught, *both):
             until(lambda one=one: classroom.poll.places[0] in balls(one))  # type: ignore[misc]
         until(lambda: not session.panels.lessons.answers[1].disabled)
         classroom.answer(session.client.client_id, classroom.poll.number, classroom.poll.places[0])
-        assert classroom.asked.right_share() == 0  # who has been told the answer gives none
+        assert classroom.poll.right_share() == 0  # who has been told the answer gives none
         assert step_of(session) == 24
         teacher.set(panel(taught).close_poll, True)
         until(lambda: classroom.poll is None)
