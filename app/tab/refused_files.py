@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import viser
 
@@ -19,22 +20,20 @@ _KINDS = 100
 """Most characters of a list of accepted kinds that are shown."""
 
 
-class RefusedFiles:
-    """Hidden text box in which the page reports which file it does not send, and why.
+def hear_of_refused_files(client: viser.ClientHandle) -> None:
+    """Add a hidden text box in which the page reports which file it does not send, and why.
 
     No input: what is typed is told at once.
     """
+    box = client.gui.add_text("refused", "", visible=False)
+    box.on_update(partial(_tell, client))
+    page.call(client, "hearFiles", page.uuid(box), MAX_UPLOAD)
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._client = client
-        self._box = client.gui.add_text("refused", "", visible=False)
-        self._box.on_update(self._tell)
-        page.call(client, "hearFiles", page.uuid(self._box), MAX_UPLOAD)
 
-    def _tell(self, event: object) -> None:
-        refused = refusal(self._box.value)
-        if refused is not None:
-            notices.notify_refused_file(self._client, *refused)
+def _tell(client: viser.ClientHandle, event: viser.GuiEvent[viser.GuiTextHandle]) -> None:
+    refused = refusal(event.target.value)
+    if refused is not None:
+        notices.notify_refused_file(client, *refused)
 
 
 def refusal(text: object) -> tuple[str, str] | None:

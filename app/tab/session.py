@@ -34,7 +34,7 @@ from app.tab.budget import TabBudget
 from app.tab.pause import IDLE, REST, Pause
 from app.tab.plan_watch import PlanWatch
 from app.tab.planner import TabPlanner
-from app.tab.refused_files import RefusedFiles
+from app.tab.refused_files import hear_of_refused_files
 from app.tab.view import TabView
 from app.tab.worker import TabWorker
 from app.teach.classroom import Classroom
@@ -106,7 +106,7 @@ class Session:
         )
         page.install(client)
         watch = PageWatch(client, worker.wake)
-        self._refused = RefusedFiles(client)
+        hear_of_refused_files(client)
         self._memory = TabStorage(client, self.wake)
         self._look = look
         with client.atomic():
