@@ -17,10 +17,11 @@ from app.guard.host_check import host_fault, origin_fault, single
 from app.guard.messages import GizmoUpdate
 from app.guard.page_file import page_response
 from app.guard.policy import Policy
-from app.guard.porter import Entrance
+from app.guard.porter import Porter
 from app.guard.refusals import Refusals, RefusedError
 from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
+from app.guard.side_door import SideDoor
 from app.ui import page
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class Guard:
     """
 
     def __init__(
-        self, policy: Policy, seats: Seats | None = None, entrance: Entrance | None = None
+        self, policy: Policy, seats: Seats | None = None, entrance: Porter | SideDoor | None = None
     ) -> None:
         self.policy = policy
         self.seats = seats

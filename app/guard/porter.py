@@ -12,7 +12,6 @@ from __future__ import annotations
 import asyncio
 import re
 import socket
-from typing import Protocol
 
 from websockets.asyncio.server import ServerConnection
 
@@ -21,16 +20,6 @@ LONGEST_HEAD = 65_536
 _NUMBER = 8
 """Bytes of a message from the other process."""
 _WEBSOCKET = re.compile(rb"\nupgrade:[ \t]*websocket", re.IGNORECASE)
-
-
-class Entrance(Protocol):
-    """Entry of connections when several processes serve one address."""
-
-    def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
-        """Check whether another process now has a connection; ``head``: its whole request."""
-
-    def leave(self, connection: ServerConnection) -> None:
-        """Stop counting a lost connection."""
 
 
 class Porter:
@@ -51,7 +40,12 @@ class Porter:
         asyncio.get_running_loop().add_reader(channel, self._hear, channel)
 
     def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
-        """Hand a tab's connection to the process with the fewest; False if that is this one."""
+        """Hand a tab's connection to the process with the fewest; False if that is this one.
+
+        Args:
+            connection: of a tab or a request for a file.
+            head: its whole request.
+        """
         if _WEBSOCKET.search(head) is None:
             return False
         channel = min(self._lost, key=self._count, default=None)
