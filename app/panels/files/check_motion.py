@@ -9,7 +9,6 @@ from __future__ import annotations
 import html
 import json
 import time
-from dataclasses import dataclass
 from functools import partial
 
 import viser
@@ -39,15 +38,6 @@ _SIGNS = {"clear": "✓", "touches": "✗", "undecided": "?"}
 _Read = Motion | MotionError | SeveralChoices
 
 
-@dataclass(frozen=True, eq=False)
-class _Checked:
-    """A motion from a file, the scene in which it was checked, and the verdict."""
-
-    scene: Scene
-    verdict: MotionVerdict
-    plan: Plan
-
-
 class CheckMotionPanel:
     """Widgets to check a motion; the worker asks what they were used for.
 
@@ -55,6 +45,7 @@ class CheckMotionPanel:
         upload: the button for a file.
         processor_ms: time that the last check took, [ms].
         trajectory: of a bag that has several.
+        verdict: on the motion that is shown; None while the tab shows its own plan.
     """
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
@@ -87,13 +78,9 @@ class CheckMotionPanel:
         self.back = hidden_button(gui, "Back to your own plan", wake)
         self._motion: Motion | None = None
         self._name = self._repaired = ""
-        self._checked: _Checked | None = None
+        self.verdict: MotionVerdict | None = None
+        self._plan: Plan | None = None  # the motion as one, in the scene in which it was checked
         self.processor_ms = 0.0
-
-    @property
-    def verdict(self) -> MotionVerdict | None:
-        """The verdict on the motion that is shown; None while the tab shows its own plan."""
-        return None if self._checked is None else self._checked.verdict
 
     @property
     def has_motion(self) -> bool:
@@ -102,7 +89,7 @@ class CheckMotionPanel:
 
     def leave(self) -> None:
         """Show the tab's own plan."""
-        self._motion = self._checked = None
+        self._motion = self.verdict = self._plan = None
 
     def changed(self, scene: Scene) -> bool:
         """Take files and buttons into account; whether there is something else to show.
@@ -120,7 +107,7 @@ class CheckMotionPanel:
                 self._offer("", None)
             if isinstance(one.result, Motion):
                 self._motion, self._name = one.result.from_zero(), one.name
-                self._checked, self._repaired = None, ""
+                self.verdict, self._plan, self._repaired = None, None, ""
             elif one.result is not None:
                 self._refuse(one.name, one.result)
         self._read_chosen()
@@ -137,7 +124,7 @@ class CheckMotionPanel:
         """The motion in a scene, checked, as a plan; None where there is none to be checked."""
         if self._motion is None:
             return None
-        if self._checked is None or self._checked.scene != scene:
+        if self._plan is None or self._plan.scene != scene:
             begin = time.thread_time()
             try:
                 most = scene.motion.joint_acceleration
@@ -146,9 +133,9 @@ class CheckMotionPanel:
                 self._refuse(self._name, error)
                 self.leave()
                 return None
-            self._checked = _Checked(scene, verdict, checked_plan(verdict))
+            self.verdict, self._plan = verdict, checked_plan(verdict)
             self.processor_ms = 1e3 * (time.thread_time() - begin)
-        return self._checked.plan
+        return self._plan
 
     def draw(self, frame: Frame) -> None:
         """Offer to save the verdict while there is one."""
@@ -198,7 +185,7 @@ class CheckMotionPanel:
         if self._motion.timed:
             longer = f"{found.longer:+.2f} s, {longer}"
         self._repaired = f"Repaired from {', '.join(parts)}: {longer}."
-        self._checked = _Checked(found.verdict.scene, found.verdict, checked_plan(found.verdict))
+        self.verdict, self._plan = found.verdict, checked_plan(found.verdict)
 
     def _refuse(self, name: str, error: AbiError) -> None:
         notices.notify_refused_file(self._client, f"{name} is not checked", _sentence(error))
