@@ -54,68 +54,64 @@ def lesson_page(name: str, lesson: Lesson, folder: Path) -> bytes:
         SceneError: a page's scene cannot be read.
         ExportError: a page's scene has no mesh, so there is nothing to show.
     """
-    return page_of("lesson.html", _PageData(folder).data(name, lesson))
+    rehearsal, shown = Rehearsal(folder, Planner()), list[Frame]()
+    pages = [_page(step, rehearsal, shown) for step in lesson.steps]
+    plans = [page_data(frame.plan) | _paths(frame) for frame in shown]
+    data = {"name": name, "title": lesson.title, "pages": pages, "plans": plans}
+    return page_of("lesson.html", data)
 
 
-class _PageData:
-    """Data of a page, with each plan of the lesson once."""
+def _page(step: Step, rehearsal: Rehearsal, shown: list[Frame]) -> dict[str, Any]:
+    """Texts of a page with numbers filled in, and the views before and after it is passed.
 
-    def __init__(self, folder: Path) -> None:
-        self._rehearsal = Rehearsal(folder, Planner())
-        self._plans: list[Frame] = []
+    Args:
+        step: the page.
+        rehearsal: of the lesson up to it.
+        shown: a frame of each plan that the lesson has shown, to which those of the page are added.
+    """
+    before = rehearsal.take(step.set)
+    seen = _view(before, shown)
+    question, task = step.question, step.task
+    asking = "" if question is None else question.text
+    if task is not None:
+        asking = f"➜ {task.text} {task.now} *(In the visualiser: this page plans nothing anew.)*"
+        rehearsal.take(task.shown_by)
+    after = rehearsal.take(step.reveal)
+    choices = () if question is None else question.choices
+    return {
+        "text": _html(step.text, before),
+        "asking": _html(asking, before),
+        "choices": [
+            {
+                "text": _html(one.text, before, inline=True),
+                "right": one.right,
+                "why": _html(one.why, after if one.right else before),
+            }
+            for one in choices
+        ],
+        "task": task is not None,
+        "passed": question is None and task is None,
+        "after": _html(step.after, after),
+        "files": exercise_files(step.exercises) if step.exercises else {},
+        "before": seen,
+        "revealed": _view(after, shown),
+    }
 
-    def data(self, name: str, lesson: Lesson) -> dict[str, Any]:
-        """Data for the page's script."""
-        pages = [self._page(step) for step in lesson.steps]
-        plans = [page_data(frame.plan) | _paths(frame) for frame in self._plans]
-        return {"name": name, "title": lesson.title, "pages": pages, "plans": plans}
 
-    def _page(self, step: Step) -> dict[str, Any]:
-        """Texts of a page with numbers filled in, and the views before and after it is passed."""
-        before = self._rehearsal.take(step.set)
-        seen = self._view(before)
-        question, task = step.question, step.task
-        asking = "" if question is None else question.text
-        if task is not None:
-            asking = (
-                f"➜ {task.text} {task.now} *(In the visualiser: this page plans nothing anew.)*"
-            )
-            self._rehearsal.take(task.shown_by)
-        after = self._rehearsal.take(step.reveal)
-        choices = () if question is None else question.choices
-        return {
-            "text": _html(step.text, before),
-            "asking": _html(asking, before),
-            "choices": [
-                {
-                    "text": _html(one.text, before, inline=True),
-                    "right": one.right,
-                    "why": _html(one.why, after if one.right else before),
-                }
-                for one in choices
-            ],
-            "task": task is not None,
-            "passed": question is None and task is None,
-            "after": _html(step.after, after),
-            "files": exercise_files(step.exercises) if step.exercises else {},
-            "before": seen,
-            "revealed": self._view(after),
-        }
-
-    def _view(self, frame: Frame) -> dict[str, Any]:
-        """What is drawn of a frame, and of which plan."""
-        if frame.plan.free is None:
-            raise ExportError("A page's scene has no mesh, so there is nothing to show.")
-        numbers = [k for k, one in enumerate(self._plans) if one.plan is frame.plan]
-        if not numbers:
-            self._plans.append(frame)
-        drawn = [name for layer in sorted(frame.shown) for name in _DRAWN.get(layer, ())]
-        search = None if frame.theatre is None else _search(frame.theatre)
-        return {
-            "plan": numbers[0] if numbers else len(self._plans) - 1,
-            "draw": drawn if search is None else ["obstacles", "search"],
-            "search": search,
-        }
+def _view(frame: Frame, shown: list[Frame]) -> dict[str, Any]:
+    """What is drawn of a frame, and of which plan."""
+    if frame.plan.free is None:
+        raise ExportError("A page's scene has no mesh, so there is nothing to show.")
+    numbers = [k for k, one in enumerate(shown) if one.plan is frame.plan]
+    if not numbers:
+        shown.append(frame)
+    drawn = [name for layer in sorted(frame.shown) for name in _DRAWN.get(layer, ())]
+    search = None if frame.theatre is None else _search(frame.theatre)
+    return {
+        "plan": numbers[0] if numbers else len(shown) - 1,
+        "draw": drawn if search is None else ["obstacles", "search"],
+        "search": search,
+    }
 
 
 def _paths(frame: Frame) -> dict[str, Any]:
