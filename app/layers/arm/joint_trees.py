@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from abi.arm_planning.joint_search.joint_tree import JointTree
@@ -21,14 +19,6 @@ _PARTS = 6
 """Straight pieces that the path along an edge is drawn with."""
 
 
-class _TreeLines(NamedTuple):
-    """Paths of the tool tip, as segments: along the edges of both trees, and along the path."""
-
-    start: Segments
-    goal: Segments
-    path: Segments
-
-
 _NAMES = {"tried": "arm poses tried", "path": "way found by joints"}
 _NARROW = 480
 """Width of a picture, [px], in which there is room for but one of them."""
@@ -39,11 +29,10 @@ class JointTreesLayer(Layer):
 
     def __init__(self, layout: Layout) -> None:
         scene, self._camera = layout.client.scene, layout.client.camera
-        self._lines = {
-            "start": add_line(scene, "/joint_tree/start", style.JOINT_SPACE, 1.5),
-            "goal": add_line(scene, "/joint_tree/goal", style.JOINT_SPACE, 1.5),
-            "path": add_line(scene, "/joint_tree/path", style.JOINT_SPACE, 4.0),
-        }
+        self._lines = [
+            add_line(scene, f"/joint_tree/{name}", style.JOINT_SPACE, width)
+            for name, width in (("start", 1.5), ("goal", 1.5), ("path", 4.0))
+        ]
         self._labels = {
             name: scene.add_label(f"/joint_tree/{name}_name", text, visible=False)
             for name, text in _NAMES.items()
@@ -55,11 +44,12 @@ class JointTreesLayer(Layer):
         plan = frame.plan
         if plan.joint_search is not self._drawn:
             self._drawn = plan.joint_search
-            for name, points in tree_lines(plan)._asdict().items():
-                self._lines[name].points = points
-            self._place_names(tree_lines(plan))
+            lines = tree_lines(plan)
+            for line, points in zip(self._lines, lines, strict=True):
+                line.points = points
+            self._place_names(*lines)
         visible = self._drawn is not None and frame.theatre is None and "edges" in frame.shown
-        for line in self._lines.values():
+        for line in self._lines:
             line.visible = visible
         found = plan.joint_search is not None and plan.joint_search.path is not None
         named = visible and found and "names" in frame.shown
@@ -68,23 +58,26 @@ class JointTreesLayer(Layer):
             label.visible = named and room
             label.font_screen_scale = frame.label_scale
 
-    def _place_names(self, lines: _TreeLines) -> None:
+    def _place_names(self, start: Segments, goal: Segments, path: Segments) -> None:
         """Put one name at the pose tried last in the larger tree, one in the middle of the path."""
-        tried = max(lines.start, lines.goal, key=len)
-        for name, point in ("tried", tried[-1, 1]), ("path", lines.path[len(lines.path) // 2, 0]):
+        tried = max(start, goal, key=len)
+        for name, point in ("tried", tried[-1, 1]), ("path", path[len(path) // 2, 0]):
             self._labels[name].position = point
 
 
 @once_a_plan
-def tree_lines(plan: Plan) -> _TreeLines:
-    """Paths of the tool tip along the edges of a plan's trees, and along the path found."""
+def tree_lines(plan: Plan) -> tuple[Segments, Segments, Segments]:
+    """Paths of the tool tip along the edges of a plan's trees, and along the path found.
+
+    In this order: the tree of the start, the tree of the goal, the path.
+    """
     search, arm = plan.joint_search, plan.arm
     if search is None or search.path is None or arm is None:
-        return _TreeLines(NO_SEGMENTS, NO_SEGMENTS, NO_SEGMENTS)
+        return NO_SEGMENTS, NO_SEGMENTS, NO_SEGMENTS
     rows = np.arange(len(search.path), dtype=np.int32)
     path = JointTree(search.path, rows - 1)
     start, goal, found = (_along_edges(tree, arm) for tree in (*search.trees, path))
-    return _TreeLines(start, goal, found)
+    return start, goal, found
 
 
 def _along_edges(tree: JointTree, arm: AnyArm) -> Segments:

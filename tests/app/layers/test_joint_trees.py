@@ -18,14 +18,14 @@ def test_every_edge_is_drawn_from_one_place_of_the_tool_to_the_other() -> None:
     assert plan.joint_search is not None
     assert plan.joint_search.path is not None
     assert isinstance(plan.arm, UrdfArm)
-    drawn = tree_lines(plan)
-    for tree, lines in zip(plan.joint_search.trees, (drawn.start, drawn.goal), strict=True):
+    *trees, along = tree_lines(plan)
+    for tree, lines in zip(plan.joint_search.trees, trees, strict=True):
         pieces = lines.reshape(len(tree.edges), -1, 2, 3)
         tool = plan.arm.tool(tree.positions)
         np.testing.assert_allclose(pieces[:, 0, 0], tool[tree.edges[:, 0]], atol=1e-6)
         np.testing.assert_allclose(pieces[:, -1, 1], tool[tree.edges[:, 1]], atol=1e-6)
         np.testing.assert_array_equal(pieces[:, 1:, 0], pieces[:, :-1, 1])
-    path = drawn.path.reshape(len(plan.joint_search.path) - 1, -1, 2, 3)
+    path = along.reshape(len(plan.joint_search.path) - 1, -1, 2, 3)
     np.testing.assert_allclose(path[1:, 0, 0], path[:-1, -1, 1], atol=1e-6)
 
 
