@@ -77,7 +77,7 @@ class FiguresPanel:
         if not 1 <= number <= len(figures()):
             return
         self.number = number
-        caption = html.escape(figures()[number - 1].caption)
+        caption = html.escape(figures()[number - 1].text)
         self._caption.content = style.paragraph(f"<b>Fig. {number}.</b> {caption}")
         self._caption.visible = self.back.visible = True
         self._folder.expand_by_default = True  # in a new page, or the way back is not seen
