@@ -11,38 +11,29 @@ from app.state.frame import Frame
 from app.ui.overlay import button
 
 
-class BaseOffer:
-    """Sentence and buttons; both stay the same while the search runs, as a hand aims at them."""
-
-    def __init__(self, bases: FindBasePanel) -> None:
-        self._bases = bases
-
-    def state(self, frame: Frame) -> tuple[object, ...]:
-        """Values that the offer depends on."""
-        found = frame.bases
-        best = found is not None and found.best is not None
-        return self._bases.running, best, found is not None
-
-    def sentence(self, frame: Frame) -> str:
-        """Text on a search for a base: offered, running or done; empty where none is offered."""
-        if not _may_help(frame):
-            return ""
-        running, has_best, was_sought = self.state(frame)
-        if running:
-            return "Trying other places for the arm's base …"
-        if has_best:
-            return "A place for the arm's base was found: see the map in the scene."
-        if was_sought:
-            return "No place for the arm's base in stage 6's region helps."
+def base_sentence(bases: FindBasePanel, frame: Frame) -> str:
+    """Text on a search for a base: offered, running or done; empty where none is offered."""
+    if not _may_help(frame):
+        return ""
+    if bases.running:
+        return "Trying other places for the arm's base …"
+    if frame.bases is None:
         return "“Find a base” tries many other places for the arm's base."
+    if frame.bases.best is None:
+        return "No place for the arm's base in stage 6's region helps."
+    return "A place for the arm's base was found: see the map in the scene."
 
-    def buttons(self, frame: Frame) -> str:
-        """Buttons as HTML: to begin, to stop, and to take what was found."""
-        if not _may_help(frame):
-            return ""
-        running, has_best, _ = self.state(frame)
-        take = button(self._bases.put, "Put the arm there") if has_best else ""
-        return take + button(self._bases.find, "Stop" if running else "Find a base")
+
+def base_buttons(bases: FindBasePanel, frame: Frame) -> str:
+    """Buttons as HTML: to begin, to stop, and to take what was found.
+
+    They stay the same while the search runs, as a hand aims at them.
+    """
+    if not _may_help(frame):
+        return ""
+    has_best = frame.bases is not None and frame.bases.best is not None
+    take = button(bases.put, "Put the arm there") if has_best else ""
+    return take + button(bases.find, "Stop" if bases.running else "Find a base")
 
 
 def _may_help(frame: Frame) -> bool:

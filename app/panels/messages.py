@@ -15,7 +15,7 @@ from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.arm_banner import ArmBanner
-from app.panels.base_offer import BaseOffer
+from app.panels.base_offer import base_buttons, base_sentence
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
 from app.panels.legs import LegsCard
@@ -61,7 +61,7 @@ class Messages:
         wake: Wake,
     ) -> None:
         self._lesson, self._share, self._check = lesson, share, check
-        self._base = BaseOffer(bases)
+        self._bases = bases
         self._overlay = layout.overlay
         gui = layout.client.gui
         self.accept = hidden_button(gui, "Accept", wake)
@@ -88,7 +88,8 @@ class Messages:
             frame.stage,
         )
         before = self._before.follow(frame)
-        state = *shown, *preview, *told, *self._base.state(frame), *self.legs.state()
+        found = frame.bases is not None, frame.bases is not None and frame.bases.best is not None
+        state = *shown, *preview, *told, self._bases.running, *found, *self.legs.state()
         if state == self._drawn:
             return
         self._drawn = state
@@ -167,7 +168,7 @@ class Messages:
         alone = ""
         if reason is not None and isinstance(error, ArmNotClear):
             alone = "The plan shown is for the tool tip alone."
-        hints = (explained.hint, dots, self._base.sentence(frame), alone)
+        hints = (explained.hint, dots, base_sentence(self._bases, frame), alone)
         tell = _puzzle if is_puzzle(frame.plan.scene) else _error
         content = tell(explained.message, " ".join(filter(None, hints)))
         buttons = ""
@@ -175,7 +176,7 @@ class Messages:
             buttons = button(self.accept, _change_label(reason))
             if reason.obstacle is not None:
                 buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
-        buttons += self._base.buttons(frame)
+        buttons += base_buttons(self._bases, frame)
         return _with_buttons(content, buttons)
 
 
