@@ -29,7 +29,6 @@ from app.panels.stages.stage_headers import StageHeaders
 from app.panels.stages.stages import StagePanels
 from app.panels.teach.figures import FiguresPanel
 from app.panels.teach.lecture import Lecture
-from app.panels.teach.lesson_mark import LessonMark
 from app.panels.teach.lessons import LessonPanel
 from app.panels.teach.practice import PracticePanel
 from app.panels.teach.search_theatre import TheatrePanel
@@ -92,8 +91,9 @@ class AllPanels:
             self.lessons = LessonPanel(client, library, wake, lambda: self.held)
             self.practice = PracticePanel(client.gui, wake)
             self.figures = FiguresPanel(client.gui, wake)
-        mark = LessonMark(self.layout, self.lessons)
-        self.messages = Messages(self.layout, self.stages.bases, mark, self.share, self.check, wake)
+        self.messages = Messages(
+            self.layout, self.stages.bases, self.lessons, self.share, self.check, wake
+        )
         self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
         self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")
         self.tour = Tour(self.layout, wake)

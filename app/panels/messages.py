@@ -20,7 +20,8 @@ from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
 from app.panels.legs import LegsCard
 from app.panels.stages.find_base import FindBasePanel
-from app.panels.teach.lesson_mark import LessonMark
+from app.panels.teach.lesson_mark import lesson_mark
+from app.panels.teach.lessons import LessonPanel
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.shared.puzzles import is_puzzle
 from app.stages.catalogue import SHOWN_STAGES
@@ -55,15 +56,16 @@ class Messages:
         self,
         layout: Layout,
         bases: FindBasePanel,
-        lesson: LessonMark,
+        lessons: LessonPanel,
         share: SharePanel,
         check: CheckMotionPanel,
         wake: Wake,
     ) -> None:
-        self._lesson, self._share, self._check = lesson, share, check
+        self._lessons, self._share, self._check = lessons, share, check
         self._bases = bases
         self._overlay = layout.overlay
         gui = layout.client.gui
+        self._open_lesson = hidden_button(gui, "Open the lesson", layout.open_learn)
         self.accept = hidden_button(gui, "Accept", wake)
         self.point_out = hidden_button(gui, "Show it", wake)
         self.banner = ArmBanner(gui, wake)
@@ -79,7 +81,7 @@ class Messages:
         preview = frame.demonstrates, frame.coarse, frame.partial
         still = self._share.keeps_task
         told = (
-            self._lesson.html,
+            self._mark,
             frame.asks,
             _ARM in frame.shown,
             frame.theatre is not None,
@@ -115,8 +117,13 @@ class Messages:
             content = f'<div class="abi-card">{progress}</div>' if progress else ""
             if not frame.lesson or (_ARM in frame.shown and not frame.asks):
                 contact = self.banner.html(frame.plan)
-        self._overlay.show("message", self._lesson.html + self.legs.html() + content)
+        self._overlay.show("message", self._mark + self.legs.html() + content)
         self._overlay.show("contact", contact)
+
+    @property
+    def _mark(self) -> str:
+        """The line on the lesson that is gone through."""
+        return lesson_mark(self._lessons, self._open_lesson)
 
     def tell(self, doing: str) -> None:
         """Tell what the plan does that is being made, until the next frame."""
@@ -125,7 +132,7 @@ class Messages:
     def wait(self, what: str) -> None:
         """Tell what is done, until the next frame."""
         self._drawn = ()
-        self._overlay.show("message", self._lesson.html + _planning(what))
+        self._overlay.show("message", self._mark + _planning(what))
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The change of the scene whose button was pressed since the last call."""
