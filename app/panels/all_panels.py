@@ -11,7 +11,7 @@ from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import Files
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
-from app.panels.files.bug_report import BugReportButton
+from app.panels.files.bug_report import add_bug_report_button
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.exports import ExportPanel
 from app.panels.files.files import FilesPanel
@@ -83,7 +83,7 @@ class AllPanels:
             client.gui.add_html(style.heading("Share and export"))
             self.share = SharePanel(client, self.layout.overlay, wake)
             self.exports = ExportPanel(client, wake)
-            self.bug_report = BugReportButton(client, wake)
+            self.bug_report = add_bug_report_button(client.gui, wake)
         with self.layout.plots:
             self.check = CheckMotionPanel(client, scene, wake)
         self.history = History(client.gui, self.step(scene), wake)

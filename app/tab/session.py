@@ -19,9 +19,10 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.progress import CancelledError
 from abi.scene.scene import Scene
-from app.panels.files.bug_report import describe_fault
+from app.panels.files.bug_report import describe_fault, send_bug_report
 from app.panels.teach.classroom import ClassroomPanel
 from app.panels.teach.exercise import ExercisePanel
+from app.panels.widgets import pressed
 from app.process import metrics, unused_memory
 from app.process.memory_budget import MemoryBudget
 from app.process.turns import AT_ONCE, PATIENT
@@ -300,7 +301,8 @@ class Session:
         self.panels.share.share(self._state, self.frame, self.panels.practice.quiz_link())
         if self.panels.exports.requested():
             self._export()
-        self.panels.bug_report.send_if_requested(self.frame, self._fault)
+        if pressed(self.panels.bug_report):
+            send_bug_report(self.client, self.frame, self._fault)
 
     def _export(self) -> None:
         """Send the plan as a file, in full."""

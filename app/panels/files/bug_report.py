@@ -9,30 +9,28 @@ import viser
 
 from abi.errors import AbiError
 from abi.scene.scene_file import dump
-from app.panels.widgets import Wake, pressed
+from app.panels.widgets import Wake
 from app.process.versions import version_text
 from app.state.frame import Frame
 
 _ROOT = Path(__file__).parents[3]
 
 
-class BugReportButton:
-    """The button; the worker asks whether it was pressed."""
+def add_bug_report_button(gui: viser.GuiApi, wake: Wake) -> viser.GuiButtonHandle:
+    """Add the button; the worker asks whether it was pressed."""
+    button = gui.add_button(
+        "Text for a bug report",
+        color="gray",
+        hint="Downloads versions, scene and times as a text; nothing is sent anywhere.",
+    )
+    button.on_click(wake)
+    return button
 
-    def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
-        self._client = client
-        self.button = client.gui.add_button(
-            "Text for a bug report",
-            color="gray",
-            hint="Downloads versions, scene and times as a text; nothing is sent anywhere.",
-        )
-        self.button.on_click(wake)
 
-    def send_if_requested(self, frame: Frame, fault: str | None) -> None:
-        """Send the report of :func:`bug_report` if the button was pressed."""
-        if pressed(self.button):
-            report = bug_report(frame, fault).encode()
-            self._client.send_file_download("abi-bug-report.md", report, save_immediately=True)
+def send_bug_report(client: viser.ClientHandle, frame: Frame, fault: str | None) -> None:
+    """Send the report of :func:`bug_report` to a tab, as a file."""
+    report = bug_report(frame, fault).encode()
+    client.send_file_download("abi-bug-report.md", report, save_immediately=True)
 
 
 def bug_report(frame: Frame, fault: str | None) -> str:

@@ -101,11 +101,11 @@ def test_the_button_sends_it_as_a_file(
     monkeypatch.setattr(
         session.client, "send_file_download", lambda name, text, **_: sent.append((name, text))
     )
-    fake.set(session.panels.bug_report.button, True)
+    fake.set(session.panels.bug_report, True)
     until(lambda: bool(sent))
     assert sent[0][0] == "abi-bug-report.md"
     assert b"## Versions" in sent[0][1]
-    assert not session.panels.bug_report.button.value
+    assert not session.panels.bug_report.value
 
 
 def test_a_fault_is_told_by_kind_and_place_without_the_machine_s_folders() -> None:
