@@ -244,11 +244,11 @@ class AllPanels:
 
     def step(self, scene: Scene) -> HistoryStep:
         """Step that the history is to note of ``scene``, which is shown."""
-        return HistoryStep(scene, self.files.last)
+        return HistoryStep(scene, self.files.name, self.files.loaded)
 
     def show(self, step: HistoryStep) -> None:
         """Show a scene of before, and what it was made from."""
-        self.files.show(step.loaded)
+        self.files.show(step.name, step.loaded)
         self._write(step.scene)
 
     def refuse(self, error: AbiError) -> None:

@@ -247,7 +247,7 @@ class Session:
         )
         notices.notify_refusal(self.client, "This did not work", f"{words} The last picture stays.")
         with contextlib.suppress(Exception):  # the fault may be in what draws
-            if self.panels.files.last is not self._drawn.loaded:
+            if self.panels.files.loaded is not self._drawn.loaded:
                 self.panels.show(self._drawn)
                 self._view.look_at(self._scene, face=False)
                 self._draw(self.frame)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import viser
@@ -28,24 +27,12 @@ _UNFIT = re.compile(r"[^\w.]+")
 """Letters that one system or another has no file name with."""
 
 
-@dataclass(frozen=True)
-class Loaded:
-    """A scene as it was loaded.
-
-    Attributes:
-        name: of the scene, as the page lists it.
-        scene: without what was changed since.
-    """
-
-    name: str
-    scene: Scene
-
-
 class FilesPanel:
     """Widgets to choose, open, save and reset; the worker asks what they were used for.
 
     Attributes:
-        last: what was loaded last.
+        name: of the scene loaded last, as the page lists it.
+        loaded: that scene, without what was changed since.
     """
 
     def __init__(self, client: viser.ClientHandle, name: str, scene: Scene, wake: Wake) -> None:
@@ -76,7 +63,7 @@ class FilesPanel:
             "Save this scene",
             hint="Downloads it as a YAML file, or as a zip if it has meshes.",
         )
-        self.last = Loaded(name, scene)
+        self.name, self.loaded = name, scene
         self.choice.on_update(wake)
         self.save.on_click(wake)
         self.reset.on_click(wake)
@@ -87,25 +74,15 @@ class FilesPanel:
             self._shown = self.name
             self._cards.content = cards(self.choice, scene_cards(self.name), few=True)
 
-    @property
-    def name(self) -> str:
-        """Name of the scene loaded last."""
-        return self.last.name
-
-    @property
-    def loaded(self) -> Scene:
-        """The scene as it was loaded last."""
-        return self.last.scene
-
-    def show(self, loaded: Loaded) -> None:
-        """Take something loaded earlier for what was loaded last."""
-        self.last = loaded
-        if self.choice.value != loaded.name:
-            self.choice.value = loaded.name
+    def show(self, name: str, loaded: Scene) -> None:
+        """Take a scene loaded earlier, listed under ``name``, for the one loaded last."""
+        self.name, self.loaded = name, loaded
+        if self.choice.value != name:
+            self.choice.value = name
 
     def open_shipped(self, name: str) -> Scene:
         """Choose a shipped scene and return it."""
-        self.show(Loaded(name, load_scene(name)))
+        self.show(name, load_scene(name))
         return self.loaded
 
     def restore(self, name: str, scene: Scene) -> None:
@@ -113,9 +90,9 @@ class FilesPanel:
         if name == self.name == self.choice.value:
             return
         if name not in (*self._opened, *scene_names()):
-            self.last = Loaded(self._list(shown_name(name), scene), scene)
+            self.name, self.loaded = self._list(shown_name(name), scene), scene
         else:
-            self.show(Loaded(name, self._opened.get(name) or load_scene(name)))
+            self.show(name, self._opened.get(name) or load_scene(name))
 
     def requested(self, meshes: MeshSource) -> Scene | None:
         """The scene chosen, opened or reset since the last call; None for no new one.
@@ -129,7 +106,7 @@ class FilesPanel:
         # a page may send anything: only listed scenes are opened
         if name != self.name and (name in self._opened or name in scene_names()):
             self.uploads.drop()
-            self.last = Loaded(name, self._opened.get(name) or load_scene(name))
+            self.name, self.loaded = name, self._opened.get(name) or load_scene(name)
             return self.loaded
         opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
         return self.loaded if any(opened) else None
@@ -149,7 +126,7 @@ class FilesPanel:
             names = ", ".join(taken)
             reason = f"{names} of this tab was taken, since nothing came with the scene."
             notices.notify_warning(self._client, f"{name} names what is not in it", reason)
-        self.last = Loaded(self._list(name, scene), scene)
+        self.name, self.loaded = self._list(name, scene), scene
         return True
 
     def _list(self, name: str, scene: Scene) -> str:

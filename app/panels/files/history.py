@@ -10,7 +10,6 @@ import viser
 from pydantic import BaseModel
 
 from abi.scene.scene import Scene
-from app.panels.files.files import Loaded
 from app.panels.widgets import Wake, hidden_button
 
 _LONGEST = 200
@@ -24,11 +23,13 @@ class HistoryStep:
 
     Attributes:
         scene: as it was shown.
-        loaded: what it was made from.
+        name: of the scene that it was made from, as the page lists it.
+        loaded: that scene.
     """
 
     scene: Scene
-    loaded: Loaded
+    name: str
+    loaded: Scene
 
 
 class History:

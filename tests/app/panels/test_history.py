@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.scene.scene import Scene, load_scene
-from app.panels.files.files import Loaded
 from app.panels.files.history import History, HistoryStep
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, until
@@ -29,7 +30,7 @@ class _Gui:
 
 def _step(number: int) -> HistoryStep:
     scene = Scene(version=1, motion={"speed": float(number + 1)})
-    return HistoryStep(scene, Loaded(f"scene {number}", scene))
+    return HistoryStep(scene, f"scene {number}", scene)
 
 
 @given(st.lists(st.sampled_from(["undo", "redo", *range(5)]), max_size=30))
@@ -172,7 +173,7 @@ def test_changes_of_one_field_soon_after_each_other_are_one_step() -> None:
         found.append(history.requested(found[-1]) or found[-1])
     assert found == [_step(4), _step(3), _step(0)]
     assert not history.can_undo
-    history.note(HistoryStep(Scene(version=1, spline={"degree": 3}), _step(0).loaded), 21.0)
+    history.note(replace(_step(0), scene=Scene(version=1, spline={"degree": 3})), 21.0)
     history.note(_step(1), 21.5)
     assert history.can_undo
     history._step(-1, None)
