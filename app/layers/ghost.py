@@ -8,7 +8,6 @@ from abi.planner.plan import Plan
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.curves import SAMPLES
 from app.state.frame import Frame, Layer, Switch
-from app.state.plan_before import PlanBefore
 from app.ui import style
 from app.ui.layout import Layout
 
@@ -28,15 +27,13 @@ class GhostLayer(Layer):
 
     def __init__(self, layout: Layout) -> None:
         self._line = add_line(layout.client.scene, "/ghost", style.FADED, 3.0)
-        self._before = PlanBefore()
         self._ghost: Plan | None = None
 
     def draw(self, frame: Frame) -> None:
         """Draw the plan that was at rest before this one."""
         self._line.visible = "ghost" in frame.shown
-        before = self._before.follow(frame)
-        if before is not self._ghost:
-            self._show(before)
+        if frame.before is not self._ghost:
+            self._show(frame.before)
 
     def _show(self, plan: Plan | None) -> None:
         """Draw the curve that a plan's arm follows."""

@@ -26,7 +26,6 @@ from app.panels.widgets import Wake, hidden_button, pressed
 from app.shared.puzzles import is_puzzle
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
-from app.state.plan_before import PlanBefore
 from app.theatre.text import question
 from app.ui import style
 from app.ui.arm_size import scene_size_note
@@ -72,7 +71,6 @@ class Messages:
         self.legs = LegsCard(gui, wake)
         self._reason: Reason | None = None
         self._tool_alone: Scene | None = None
-        self._before = PlanBefore()
         self._drawn: tuple[object, ...] = ()
 
     def draw(self, frame: Frame) -> None:
@@ -89,7 +87,6 @@ class Messages:
             _OBSTACLES in frame.shown,
             frame.stage,
         )
-        before = self._before.follow(frame)
         found = frame.bases is not None, frame.bases is not None and frame.bases.best is not None
         state = *shown, *preview, *told, self._bases.running, *found, *self.legs.state()
         if state == self._drawn:
@@ -113,7 +110,7 @@ class Messages:
             content = f'<div class="abi-card">{SHOWN_STAGES[frame.stage].sentence}</div>'
             contact = self.banner.html(frame.plan) if _ARM in frame.shown else ""
         else:
-            progress = f"{_progress(frame, still)} {self._remark(frame, before)}".strip()
+            progress = f"{_progress(frame, still)} {self._remark(frame)}".strip()
             content = f'<div class="abi-card">{progress}</div>' if progress else ""
             if not frame.lesson or (_ARM in frame.shown and not frame.asks):
                 contact = self.banner.html(frame.plan)
@@ -146,7 +143,7 @@ class Messages:
         asked = pressed(self.point_out)
         return self._reason.obstacle if asked and self._reason is not None else None
 
-    def _remark(self, frame: Frame, before: Plan | None) -> str:
+    def _remark(self, frame: Frame) -> str:
         """What may surprise: a longer path on a finer grid, or that the tool alone is planned.
 
         The latter is said of the first such scene, until it changes.
@@ -154,7 +151,7 @@ class Messages:
         scene = frame.plan.scene
         if frame.lesson or frame.theatre is not None or is_puzzle(scene):
             return ""
-        if before is not None and (longer := _longer_on_finer(before, frame.plan)):
+        if frame.before is not None and (longer := _longer_on_finer(frame.before, frame.plan)):
             return longer
         if scene.arm.avoid:
             return ""

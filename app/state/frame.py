@@ -41,6 +41,7 @@ class Frame:
 
     Attributes:
         plan: the last one.
+        before: the last plan at rest that is not this one, to compare; None if there was none.
         checked: the verdict on a motion from elsewhere, which is then the plan's; None for a plan
             of the tab's own.
         reason: diagnosis of its error.
@@ -69,6 +70,7 @@ class Frame:
     """
 
     plan: Plan
+    before: Plan | None = None
     checked: MotionVerdict | None = None
     reason: Reason | None = None
     refused: AbiError | None = None

@@ -76,6 +76,8 @@ class TabView:
         self._surrounded: tuple[Plan, bool] | None = None
         self._arm: object = self
         self._before: TabState | None = None
+        self._rested: Plan | None = None
+        self._rested_before: Plan | None = None
         self._class: ClassroomPanel | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
         self._folding = PanelFolding(self.panels.layout)
@@ -180,7 +182,8 @@ class TabView:
         return not follows and self.panels.messages.legs.plays_on(frame)
 
     def _now(self, frame: Frame) -> Frame:
-        """The frame at the present time of playback and search."""
+        """The frame at the present time of playback and search, with the plan before its own."""
+        frame = replace(frame, before=self._plan_before(frame))
         self.panels.messages.legs.see(frame)
         again = not self._plays_on(frame)
         frame = replace(frame, again=again)
@@ -202,6 +205,14 @@ class TabView:
         )
         bases = self.panels.stages.bases.found(frame.plan.scene)
         return replace(frame, theatre=theatre, bases=bases)
+
+    def _plan_before(self, frame: Frame) -> Plan | None:
+        """The last plan at rest before that of a frame, which is kept once it rests itself."""
+        if frame.plan is not self._rested:
+            self._rested_before = self._rested
+            if not (frame.interactive or frame.partial or frame.outdated):
+                self._rested = frame.plan
+        return self._rested_before
 
     def _fit(self, frame: Frame) -> None:
         """Adapt panels and camera to lecture mode, or end that."""

@@ -13,7 +13,6 @@ from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
 from abi.search.trace import SearchTrace
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
-from app.state.plan_before import PlanBefore
 from app.ui import style
 from app.ui.numbers import format_count, format_length, format_time, with_minus
 from app.ui.table import table
@@ -42,7 +41,6 @@ class ComparisonPanel:
         )
         self._text = gui.add_html("", visible=False, order=_LAST + 1)
         self._plan: Plan | None = None
-        self._before = PlanBefore()
         self._ms = 0.0
         self.button.on_click(wake)
 
@@ -51,7 +49,6 @@ class ComparisonPanel:
 
         The table is never that of another plan's graph; it waits for the hand to rest.
         """
-        before = self._before.follow(frame)
         asked = pressed(self.button)
         changed = self._plan is not None and frame.plan.graph is not self._plan.graph
         if changed and not asked and frame.interactive:
@@ -61,7 +58,7 @@ class ComparisonPanel:
             self._show(_PRESS_AGAIN)
         elif asked or changed:
             self._plan = frame.plan
-            self._show(self._compare(frame.plan, before))
+            self._show(self._compare(frame.plan, frame.before))
 
     def _compare(self, plan: Plan, before: Plan | None) -> str:
         """Run the searches, and tell what they found."""
