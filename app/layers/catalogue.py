@@ -9,7 +9,6 @@ from app.layers.arm.arm import ArmLayer
 from app.layers.arm.arm_ghosts import ArmGhostsLayer
 from app.layers.arm.arm_regions import ArmRegionsLayer
 from app.layers.arm.joint_trees import JointTreesLayer
-from app.layers.axes import AxesLayer
 from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
 from app.layers.drop_line import DropLineLayer
@@ -37,7 +36,6 @@ LAYERS: tuple[type[Layer], ...] = (
     PlotsLayer,
     JointRatesLayer,
     WorkspaceLayer,
-    AxesLayer,
     DropLineLayer,
     MarkersLayer,
     MeshLayer,

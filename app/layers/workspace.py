@@ -1,4 +1,7 @@
-"""The workspace box and the ground."""
+"""The workspace box, the ground, and three short arrows beside a corner of the box.
+
+The arrows say where x, y and z lead, and in which unit.
+"""
 
 from __future__ import annotations
 
@@ -7,35 +10,62 @@ from typing import ClassVar
 import numpy as np
 import viser
 
+from abi.arrays import FloatArray
 from abi.scene.settings import Workspace
 from app.drawing.box import box_edges
-from app.drawing.lines import add_line
+from app.drawing.lines import Segments, add_line
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.layout import Layout
 
+_LENGTH = 0.2
+"""Of an arrow, as a part of the workspace's longest side."""
+_HEAD = (0.72, 0.1)
+"""Where an arrow's head begins, and its half width, as parts of the arrow's length."""
+_APART = 0.09
+"""Distance to the workspace's corner, along x and y, as a part of its longest side."""
+_LETTERS = 0.85
+"""Scale of the labels beside that of all others."""
+
 
 class WorkspaceLayer(Layer):
-    """Edges of the meshed box, and a grid below it."""
+    """Edges of the meshed box, a grid below it, and arrows in the plots' colours of the axes.
+
+    Neither arrows nor their labels take the mouse.
+    """
 
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("workspace", "workspace box", style.WORKSPACE),
+        Switch("axes", "axes x, y, z", None),
     )
 
     def __init__(self, layout: Layout) -> None:
         self._scene = layout.client.scene
         self._box = add_line(self._scene, "/workspace", style.WORKSPACE, 1.5)
         self._grid: viser.GridHandle | None = None
-        self._drawn: tuple[Workspace, float] | None = None
+        self._corner = self._scene.add_frame("/axes", show_axes=False)
+        self._arrows = [
+            add_line(self._scene, f"/axes/{name}", colour, 2.0)
+            for name, colour in zip("xyz", style.AXES, strict=True)
+        ]
+        self._labels = [
+            self._scene.add_label(f"/axes/{name}/label", name, anchor="center-center")
+            for name in "xyz"
+        ]
+        self._drawn: tuple[Workspace, float, str] | None = None
 
     def draw(self, frame: Frame) -> None:
-        """Draw the box, and the ground below it and the arm's base."""
+        """Draw the box, the ground below it and the arm's base, and the arrows."""
         self._box.visible = "workspace" in frame.shown
+        self._corner.visible = "axes" in frame.shown
+        for label in self._labels:
+            label.font_screen_scale = round(_LETTERS * frame.label_scale, 3)
         scene = frame.plan.scene
-        state = scene.workspace, scene.arm.base[2]
+        state = scene.workspace, scene.arm.base[2], scene.unit
         if state != self._drawn:
             self._drawn = state
-            self._draw_box(*state)
+            self._draw_box(scene.workspace, scene.arm.base[2])
+            self._place_axes(scene.workspace, scene.unit)
 
     def _draw_box(self, workspace: Workspace, base: float) -> None:
         self._box.points = box_edges(workspace.min, workspace.max).astype(np.float32)
@@ -58,3 +88,23 @@ class WorkspaceLayer(Layer):
             shadow_opacity=0.1,
             position=(centre[0], centre[1], ground),
         )
+
+    def _place_axes(self, workspace: Workspace, unit: str) -> None:
+        longest = max(workspace.size)
+        # nearest to the usual camera, where nothing else is
+        corner = np.array([workspace.max[0], workspace.min[1], workspace.min[2]])
+        self._corner.position = corner + _APART * longest * np.array([1.0, -1.0, 0.0])
+        for axis, (arrow, label) in enumerate(zip(self._arrows, self._labels, strict=True)):
+            tip = _LENGTH * longest * np.eye(3)[axis]
+            arrow.points = _arrow(tip, np.eye(3)[axis - 1 if axis else 1])
+            # one unit for all: three would crowd so small a place
+            label.text = f"z [{unit}]" if axis == 2 else "xyz"[axis]
+            label.position = 1.2 * tip
+
+
+def _arrow(tip: FloatArray, side: FloatArray) -> Segments:
+    """Segments (3, 2, 3) of an arrow from the origin to a tip (3,), its head along ``side``."""
+    begin, width = _HEAD
+    across = width * np.linalg.norm(tip) * side
+    barbs = [begin * tip + across, begin * tip - across]
+    return np.array([[np.zeros(3), tip], *([barb, tip] for barb in barbs)], np.float32)

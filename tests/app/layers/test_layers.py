@@ -22,7 +22,6 @@ from abi.search.search import SEARCHES
 from abi.search.subset import fits
 from app.drawing.lines import points_at
 from app.layers.arm.arm import ArmLayer
-from app.layers.axes import AxesLayer
 from app.layers.details import Details
 from app.layers.markers import _are_reached
 from app.layers.mesh import EDGE_BUDGET, MeshLayer, _counts, _picture
@@ -333,7 +332,7 @@ def test_the_axes_lead_along_x_y_and_z_in_the_scenes_unit(tab: tuple[FakeTab, Se
     fake, session = tab
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: session.frame.plan.scene == load_scene("kitchen-ur5e"))
-    axes = layer(session, AxesLayer)
+    axes = layer(session, WorkspaceLayer)
     until(lambda: axes._labels[2].text == "z [m]")
     workspace = session.frame.plan.scene.workspace
     for axis, (arrow, label) in enumerate(zip(axes._arrows, axes._labels, strict=True)):
