@@ -12,7 +12,6 @@ from app.layers.arm.joint_trees import JointTreesLayer
 from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
 from app.layers.drop_line import DropLineLayer
-from app.layers.ghost import GhostLayer
 from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
@@ -44,7 +43,6 @@ LAYERS: tuple[type[Layer], ...] = (
     TheatreLayer,
     RaceLayer,
     CurvesLayer,
-    GhostLayer,
     BaseMapLayer,
     NamesLayer,
 )

@@ -1,4 +1,7 @@
-"""B-spline with its control points, and quadratic, red where they come too near an obstacle."""
+"""B-spline with its control points, and quadratic, red where they come too near an obstacle.
+
+Beside them, to compare, the curve of the plan before.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,15 @@ from typing import ClassVar
 import numpy as np
 
 from abi.planner.plan import Plan
-from app.drawing.lines import NO_SEGMENTS, FadingLines, Segments, parameters, segments
+from app.drawing.lines import (
+    NO_SEGMENTS,
+    FadingLines,
+    Segments,
+    add_line,
+    dashes,
+    parameters,
+    segments,
+)
 from app.layers.points import Points
 from app.shared.once_a_plan import once_a_plan
 from app.state.frame import Frame, Layer, Switch
@@ -26,7 +37,10 @@ def _line(plan: Plan, name: str) -> Segments:
 
 
 class CurvesLayer(Layer):
-    """Curves of stages 4 and 5; the one the arm follows is the wider."""
+    """Curves of stages 4 and 5; the one the arm follows is the wider.
+
+    The one that it followed in the last plan at rest is a ghost, dashed and grey.
+    """
 
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("bspline", "B-spline", style.BSPLINE),
@@ -37,6 +51,13 @@ class CurvesLayer(Layer):
             hint="Of the B-spline, which bends towards them.",
         ),
         Switch("quadratic", "quadratic", style.QUADRATIC),
+        Switch(
+            "ghost",
+            "last plan's curve",
+            style.FADED,
+            on=False,
+            hint="The curve before the last change, to compare.",
+        ),
     )
 
     def __init__(self, layout: Layout) -> None:
@@ -49,11 +70,17 @@ class CurvesLayer(Layer):
         self._polygon = self._all.add("/curve/control_polygon", style.BSPLINE, 1.0)
         self._control = Points(scene, "/curve/control_points")
         self._violations = self._all.add("/curve/entering", style.VIOLATION, 9.0)
+        self._ghost = add_line(scene, "/ghost", style.FADED, 3.0)
         self._drawn: dict[str, object] = {}
+        self._before: Plan | None = None
 
     def draw(self, frame: Frame) -> None:
-        """Draw the plan's curves; none where there are none."""
+        """Draw the plan's curves, and that of the plan before; none where there are none."""
         self._draw_curves(frame.plan)
+        self._ghost.visible = "ghost" in frame.shown
+        if frame.before is not self._before:
+            self._before = frame.before
+            self._ghost.points = _dashed(frame.before)
         self._all.fade(not frame.current)
         self._lines["bspline"].visible = "bspline" in frame.shown
         self._lines["quadratic"].visible = self._violations.visible = "quadratic" in frame.shown
@@ -86,3 +113,12 @@ class CurvesLayer(Layer):
         self._polygon.points = segments(points)
         size = 0.025 * max(plan.scene.workspace.size)
         self._control.draw(points, style.BSPLINE, size)
+
+
+def _dashed(plan: Plan | None) -> Segments:
+    """The curve that a plan's arm follows, as dashes; nothing where there is none."""
+    fit = None if plan is None else plan.followed_curve
+    if plan is None or fit is None:
+        return NO_SEGMENTS
+    points = fit.curve(parameters(fit.curve.interval, SAMPLES))
+    return dashes(points, 0.02 * max(plan.scene.workspace.size))
