@@ -6,19 +6,21 @@ import contextlib
 import logging
 import sys
 import time
+import traceback
 
 LEVELS = ("debug", "info", "warning", "error")
 _LOGGERS = ("abi", "app")
 _PLAIN = frozenset(vars(logging.makeLogRecord({}))) | {"message", "asctime", "taskName"}
 
 
-class _Fields(logging.Formatter):
-    """Log format: time, level, logger, event and the fields given as ``extra``.
-
-    Values that come from outside stand in quotes, with every odd letter escaped.
-    """
+class Terminal(logging.Handler):
+    """Log handler for whatever standard error is at the time."""
 
     def format(self, record: logging.LogRecord) -> str:
+        """Time, level, logger, event and the fields given as ``extra``.
+
+        Values that come from outside stand in quotes, with every odd letter escaped.
+        """
         seconds = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(record.created))
         moment = f"{seconds}.{int(record.msecs):03d}Z"
         event = record.getMessage().encode("unicode_escape").decode()
@@ -26,11 +28,9 @@ class _Fields(logging.Formatter):
             f"{name}={_shown(value)}" for name, value in vars(record).items() if name not in _PLAIN
         ]
         line = " ".join((moment, record.levelname, record.name, event, *fields))
-        return f"{line}\n{self.formatException(record.exc_info)}" if record.exc_info else line
-
-
-class _Terminal(logging.Handler):
-    """Log handler for whatever standard error is at the time."""
+        if record.exc_info:
+            line += "\n" + "".join(traceback.format_exception(*record.exc_info)).rstrip()
+        return line
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one line; a closed terminal is ignored."""
@@ -38,8 +38,7 @@ class _Terminal(logging.Handler):
             print(self.format(record), file=sys.stderr, flush=True)
 
 
-_TERMINAL = _Terminal()
-_TERMINAL.setFormatter(_Fields())
+_TERMINAL = Terminal()
 
 
 def configure(level: str) -> None:

@@ -14,7 +14,7 @@ from app.process import logs
 
 def _line(event: str, **fields: object) -> str:
     record = logging.makeLogRecord({"msg": event, "name": "abi.web", "levelname": "INFO", **fields})
-    return logs._Fields().format(record)
+    return logs.Terminal().format(record)
 
 
 @given(st.text(max_size=30))
