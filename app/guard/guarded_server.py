@@ -43,27 +43,25 @@ _lock = threading.Lock()
 _Handler = Callable[[ServerConnection], Awaitable[None]]
 
 
-class _OneLine(logging.Filter):
+def _one_line(record: logging.LogRecord) -> bool:
     """Log filter that shortens connection faults to one line; the rest is for the debug level.
 
     No level has the token, nor what else lets somebody in.
     """
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        vars(record).pop("websocket", None)
-        if isinstance(record.args, tuple):
-            record.args = _without_secrets(record.args)
-        error = record.exc_info[1] if record.exc_info else None
-        if error is None:
-            return record.levelno >= logging.WARNING or _log.isEnabledFor(logging.DEBUG)
-        causes = f"{type(error).__name__}: {error.__cause__ or error}"
-        if record.getMessage() == "opening handshake failed":
-            # whoever connects and says nothing, as port scanners and health probes do
-            record.levelno, record.levelname = logging.DEBUG, "DEBUG"
-        if not _log.isEnabledFor(logging.DEBUG):
-            record.exc_info = None
-        record.msg, record.args = f"{record.getMessage()} ({causes})"[:300], ()
-        return _log.isEnabledFor(record.levelno)
+    vars(record).pop("websocket", None)
+    if isinstance(record.args, tuple):
+        record.args = _without_secrets(record.args)
+    error = record.exc_info[1] if record.exc_info else None
+    if error is None:
+        return record.levelno >= logging.WARNING or _log.isEnabledFor(logging.DEBUG)
+    causes = f"{type(error).__name__}: {error.__cause__ or error}"
+    if record.getMessage() == "opening handshake failed":
+        # whoever connects and says nothing, as port scanners and health probes do
+        record.levelno, record.levelname = logging.DEBUG, "DEBUG"
+    if not _log.isEnabledFor(logging.DEBUG):
+        record.exc_info = None
+    record.msg, record.args = f"{record.getMessage()} ({causes})"[:300], ()
+    return _log.isEnabledFor(record.levelno)
 
 
 def _without_secrets(words: tuple[object, ...]) -> tuple[object, ...]:
@@ -74,7 +72,7 @@ def _without_secrets(words: tuple[object, ...]) -> tuple[object, ...]:
 
 
 _protocol_log = logging.getLogger("abi.web.protocol")
-_protocol_log.addFilter(_OneLine())
+_protocol_log.addFilter(_one_line)
 
 
 def build(guard: Guard, host: str, port: int, label: str) -> viser.ViserServer:
