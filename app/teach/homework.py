@@ -17,7 +17,7 @@ from app.state.frame import Frame
 from app.state.tab_state import TabState
 from app.teach.challenge import TASK, Challenge, whole_plan
 from app.teach.lesson import Condition, Setting, scene_of
-from app.teach.lesson_file import LessonError, fault_at, sentence_of
+from app.teach.lesson_file import fault_at, sentence_of
 from app.teach.result_code import fingerprint, scene_of_code
 
 
@@ -75,21 +75,21 @@ class HomeworkTask:
         """Read a homework file.
 
         Raises:
-            LessonError: it is wrong, or its goal is reached before anything is done.
+            AbiError: it is wrong, or its goal is reached before anything is done.
             SceneError: its scene cannot be read.
         """
         try:
             given = Homework.model_validate(parse(file))
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
-            raise LessonError(str(fault_at(file, first["loc"], sentence_of(first)))) from None
+            raise AbiError(str(fault_at(file, first["loc"], sentence_of(first)))) from None
         setting = Setting(scene=given.scene, change=given.change)
         self.scene = scene_of(setting, Scene(version=1), file.parent)
         known = {*Scene.model_fields, *_settings(self.scene)}
         for name in (*given.keep, *given.free):
             if name not in known:
                 text = f"keep and free name fields such as search.taut, not {name}."
-                raise LessonError(str(fault_at(file, ("keep",), text)))
+                raise AbiError(str(fault_at(file, ("keep",), text)))
         self._planner = Planner()
         self.challenge = Challenge(
             text=given.text,
@@ -100,7 +100,7 @@ class HomeworkTask:
         )
         if self.challenge.is_met(Frame(self._planner(self.scene))):
             text = "the goal is reached before anything is done."
-            raise LessonError(str(fault_at(file, ("until",), text)))
+            raise AbiError(str(fault_at(file, ("until",), text)))
 
     def link(self, server: str) -> str:
         """URL that opens the homework on a server, whose own URL may have a token."""

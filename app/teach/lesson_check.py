@@ -37,7 +37,7 @@ def check_folder(folder: Path, layers: Collection[str]) -> tuple[LessonFault, ..
         layers: names that ``shown`` may have.
 
     Raises:
-        LessonError: the folder has no lesson.
+        AbiError: the folder has no lesson.
     """
     faults: set[LessonFault] = set()
     for file in lesson_files(folder):

@@ -26,10 +26,6 @@ _COUNTED = {"steps": "page", "choices": "answer", "until": "condition"}
 _LINE = re.compile(r" \(line (\d+)\)$")
 
 
-class LessonError(AbiError):
-    """A lesson that cannot be read."""
-
-
 @dataclass(frozen=True, order=True)
 class LessonFault:
     """Something wrong in a lesson file.
@@ -55,7 +51,7 @@ def load_lessons(folder: Path | None = None) -> Lessons:
     """The shipped lessons and those of a folder, by file name, each with its folder.
 
     Raises:
-        LessonError: the folder has no lesson, or one is wrong; names file and field.
+        AbiError: the folder has no lesson, or one is wrong; names file and field.
     """
     own = {} if folder is None else _read_all(lesson_files(folder))
     return _read_all(sorted(assets.path("lessons").glob("*.yaml"))) | own
@@ -67,7 +63,7 @@ def _read_all(files: Sequence[Path]) -> dict[str, tuple[Lesson, Path]]:
         lesson, faults = read_lesson(file)
         if lesson is None:
             more = f" ({len(faults) - 1} more: abi lessons check)" if faults[1:] else ""
-            raise LessonError(f"{faults[0]}{more}")
+            raise AbiError(f"{faults[0]}{more}")
         found[file.stem] = lesson, file.parent
     return found
 
@@ -76,16 +72,16 @@ def lesson_named(name: str) -> tuple[Lesson, Path]:
     """A shipped lesson by name, or one from a file, and its file.
 
     Raises:
-        LessonError: there is none, or it is wrong.
+        AbiError: there is none, or it is wrong.
     """
     shipped = {file.stem: file for file in assets.path("lessons").glob("*.yaml")}
     file = shipped.get(name, Path(name))
     if not file.is_file():
         known = ", ".join(sorted(shipped))
-        raise LessonError(f"There is no lesson {name!r}; expected a file, or one of {known}.")
+        raise AbiError(f"There is no lesson {name!r}; expected a file, or one of {known}.")
     lesson, faults = read_lesson(file)
     if lesson is None:
-        raise LessonError(str(faults[0]))
+        raise AbiError(str(faults[0]))
     return lesson, file
 
 
@@ -97,13 +93,13 @@ def library(folder: Path, layers: Collection[str]) -> Library:
         layers: names that ``shown`` may have.
 
     Raises:
-        LessonError: as :func:`load_lessons`, or a layer has another name.
+        AbiError: as :func:`load_lessons`, or a layer has another name.
     """
     read = functools.cache(functools.partial(load_lessons, folder))
     for name, (lesson, place) in read().items():
         if place == folder:
             for fault in unknown_layers(folder / f"{name}.yaml", lesson, layers):
-                raise LessonError(str(fault))
+                raise AbiError(str(fault))
     return read
 
 
@@ -111,11 +107,11 @@ def lesson_files(folder: Path) -> list[Path]:
     """The lesson files in a folder, in order; scene files may lie beside them.
 
     Raises:
-        LessonError: there is none.
+        AbiError: there is none.
     """
     files = [file for file in sorted(folder.glob("*.yaml")) if not _is_scene(file)]
     if not files:
-        raise LessonError(f"--lessons: {str(folder)!r} has no lesson; expected *.yaml in it.")
+        raise AbiError(f"--lessons: {str(folder)!r} has no lesson; expected *.yaml in it.")
     return files
 
 

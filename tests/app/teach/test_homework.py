@@ -17,7 +17,6 @@ from app.cli.command_line import cli
 from app.state.frame import Frame
 from app.teach.challenge import TASK, parsed
 from app.teach.homework import HomeworkTask
-from app.teach.lesson_file import LessonError
 from app.teach.result_code import result_code, scene_of_code
 
 KEEP = (*TASK, "search.taut")
@@ -144,6 +143,6 @@ def test_the_link_opens_the_homework_and_fits_a_qr_code(file: Path, tmp_path: Pa
 )
 def test_a_wrong_homework_is_told(file: Path, old: str, new: str, told: str) -> None:
     file.write_text(FILE.replace(old, new), encoding="utf-8")
-    with pytest.raises(LessonError) as caught:
+    with pytest.raises(AbiError) as caught:
         HomeworkTask(file)
     assert told in caught.value.message

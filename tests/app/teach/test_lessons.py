@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from abi import assets, load_scene, plan
+from abi.errors import AbiError
 from abi.explain.paper.curve_figures import of_splines
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
@@ -24,7 +25,7 @@ from app.tab.view import SHOWN, SWITCHES
 from app.teach.figures import figures
 from app.teach.lesson import Lesson, Step, scene_of
 from app.teach.lesson_check import check_pages
-from app.teach.lesson_file import LessonError, library, load_lessons, unknown_layers
+from app.teach.lesson_file import library, load_lessons, unknown_layers
 from app.teach.measures import MEASURES, filled, text
 from app.ui.formulas import with_formulas
 from tests.app.fake_tab import FakeTab, layer, until
@@ -180,7 +181,7 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
 def test_a_wrong_lesson_is_told_with_its_line_in_one_sentence(
     old: str, new: str, told: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(LessonError) as caught:
+    with pytest.raises(AbiError) as caught:
         load_lessons(folder_with(tmp_path, GOOD.replace(old, new)))
     assert caught.value.message.startswith(told)
     assert "\n" not in caught.value.message
@@ -188,7 +189,7 @@ def test_a_wrong_lesson_is_told_with_its_line_in_one_sentence(
 
 def test_a_layer_that_does_not_exist_is_named_at_the_start(tmp_path: Path) -> None:
     content = GOOD.replace("{scene: mine.yaml}", "{shown: [nodes, nods]}")
-    with pytest.raises(LessonError, match=r"own.yaml:4: page 1: There is no layer 'nods' among"):
+    with pytest.raises(AbiError, match=r"own.yaml:4: page 1: There is no layer 'nods' among"):
         library(folder_with(tmp_path, content), NAMES)
 
 
@@ -237,10 +238,10 @@ def test_everything_wrong_in_a_folder_is_told_at_once(tmp_path: Path) -> None:
 
 
 def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(LessonError, match="has no lesson"):
+    with pytest.raises(AbiError, match="has no lesson"):
         load_lessons(tmp_path)
     (tmp_path / "scene.yaml").write_text("version: 1\n", encoding="utf-8")
-    with pytest.raises(LessonError, match="has no lesson"):
+    with pytest.raises(AbiError, match="has no lesson"):
         load_lessons(tmp_path)
 
 
