@@ -99,10 +99,10 @@ def _poses_of(name: str, frame: Frame) -> FloatArray:
     plan, arm = frame.plan, frame.plan.arm
     if arm is None:
         return np.empty((0, 0))
-    poses = kind_of(arm).poses
+    kind = kind_of(arm)
     if name == "now":
-        return poses.other_poses(plan, arm, frame.time)
-    pose = poses.end_pose(plan, arm, name)
+        return kind.other_poses(plan, arm, frame.time)
+    pose = kind.end_pose(plan, arm, name)
     return np.empty((0, 0)) if pose is None else pose[None]
 
 
@@ -124,4 +124,4 @@ def _places(plan: Plan) -> FloatArray:
 def _joint_paths(plan: Plan) -> tuple[OtherPoses, ...]:
     """Joint paths of the other poses, at the page's samples of the motion."""
     assert plan.arm is not None
-    return kind_of(plan.arm).poses.other_joint_paths(plan, plan.arm)
+    return kind_of(plan.arm).other_joint_paths(plan, plan.arm)

@@ -54,8 +54,8 @@ class ArmRegionsLayer(Layer):
         scene, arm = plan.scene, plan.arm
         if arm is None:
             return False
-        poses = kind_of(arm).poses
-        start = poses.region_start(plan, arm)
+        kind = kind_of(arm)
+        start = kind.region_start(plan, arm)
         if start is None:
             return False
         obstacles = scene.obstacles if name == "shadow" else None
@@ -63,10 +63,10 @@ class ArmRegionsLayer(Layer):
         drawn = self._drawn.get(name, ())
         if drawn == state:
             return True
-        if interactive and poses.SLOW_REGIONS and drawn[1:] == state[1:]:
+        if interactive and kind.SLOW_REGIONS and drawn[1:] == state[1:]:
             return True
         self._drawn[name] = state
-        self._show(name, poses.region(name, plan, arm))
+        self._show(name, kind.region(name, plan, arm))
         return True
 
     def _show(self, name: str, triangles: FloatArray) -> None:

@@ -1,12 +1,11 @@
 """Table of the kinds of arms: what each looks like, and its other poses and regions.
 
-A new kind of arm is a line here.
+A new kind of arm is a module, and a line here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import viser
 
@@ -15,13 +14,19 @@ from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
-from app.layers.arm import paper_arm, paper_poses, urdf_arm, urdf_poses
+from app.layers.arm import paper_poses, urdf_poses
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.other_poses import OtherPoses
 
 
-class ArmPoses(Protocol):
-    """Poses of a kind of arm beside that of its motion, and its regions: the module of the kind."""
+class ArmKind(Protocol):
+    """What is drawn of a kind of arm beside its motion's pose, and its nodes: the kind's module."""
+
+    def nodes(self, scene: viser.SceneApi) -> ArmNodes[Any]:
+        """Its nodes in a tab's scene."""
+
+    def bodies(self, arm: Any) -> object:
+        """Make the bodies of its links, which all tabs share."""
 
     @property
     def SLOW_REGIONS(self) -> bool:
@@ -43,24 +48,7 @@ class ArmPoses(Protocol):
         """Triangles (n, 3, 3) of its ``shadow`` or ``reach``, [unit], world."""
 
 
-class ArmKind(NamedTuple):
-    """A kind of arm.
-
-    Attributes:
-        nodes: its nodes in a tab's scene.
-        bodies: makes the bodies of its links, which all tabs share.
-        poses: its other poses and its regions.
-    """
-
-    nodes: Callable[[viser.SceneApi], ArmNodes[Any]]
-    bodies: Callable[[Any], object]
-    poses: ArmPoses
-
-
-KINDS: dict[type[AnyArm], ArmKind] = {
-    PaperArm: ArmKind(paper_arm.PaperArmNodes, paper_arm.bodies, paper_poses),
-    UrdfArm: ArmKind(urdf_arm.UrdfArmNodes, urdf_arm.bodies, urdf_poses),
-}
+KINDS: dict[type[AnyArm], ArmKind] = {PaperArm: paper_poses, UrdfArm: urdf_poses}
 
 
 def kind_of(arm: AnyArm) -> ArmKind:

@@ -1,4 +1,4 @@
-"""Poses of the paper's arm beside that of its motion, and its regions."""
+"""The paper's arm as it is drawn: its poses beside that of its motion, and its regions."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import Elbow
 from app.drawing.lines import rows_at
+from app.layers.arm import paper_arm
 from app.layers.arm.arm_playback import samples_of
 from app.layers.arm.other_poses import OtherPoses
 
 SLOW_REGIONS = False
+nodes, bodies = paper_arm.PaperArmNodes, paper_arm.bodies
 
 
 def end_pose(plan: Plan, arm: PaperArm, end: str) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Poses of a URDF arm with the tool where its motion has it, and its regions."""
+"""A URDF arm as it is drawn: its poses with the tool as its motion has it, and its regions."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from abi.robot.urdf_arm import REACHED, UrdfArm
 from app.drawing.lines import rows_at
+from app.layers.arm import urdf_arm
 from app.layers.arm.arm_playback import samples_of
 from app.layers.arm.other_poses import OtherPoses
 from app.shared.once_a_plan import once_a_plan
@@ -33,6 +34,7 @@ _ALIKE = 0.05
 
 SLOW_REGIONS = True
 """They take longer than a frame where the start is another."""
+nodes, bodies = urdf_arm.UrdfArmNodes, urdf_arm.bodies
 
 
 def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
