@@ -87,9 +87,9 @@ def homework(file: Path, url: str, qr: Path | None) -> None:
     FILE says what to reach, in which scene, and what must stay. Whoever reaches it is shown a code
     to hand in, which abi lessons grade checks.
     """
-    from app.teach.homework import HomeworkTask
+    from app.teach.homework import homework_link
 
-    link = HomeworkTask(file).link(url)
+    link = homework_link(file, url)
     print_text(link)
     if qr is not None:
         _write_qr(link, qr)
@@ -123,7 +123,7 @@ def grade(file: Path, codes: TextIO) -> None:
 
     Exit code 0: all reach the goal; 3: one does not.
     """
-    from app.teach.homework import HomeworkTask
+    from app.teach.homework import faults_of
 
     rows = [row for row in csv.reader(codes) if any(one.strip() for one in row)]
     results = [
@@ -132,9 +132,9 @@ def grade(file: Path, codes: TextIO) -> None:
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(("name", "reached", "why not"))
-    grades = HomeworkTask(file).grade(results)
-    for one in grades:
-        writer.writerow((one.name, "no" if one.faults else "yes", " ".join(one.faults)))
+    found = faults_of(file, results)
+    for (name, _), faults in zip(results, found, strict=True):
+        writer.writerow((name, "no" if faults else "yes", " ".join(faults)))
     print_text(target.getvalue().rstrip())
-    if any(one.faults for one in grades):
+    if any(found):
         raise SystemExit(INCOMPLETE)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from abi.errors import AbiError
-from abi.planner.planner import Planner
+from abi.planner.planner import Planner, plan
 from abi.scene.scene import Scene
 from abi.scene.scene_file import parse
 from app.state.frame import Frame
@@ -48,87 +47,79 @@ class Homework(BaseModel):
         return (*(name for name in TASK if name not in self.free), *self.keep)
 
 
-@dataclass(frozen=True)
-class Grade:
-    """Grade of a result.
+def read_homework(file: Path) -> tuple[Scene, Challenge]:
+    """The scene of a homework file, and the challenge in it.
 
-    Attributes:
-        name: whose it is, as the list has it.
-        code: as it was handed in.
-        faults: what is missing, as sentences; none where the goal is reached.
+    Raises:
+        AbiError: the file is wrong, or its goal is reached before anything is done.
+        SceneError: its scene cannot be read.
     """
+    try:
+        given = Homework.model_validate(parse(file))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise AbiError(str(fault_at(file, first["loc"], sentence_of(first)))) from None
+    setting = Setting(scene=given.scene, change=given.change)
+    scene = scene_of(setting, Scene(version=1), file.parent)
+    known = {*Scene.model_fields, *_settings(scene)}
+    for name in (*given.keep, *given.free):
+        if name not in known:
+            text = f"keep and free name fields such as search.taut, not {name}."
+            raise AbiError(str(fault_at(file, ("keep",), text)))
+    challenge = Challenge(
+        text=given.text,
+        until=(*given.until, whole_plan(scene)),
+        task=fingerprint(scene, given.kept),
+        keep=given.kept,
+        homework=True,
+    )
+    if challenge.is_met(Frame(plan(scene))):
+        text = "the goal is reached before anything is done."
+        raise AbiError(str(fault_at(file, ("until",), text)))
+    return scene, challenge
 
-    name: str
-    code: str
-    faults: tuple[str, ...] = ()
 
+def homework_link(file: Path, server: str) -> str:
+    """URL that opens a homework on a server, whose own URL may have a token.
 
-class HomeworkTask:
-    """A homework with its scene.
-
-    Attributes:
-        scene: that the link opens.
-        challenge: over the scene.
+    Raises:
+        AbiError: as :func:`read_homework`.
     """
+    scene, challenge = read_homework(file)
+    state = TabState(name="homework", scene=scene, challenge=challenge.model_dump_json())
+    return f"{server}{'&' if '?' in server else '?'}state={state.encode()}"
 
-    def __init__(self, file: Path) -> None:
-        """Read a homework file.
 
-        Raises:
-            AbiError: it is wrong, or its goal is reached before anything is done.
-            SceneError: its scene cannot be read.
-        """
-        try:
-            given = Homework.model_validate(parse(file))
-        except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            raise AbiError(str(fault_at(file, first["loc"], sentence_of(first)))) from None
-        setting = Setting(scene=given.scene, change=given.change)
-        self.scene = scene_of(setting, Scene(version=1), file.parent)
-        known = {*Scene.model_fields, *_settings(self.scene)}
-        for name in (*given.keep, *given.free):
-            if name not in known:
-                text = f"keep and free name fields such as search.taut, not {name}."
-                raise AbiError(str(fault_at(file, ("keep",), text)))
-        self._planner = Planner()
-        self.challenge = Challenge(
-            text=given.text,
-            until=(*given.until, whole_plan(self.scene)),
-            task=fingerprint(self.scene, given.kept),
-            keep=given.kept,
-            homework=True,
-        )
-        if self.challenge.is_met(Frame(self._planner(self.scene))):
-            text = "the goal is reached before anything is done."
-            raise AbiError(str(fault_at(file, ("until",), text)))
+def faults_of(file: Path, results: Sequence[tuple[str, str]]) -> list[tuple[str, ...]]:
+    """What each result of a homework lacks, as sentences; none where the goal is reached.
 
-    def link(self, server: str) -> str:
-        """URL that opens the homework on a server, whose own URL may have a token."""
-        state = TabState(
-            name="homework", scene=self.scene, challenge=self.challenge.model_dump_json()
-        )
-        return f"{server}{'&' if '?' in server else '?'}state={state.encode()}"
+    Args:
+        file: the homework.
+        results: names and the codes that they handed in, whose scenes are planned again.
 
-    def grade(self, results: Sequence[tuple[str, str]]) -> tuple[Grade, ...]:
-        """Grades by name for the codes handed in; each scene is planned again."""
-        first: dict[str, str] = {}
-        grades = []
-        for name, code in results:
-            faults = self._faults(code)
-            if code in first:
-                faults = (*faults, f"the same code as {first[code]}.")
-            first.setdefault(code, name)
-            grades.append(Grade(name, code, faults))
-        return tuple(grades)
+    Raises:
+        AbiError: as :func:`read_homework`.
+    """
+    scene, challenge = read_homework(file)
+    first, planner = dict[str, str](), Planner()
+    found = []
+    for name, code in results:
+        faults = _faults(code, scene, challenge, planner)
+        if code in first:
+            faults = (*faults, f"the same code as {first[code]}.")
+        first.setdefault(code, name)
+        found.append(faults)
+    return found
 
-    def _faults(self, code: str) -> tuple[str, ...]:
-        try:
-            scene = scene_of_code(code, self.scene, self.challenge.keep)
-        except AbiError as error:
-            return (error.message,)
-        frame = Frame(self._planner(scene))
-        missed = [one for one in self.challenge.until if not one.holds(frame)]
-        return tuple(f"{one.missed(frame)}." for one in missed)
+
+def _faults(code: str, task: Scene, challenge: Challenge, planner: Planner) -> tuple[str, ...]:
+    try:
+        scene = scene_of_code(code, task, challenge.keep)
+    except AbiError as error:
+        return (error.message,)
+    frame = Frame(planner(scene))
+    missed = [one for one in challenge.until if not one.holds(frame)]
+    return tuple(f"{one.missed(frame)}." for one in missed)
 
 
 def _settings(scene: Scene) -> list[str]:

@@ -16,7 +16,7 @@ from abi.scene.scene import Scene
 from app.cli.command_line import cli
 from app.state.frame import Frame
 from app.teach.challenge import TASK, parsed
-from app.teach.homework import HomeworkTask
+from app.teach.homework import read_homework
 from app.teach.result_code import result_code, scene_of_code
 
 KEEP = (*TASK, "search.taut")
@@ -80,15 +80,14 @@ def test_a_code_cannot_change_what_has_to_stay() -> None:
 
 
 def test_who_reaches_the_goal_is_given_a_code_that_is_right(file: Path, tmp_path: Path) -> None:
-    task = HomeworkTask(file)
-    challenge = parsed(task.challenge.model_dump_json())
-    assert challenge is not None
-    done = Frame(plan(task.scene.replace(mesh={"lattice": "delaunay", "pitch": 0.8})))
+    task, challenge = read_homework(file)
+    assert parsed(challenge.model_dump_json()) == challenge
+    done = Frame(plan(task.replace(mesh={"lattice": "delaunay", "pitch": 0.8})))
     assert challenge.is_met(done)
     shown = challenge.html(True, done)
-    code = result_code(done.plan.scene, task.challenge.keep)
+    code = result_code(done.plan.scene, challenge.keep)
     assert f">{code}</code>" in shown
-    near = result_code(task.scene, task.challenge.keep)
+    near = result_code(task, challenge.keep)
     codes = tmp_path / "codes.csv"
     codes.write_text(f"ada,{code}\nbob,{near}\neve,{code}\nkim,abcd\n\n", encoding="utf-8")
     run = CliRunner().invoke(cli, ["lessons", "grade", str(file), str(codes)])
@@ -112,11 +111,11 @@ def test_a_link_with_any_fields_harms_nobody(keep: list[str]) -> None:
 
 
 def test_straightening_the_path_is_seen_where_it_has_to_stay(file: Path) -> None:
-    task = HomeworkTask(file)
-    taut = not task.scene.search.taut
-    frame = Frame(plan(task.scene.replace(search={"taut": taut}, mesh={"pitch": 0.8})))
-    assert not task.challenge.is_met(frame)
-    assert "search.taut" in task.challenge.html(False, frame)
+    task, challenge = read_homework(file)
+    taut = not task.search.taut
+    frame = Frame(plan(task.replace(search={"taut": taut}, mesh={"pitch": 0.8})))
+    assert not challenge.is_met(frame)
+    assert "search.taut" in challenge.html(False, frame)
 
 
 def test_the_link_opens_the_homework_and_fits_a_qr_code(file: Path, tmp_path: Path) -> None:
@@ -144,5 +143,5 @@ def test_the_link_opens_the_homework_and_fits_a_qr_code(file: Path, tmp_path: Pa
 def test_a_wrong_homework_is_told(file: Path, old: str, new: str, told: str) -> None:
     file.write_text(FILE.replace(old, new), encoding="utf-8")
     with pytest.raises(AbiError) as caught:
-        HomeworkTask(file)
+        read_homework(file)
     assert told in caught.value.message
