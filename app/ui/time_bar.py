@@ -6,7 +6,6 @@ None is told by its colour alone: touching is thick, undecided is striped, prove
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from abi.arm_planning.joint_search.held_part import HeldSpan
 from abi.certification.verdict import State, TimeStretch
@@ -19,12 +18,8 @@ _MOST = 200
 """Most stretches that are drawn."""
 
 
-class _BarLook(NamedTuple):
-    """Name of a state, its image in CSS, and its height, [px]."""
-
-    words: str
-    image: str
-    height: int
+_BarLook = tuple[str, str, int]
+"""Name of a state, its image in CSS, and its height, [px]."""
 
 
 def _plain(colour: style.Colour) -> str:
@@ -37,12 +32,12 @@ def _striped(colour: style.Colour) -> str:
 
 
 _LOOKS: dict[State, _BarLook] = {
-    "clear": _BarLook("proven clear", _plain(style.GOOD[0]), 3),
-    "undecided": _BarLook("not decided", _striped(_UNDECIDED), 6),
-    "touches": _BarLook("touching", _plain(style.VIOLATION), 6),
+    "clear": ("proven clear", _plain(style.GOOD[0]), 3),
+    "undecided": ("not decided", _striped(_UNDECIDED), 6),
+    "touches": ("touching", _plain(style.VIOLATION), 6),
 }
 
-_HELD = _BarLook("direction of the gripper kept", _plain(style.TAUT), 2)
+_HELD = ("direction of the gripper kept", _plain(style.TAUT), 2)
 
 
 def bar_style(stretches: Sequence[TimeStretch], end: float, held: Sequence[HeldSpan] = ()) -> str:
@@ -84,9 +79,10 @@ def legend(stretches: Sequence[TimeStretch]) -> str:
 
 def _layer(span: tuple[float, float], end: float, look: _BarLook, height: str = "50%") -> str:
     """CSS background of a span of time at a height of the bar."""
+    _, image, thickness = look
     low, high = (100 * moment / end for moment in span)
     width = min(max(high - low, _LEAST), 100.0)
     low = min(max((low + high - width) / 2, 0.0), 100 - width)
     # a percentage places as much of the image as of the bar
     place = 100 * low / (100 - width) if width < 100 else 0.0
-    return f"{look.image} {place:.2f}% {height}/{width:.2f}% {look.height}px no-repeat"
+    return f"{image} {place:.2f}% {height}/{width:.2f}% {thickness}px no-repeat"
