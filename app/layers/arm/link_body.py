@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,20 +12,8 @@ from app.drawing import solids
 from app.drawing.glb import triangle_set
 from app.ui import style
 
-
-@dataclass(frozen=True, eq=False)
-class LinkMesh:
-    """Triangles of a link.
-
-    Attributes:
-        vertices: (n, 3), [unit].
-        faces: (m, 3).
-        colours: of the vertices, red, green and blue, (n, 3).
-    """
-
-    vertices: FloatArray
-    faces: IntArray
-    colours: ByteArray
+ColouredTriangles = tuple[FloatArray, IntArray, ByteArray]
+"""Vertices (n, 3), [unit], faces (m, 3), and red, green and blue of the vertices, (n, 3)."""
 
 
 def link_glbs(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> tuple[bytes, bytes]:
@@ -37,26 +24,24 @@ def link_glbs(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> tu
         pose: of the link in the frame that moves it, (4, 4), in the unit of the shapes.
         scale: factor from that unit to the scene's.
     """
-    mesh = link_mesh(shapes, pose, scale)
-    touching = np.tile(np.array(style.TOUCHING, np.uint8), (len(mesh.vertices), 1))
-    return (
-        triangle_set(mesh.vertices, mesh.faces, mesh.colours),
-        triangle_set(mesh.vertices, mesh.faces, touching),
-    )
+    vertices, faces, colours = link_mesh(shapes, pose, scale)
+    touching = np.tile(np.array(style.TOUCHING, np.uint8), (len(vertices), 1))
+    return triangle_set(vertices, faces, colours), triangle_set(vertices, faces, touching)
 
 
-def link_mesh(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> LinkMesh:
-    """Mesh of a link in its own colours; arguments as for :func:`link_glbs`."""
+def link_mesh(shapes: Sequence[LinkShape], pose: FloatArray, scale: float) -> ColouredTriangles:
+    """Triangles of a link in its own colours; arguments as for :func:`link_glbs`."""
     parts = [_solid(shape, pose @ shape.pose) for shape in shapes]
-    counts = [0, *np.cumsum([len(part.vertices) for part in parts])[:-1]]
-    return LinkMesh(
-        scale * np.concatenate([part.vertices for part in parts]),
-        np.concatenate([part.faces + count for part, count in zip(parts, counts, strict=True)]),
-        np.concatenate([part.colours for part in parts]),
+    vertices, faces, colours = zip(*parts, strict=True)
+    counts = [0, *np.cumsum([len(part) for part in vertices])[:-1]]
+    return (
+        scale * np.concatenate(vertices),
+        np.concatenate([part + count for part, count in zip(faces, counts, strict=True)]),
+        np.concatenate(colours),
     )
 
 
-def _solid(shape: LinkShape, pose: FloatArray) -> LinkMesh:
+def _solid(shape: LinkShape, pose: FloatArray) -> ColouredTriangles:
     """A shape in the frame that has the ``pose`` of its own."""
     if shape.kind == "mesh":
         vertices, faces = shape.vertices, shape.faces
@@ -74,12 +59,12 @@ def _solid(shape: LinkShape, pose: FloatArray) -> LinkMesh:
     return _coloured(placed, faces, shape.colours)
 
 
-def _coloured(vertices: FloatArray, faces: IntArray, colours: ByteArray) -> LinkMesh:
+def _coloured(vertices: FloatArray, faces: IntArray, colours: ByteArray) -> ColouredTriangles:
     """Triangles with a colour for all, (1, 3), or for each, (m, 3); none mixes at a vertex."""
     if len(colours) == 1:
-        return LinkMesh(vertices, faces, np.repeat(colours, len(vertices), axis=0))
+        return vertices, faces, np.repeat(colours, len(vertices), axis=0)
     _, kinds = np.unique(colours, axis=0, return_inverse=True)
     corners = np.column_stack((faces.ravel(), np.repeat(kinds.ravel(), 3)))
     kept, first, places = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     own = colours[first // 3]
-    return LinkMesh(vertices[kept[:, 0]], places.reshape(-1, 3).astype(np.int32), own)
+    return vertices[kept[:, 0]], places.reshape(-1, 3).astype(np.int32), own
