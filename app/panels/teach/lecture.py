@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.panels.teach.search_strip import SearchStrip
+from app.panels.teach.search_strip import search_strip
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.stages.catalogue import SHOWN_STAGES, TITLES
@@ -35,7 +35,7 @@ class Lecture:
     def __init__(self, layout: Layout, theatre: TheatrePanel, wake: Wake) -> None:
         self._layout = layout
         self._wake = wake
-        self._search = SearchStrip(layout.client.gui, theatre)
+        self._theatre = theatre
         gui = layout.client.gui
         self.toggle = hidden_button(gui, "Lecture", self._press)
         self._back = hidden_button(gui, "Stage before", wake)
@@ -90,7 +90,7 @@ class Lecture:
             page.call(self._layout.client, "lecture", self.on)
         content = self._strip() if self.on else ""
         if self.shows_search:
-            content = self._search.html(frame) + content
+            content = search_strip(self._theatre, frame) + content
         self._layout.overlay.show("lecture", content)
 
     def _strip(self) -> str:

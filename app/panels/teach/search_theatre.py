@@ -19,7 +19,7 @@ from abi.search.compare import COMPARED
 from abi.search.replay import replay, with_next
 from abi.search.search import SEARCHES
 from abi.search.trace import NO_NODES, SearchTrace
-from app.panels.widgets import Wake, clamp
+from app.panels.widgets import Wake, clamp, hidden_button
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue
 from app.theatre.compared import LETTERS, lettered
@@ -51,6 +51,7 @@ class TheatrePanel:
     """Widgets and clock of the theatre, and the searches that it shows.
 
     Attributes:
+        back: hidden button that goes a step back; ``forward`` one forward, ``close`` ends it.
         playing: whether it goes on by itself.
         yields_clicks: whether a click in the scene answers the class and means nothing here.
         voted: whether a class votes on the next node: the search stands still and does not tell it.
@@ -92,6 +93,9 @@ class TheatrePanel:
         self.race = gui.add_checkbox(
             "race of three", False, hint="Three searches side by side, step for step."
         )
+        self.back = hidden_button(gui, "Search: back", partial(self.go, -1))
+        self.forward = hidden_button(gui, "Search: forward", partial(self.go, 1))
+        self.close = hidden_button(gui, "Search: end", self._end)
         self._letter = gui.add_text("letter", "", visible=False)
         self.playing = self.yields_clicks = self.voted = False
         self._pair: tuple[Scene, tuple[int, ...], tuple[int, ...]] | None = None
@@ -383,7 +387,7 @@ class TheatrePanel:
             self._inputs.append(_STEPS[event.target.value])
         self._wake(event)
 
-    def end(self, event: object) -> None:
+    def _end(self, event: object) -> None:
         """Show paths, curves and arm again."""
         self.on.value = False
         self._wake(event)

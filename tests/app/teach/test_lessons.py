@@ -340,7 +340,7 @@ def test_a_search_that_is_stepped_through_is_told_of_and_ended_over_the_scene(
     fake.set(panels.theatre.on, True)
     until(lambda: "A search, step by step." in shown["message"])
     until(lambda: ">Close search</button>" in shown.get("lecture", ""))
-    fake.set(panels.lecture._search._end, True)
+    fake.set(panels.theatre.close, True)
     until(lambda: session.frame.theatre is None and "Drag the orange box." in shown["message"])
     assert not panels.theatre.on.value
 
