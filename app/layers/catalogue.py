@@ -19,7 +19,6 @@ from app.layers.paths import PathsLayer
 from app.layers.race import RaceLayer
 from app.layers.result.headline import HeadlineLayer
 from app.layers.result.joint_rates import JointRatesLayer
-from app.layers.result.paper_text import PaperTextLayer
 from app.layers.result.plots import PlotsLayer
 from app.layers.result.stage_notes import StageNotesLayer
 from app.layers.result.tables import TablesLayer
@@ -53,6 +52,5 @@ SLOW_LAYERS: tuple[type[Layer], ...] = (
     ArmGhostsLayer,
     ArmRegionsLayer,
     JointTreesLayer,
-    PaperTextLayer,
 )
 """Sent in a message of their own: the page takes longer to show them than all the others."""

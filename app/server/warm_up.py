@@ -169,6 +169,6 @@ def prepare_picture() -> None:
     The arm's solids would take the interpreter from the first plan, which comes before them.
     """
     importlib.import_module("app.tab.session")
-    from app.layers.result.paper_text import paper_text
+    from app.panels.teach.figures import paper_text
 
     paper_text()

@@ -1,4 +1,4 @@
-"""Buttons for the paper's figures, and the table of its numbers beside ours."""
+"""The paper: buttons for its figures, its numbers beside ours, and its method as text."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from app.teach.cue import Cue
 from app.teach.figures import figures
 from app.teach.lesson import scene_of
 from app.ui import style
+from app.ui.formulas import with_formulas
 from app.ui.table import table
 
 _SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
@@ -25,10 +26,11 @@ _MINUS = re.compile(r"(?<!\w)-(?=\d)")
 
 
 class FiguresPanel:
-    """Nine buttons, a caption, and a button for the table.
+    """Nine buttons, a caption, a button for the table, and the text, which a lesson hides.
 
     Attributes:
         number: of the figure shown, from 1; 0 for none.
+        method: the text.
     """
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
@@ -54,6 +56,8 @@ class FiguresPanel:
                 hint="Computes all of them again; takes some seconds.",
             )
             self._text = gui.add_html("", visible=False)
+        self.method = gui.add_markdown("")
+        self._drawn = False
         for group in self.buttons:
             group.on_click(self._press)
         self.back.on_click(wake)
@@ -89,7 +93,12 @@ class FiguresPanel:
 
     def draw(self, frame: Frame) -> None:
         """Compute the table if its button was pressed; hide while a lesson is gone through."""
-        self._folder.visible = not frame.lesson
+        self._folder.visible = self.method.visible = not frame.lesson
+        # it would delay the first picture, and the first that answers a hand
+        waits = not self._drawn or (frame.interactive and not frame.demonstrates)
+        self._drawn = True
+        if not (waits or self.method.content):
+            self.method.content = paper_text()
         if pressed(self.reproduce):
             self._text.content = _table()
             self._text.visible = True
@@ -111,6 +120,12 @@ def _table() -> str:
     ]
     signs = ", ".join(f"{sign} {verdict}" for verdict, sign in _SIGNS.items())
     return f'<div style="zoom:.82">{table(("what", "printed", "ours", ""), rows, signs)}</div>'
+
+
+@functools.cache
+def paper_text() -> str:
+    """The paper's method and misprints as Markdown, its formulas as MathML."""
+    return with_formulas(assets.path("lessons", "paper.md").read_text(encoding="utf-8"))
 
 
 def _wrapped(text: str) -> str:

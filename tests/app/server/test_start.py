@@ -47,7 +47,7 @@ def test_what_the_first_picture_needs_is_there_before_a_tab_asks_and_no_more() -
         """
 from app.server.warm_up import prepare_picture
 prepare_picture()
-from app.layers.result.paper_text import paper_text
+from app.panels.teach.figures import paper_text
 before = paper_text.cache_info()
 paper_text()
 after = paper_text.cache_info()

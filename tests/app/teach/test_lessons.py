@@ -17,7 +17,6 @@ from abi.scene.scene import Scene
 from abi.teach import exercises, notebook
 from abi.teach.exercise_file import exercises_in
 from app.cli.command_line import cli
-from app.layers.result.paper_text import PaperTextLayer
 from app.panels.teach.figures import _wrapped
 from app.state.frame import Frame
 from app.tab.session import Session
@@ -28,7 +27,7 @@ from app.teach.lesson_check import check_pages
 from app.teach.lesson_file import library, load_lessons, unknown_layers
 from app.teach.measures import MEASURES, filled, text
 from app.ui.formulas import with_formulas
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, until
 from tests.shipped_lessons import LESSONS
 
 FOLDER = assets.path("lessons")
@@ -378,7 +377,7 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
             fake.set(lessons.choice, lessons.titles[2])
             until(lambda: session.frame.theatre is not None)
             assert not panels.figures._folder.visible
-            assert not layer(session, PaperTextLayer)._text.visible
+            assert not panels.figures.method.visible
             if leave == "lesson":
                 fake.set(lessons.leave, True)
             else:
@@ -388,9 +387,7 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
         until(is_back)
         assert not panels.figures.back.visible
         assert lessons.choice.value == lessons.choice.options[0]
-        until(
-            lambda: panels.figures._folder.visible and layer(session, PaperTextLayer)._text.visible
-        )
+        until(lambda: panels.figures._folder.visible and panels.figures.method.visible)
 
 
 def test_a_lesson_left_after_a_reload_shows_the_layers_again(tab: tuple[FakeTab, Session]) -> None:
