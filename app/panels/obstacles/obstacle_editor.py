@@ -175,10 +175,11 @@ class ObstacleEditor:
 
     def _placed(self, name: str, surface: Surface, scene: Scene) -> MeshShape:
         """A mesh at a size that can be seen, where it was foreseen or else at a free place."""
-        foreseen = self._obstacles.foreseen
-        if foreseen is not None and foreseen.mesh.surface == surface:
-            pose: dict[str, Any] = {"position": foreseen.mesh.position}
-            mesh = MeshShape.of(surface, file=name, scale=foreseen.mesh.scale, **pose)
+        preview = self._obstacles.foreseen
+        foreseen = None if preview is None else preview.obstacle
+        if isinstance(foreseen, MeshShape) and foreseen.surface == surface:
+            pose: dict[str, Any] = {"position": foreseen.position}
+            mesh = MeshShape.of(surface, file=name, scale=foreseen.scale, **pose)
             return mesh.in_unit(scene.unit)
         scale = fitted_scale(surface, scene)
         factor = scale * file_factor(surface, None, scene.unit)

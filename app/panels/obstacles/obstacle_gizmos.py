@@ -35,24 +35,9 @@ _FADED = 0.35
 """Part of it that obstacles keep while one looks at the nodes of a search, also at those behind."""
 
 
-@dataclass(frozen=True, eq=False)
-class Foreseen:
-    """Preview of an uploaded mesh, drawn until it is an obstacle.
-
-    Attributes:
-        mesh: as it will be.
-        gizmo: that it will have.
-        body: its surface.
-    """
-
-    mesh: MeshShape
-    gizmo: viser.TransformControlsHandle
-    body: Body
-
-
 @dataclass(eq=False)
 class ObstacleNodes:
-    """An obstacle in the scene.
+    """An obstacle in the scene, or the preview of an uploaded mesh that is to be one.
 
     Attributes:
         data: as in a scene file, without its pose; the editor changes it.
@@ -103,7 +88,7 @@ class ObstacleGizmos:
         self._grip: FloatArray | None = None
         self._placing = threading.Lock()  # hands are heard in another thread than places one
         self.dragged = False
-        self.foreseen: Foreseen | None = None
+        self.foreseen: ObstacleNodes | None = None
         self.chosen = 0
         self.write(scene)
 
@@ -210,12 +195,11 @@ class ObstacleGizmos:
     def foresee(self, mesh: MeshShape) -> None:
         """Draw a mesh that is not turned, faintly, until it is added."""
         self.forget_foreseen()
-        gizmo = self._new_gizmo(mesh)
+        self.foreseen = one = self._new_nodes(mesh)
         # its bounds take longer, and are found while it is prepared
         diagonal = mesh.factor * np.ptp(mesh.surface.vertices, axis=0)
         radius = float(np.linalg.norm(diagonal) / 2)
-        body = self._new_body(gizmo, mesh, radius)
-        self.foreseen = Foreseen(mesh, gizmo, body)
+        one.body = body = self._new_body(one.gizmo, mesh, radius)
         body.opacity = _FORESEEN * (body.opacity or 1.0)
 
     def forget_foreseen(self) -> None:
@@ -240,26 +224,22 @@ class ObstacleGizmos:
 
     def add(self, obstacle: Obstacle) -> None:
         """Add an obstacle's gizmo; the next frame gives it a body, if it was not foreseen."""
-        foreseen, self.foreseen = self.foreseen, None
-        if foreseen is not None and not _is_drawn_as(obstacle, foreseen.mesh):
-            foreseen.gizmo.remove()
-            foreseen = None
-        gizmo = self._new_gizmo(obstacle) if foreseen is None else foreseen.gizmo
-        label = self._scene.add_label(
-            f"{gizmo.name}/number", "", anchor="center-center", visible=False
-        )
-        data = obstacle.model_dump(mode="json", exclude=_POSE)
-        posed = _with_pose(data, gizmo)
-        self.shown.append(one := ObstacleNodes(data, gizmo, label, posed, obstacle, posed))
-        if foreseen is not None:
-            one.drawn = dict(data)
-            foreseen.body.opacity = (foreseen.body.opacity or 1.0) / _FORESEEN
-            self._embody(one, foreseen.body)
+        one, self.foreseen = self.foreseen, None
+        if one is not None and one.body is not None and _is_drawn_as(obstacle, one.obstacle):
+            _put(one, obstacle)
+            one.drawn = dict(one.data)
+            one.body.opacity = (one.body.opacity or 1.0) / _FORESEEN
+            self._embody(one, one.body)
+        else:
+            if one is not None:
+                one.gizmo.remove()
+            one = self._new_nodes(obstacle)
+        self.shown.append(one)
         self._embodied = None
         self._with_handles = -2
 
-    def _new_gizmo(self, obstacle: Obstacle) -> viser.TransformControlsHandle:
-        """A gizmo without handles where an obstacle is."""
+    def _new_nodes(self, obstacle: Obstacle) -> ObstacleNodes:
+        """A gizmo without handles where an obstacle is, and its label; no body yet."""
         self._added += 1
         gizmo = self._scene.add_transform_controls(
             f"/obstacle_{self._added}",
@@ -276,7 +256,12 @@ class ObstacleGizmos:
         )
         gizmo.on_update(self._drag_gizmo)
         page.keep_to_tab(gizmo)
-        return gizmo
+        label = self._scene.add_label(
+            f"{gizmo.name}/number", "", anchor="center-center", visible=False
+        )
+        data = obstacle.model_dump(mode="json", exclude=_POSE)
+        posed = _with_pose(data, gizmo)
+        return ObstacleNodes(data, gizmo, label, posed, obstacle, posed)
 
     def remove(self, number: int) -> None:
         """Remove obstacle ``number``, from 0."""
@@ -378,9 +363,11 @@ def _radius(obstacle: Obstacle) -> float:
     return float(np.linalg.norm(high - low) / 2)
 
 
-def _is_drawn_as(obstacle: Obstacle, mesh: MeshShape) -> bool:
-    """Check whether an obstacle has the same surface, of the same size, in the same place."""
-    if not isinstance(obstacle, MeshShape) or obstacle.surface != mesh.surface:
+def _is_drawn_as(one: Obstacle, other: Obstacle) -> bool:
+    """Check whether two are meshes of the same surface, of the same size, in the same place."""
+    if not (isinstance(one, MeshShape) and isinstance(other, MeshShape)):
         return False
-    pose = obstacle.factor, obstacle.position, obstacle.wxyz
-    return pose == (mesh.factor, mesh.position, mesh.wxyz)
+    if one.surface != other.surface:
+        return False
+    pose = one.factor, one.position, one.wxyz
+    return pose == (other.factor, other.position, other.wxyz)
