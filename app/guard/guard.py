@@ -18,7 +18,7 @@ from app.guard.messages import GizmoUpdate
 from app.guard.page_file import page_response
 from app.guard.policy import Policy
 from app.guard.porter import Porter
-from app.guard.refusals import Refusals, RefusedError
+from app.guard.refusals import Refusals
 from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
 from app.guard.side_door import SideDoor
@@ -92,16 +92,13 @@ class Guard:
         self, pages: Pages, connection: ServerConnection, request: Request
     ) -> Response | None:
         """Answer to a request; None opens a websocket."""
-        try:
-            response = self._answer(pages, connection, request)
-        except RefusedError as refused:
-            response, reason = responses.text(refused.status, f"{refused}\n"), str(refused)
-        else:
-            reason = ""
-        if response is not None and response.status_code >= http.HTTPStatus.BAD_REQUEST:
-            status = http.HTTPStatus(response.status_code)
+        found, reason = self._answer(pages, connection, request), ""
+        if isinstance(found, str):
+            reason, found = found, responses.text(http.HTTPStatus.FORBIDDEN, f"{found}\n")
+        if found is not None and found.status_code >= http.HTTPStatus.BAD_REQUEST:
+            status = http.HTTPStatus(found.status_code)
             self.refusals.note(status, request.path, connection.remote_address, reason)
-        return response
+        return found
 
     def secured(self, response: Response) -> Response:
         """Add the security headers to an answer."""
@@ -120,7 +117,8 @@ class Guard:
 
     def _answer(
         self, pages: Pages, connection: ServerConnection, request: Request
-    ) -> Response | None:
+    ) -> Response | str | None:
+        """Answer to a request, or what is wrong with it, for the operator to know, too."""
         path = request.path.partition("?")[0]
         if path == "/healthz":
             return self._health()
@@ -129,7 +127,7 @@ class Guard:
             request.headers, self.policy.token
         )
         if not trusted and (fault := host_fault(self.policy, request.headers)):
-            raise RefusedError(http.HTTPStatus.FORBIDDEN, fault)
+            return fault
         if (response := self._check_token(connection, request, path in _PAGES)) is not None:
             return response
         if path == "/metrics":
@@ -144,7 +142,7 @@ class Guard:
             return responses.see_other(f"./index.html?{query}" if query else "./index.html")
         if upgrade == "websocket":
             if not trusted and (fault := origin_fault(self.policy, request.headers)):
-                raise RefusedError(http.HTTPStatus.FORBIDDEN, fault)
+                return fault
             return responses.full(self.policy.max_tabs) if self.is_full else None
         if path == _CONNECTION:
             return responses.text(http.HTTPStatus.OK, "" if trusted else self._lack_of(request))

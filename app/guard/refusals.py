@@ -14,14 +14,6 @@ _LONGEST = 80
 """Most characters of a request that are logged."""
 
 
-class RefusedError(Exception):
-    """Raised if a request is refused for a reason that the operator should know."""
-
-    def __init__(self, status: http.HTTPStatus, sentence: str) -> None:
-        super().__init__(sentence)
-        self.status = status
-
-
 class Refusals:
     """Refused requests of one server.
 
