@@ -19,6 +19,7 @@ from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, in_rows
 from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
 from abi.obstacles.triangle_mesh.shells import Shells, areas_of, shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.t_junctions import split_at_corners
 from abi.obstacles.triangle_mesh.union import united
 from abi.obstacles.triangle_mesh.welding import (
     faces_in_order,
@@ -30,14 +31,13 @@ from abi.obstacles.triangle_mesh.welding import (
 
 _WELD = 1e-6
 """Relative distance, over the mesh's size, within which corners are joined if that closes the
-surface."""
+surface, and a corner lies on an edge."""
 
 _CANCELLED = "has no holes, but its triangles bound no solid, as where a surface crosses itself"
 
-_CLOSED_GAPS = (
-    "Small gaps between its triangles were closed.",
-    "Where that moved corners, the triangles count as they were, too.",
-)
+_CLOSED_GAPS = "Small gaps between its triangles were closed."
+_SPLIT = "Triangles were split where corners of others lie on their edges."
+_AS_THEY_WERE = "Where that moved corners, the triangles count as they were, too."
 
 _MOST = 500_000
 """Most triangles of a united surface, so that its file can be read again."""
@@ -116,10 +116,11 @@ class _Split(NamedTuple):
 
 
 def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
-    """Split a mesh into shells, joining nearby corners if more of it bounds solids then.
+    """Split a mesh into shells, closing small gaps if more of it bounds solids then.
 
-    Corners of what bounds a solid already stay where they are. Triangles whose corners moved are
-    there as they were, too, so that nothing of the surface is lost, be it thinner than the gap.
+    Nearby corners are joined, and edges split at corners that lie on them. Corners of what bounds a
+    solid already stay where they are. Triangles whose corners moved are there as they were, too, so
+    that nothing of the surface is lost, be it thinner than the gap.
     """
     split = _split_as_it_is(vertices, faces)
     solid = split.shells.is_solid
@@ -133,18 +134,21 @@ def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
         return split
     near = weld_nearby(vertices, kept[~stays], _WELD * size)
     count = np.int32(len(near.vertices))
+    faces, beside = split_at_corners(near.vertices, near.faces, _WELD * size)
     corners, ids = np.concatenate([near.vertices, vertices]), kept[stays] + count
-    joined = _split_as_it_is(*weld(corners, np.concatenate([ids, near.faces])))
+    joined = _split_as_it_is(*weld(corners, np.concatenate([ids, faces])))
     if joined.shells.is_solid.sum() <= solid.sum():
         return split
-    notes = _CLOSED_GAPS[: 1 + (len(near.moved) > 0)]
+    is_split, before = len(faces) > len(near.faces), np.concatenate([near.moved, beside])
+    told = [(_CLOSED_GAPS, not is_split or len(near.moved) > 0), (_SPLIT, is_split)]
+    notes = [sentence for sentence, holds in (*told, (_AS_THEY_WERE, len(before) > 0)) if holds]
     every = np.concatenate([joined.vertices, near.vertices]) + 0.0
     first, ids = distinct_rows(every)
     return _Split(
         vertices=every[first],
         shells=replace(joined.shells, faces=ids[joined.shells.faces]),
         notes=(" ".join(notes), *joined.notes),
-        moved=ids[near.moved + np.int32(len(joined.vertices))],
+        moved=ids[before + np.int32(len(joined.vertices))],
     )
 
 

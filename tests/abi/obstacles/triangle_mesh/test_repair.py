@@ -13,6 +13,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.welding import weld_nearby
 from tests.abi import meshes
 from tests.abi.meshes import Mesh
+from tests.thorough import examples
 
 RNG = np.random.default_rng(5)
 PROBES = RNG.uniform(-2.5, 2.5, (4000, 3))
@@ -200,6 +201,49 @@ def test_corners_that_nearly_meet_are_joined_where_that_closes_it() -> None:
     assert np.abs(np.abs(clean(shaken, faces).vertices) - 1).max() < 1e-7
     torn = vertices + RNG.uniform(-1e-3, 1e-3, vertices.shape)
     assert not clean(torn, faces).closed
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0, 1e-8]), st.booleans())
+@settings(max_examples=examples(12))
+def test_a_solid_with_corners_on_the_edges_of_others_stays_solid(
+    seed: int, noise: float, many: bool
+) -> None:
+    """As programs for construction write them: one of two neighbours is split along their edge."""
+    rng = np.random.default_rng(seed)
+    corners, faces = meshes.bumpy(1) if many else BOX
+    vertices, soup = [*corners], [*faces]
+    for _ in range(rng.integers(1, 9)):
+        # two corners on one edge at times, and pieces that are split again
+        a, b, c = soup.pop(rng.integers(len(soup)))
+        for share in np.sort(rng.uniform(0.05, 0.95, rng.integers(1, 3))):
+            place = (1 - share) * vertices[a] + share * vertices[b]
+            vertices.append(place + rng.uniform(-noise, noise, 3))
+            soup.append((a, len(vertices) - 1, c))
+            a = len(vertices) - 1
+        soup.append((a, b, c))
+    order = rng.permutation(len(soup))
+    surface = clean(np.array(vertices), np.array(soup, dtype=np.int32)[order])
+    assert surface.closed
+    expected = volume(clean(corners, faces))
+    assert volume(surface) == pytest.approx(expected, rel=1e-12 if noise == 0 else 1e-6)
+    assert noise or every_edge_has_two_sides(surface)
+    assert "Triangles were split where corners of others lie on their edges." in surface.notes[0]
+    again = clean(surface.vertices, surface.faces)
+    assert again == surface
+    # what lay on the surface is not beyond it
+    weights = rng.dirichlet(np.ones(3), 5)
+    points = (weights @ np.array(vertices)[np.array(soup)]).reshape(-1, 3)
+    assert MeshShape.of(surface).signed_distance(points).max() < 1e-15
+
+
+def test_a_corner_beside_an_edge_closes_nothing() -> None:
+    vertices, faces = BOX
+    a, b, c = faces[0]
+    middle = (vertices[a] + vertices[b]) / 2 + 1e-4 * vertices[c]
+    torn = [*faces[1:], (a, 8, c), (8, b, c)]
+    surface = clean(np.concatenate([vertices, [middle]]), np.array(torn, dtype=np.int32))
+    assert not surface.closed
+    assert "has holes" in surface.notes[0]
 
 
 @pytest.mark.parametrize("gap", [1e-9, 2e-7])
