@@ -39,7 +39,7 @@ def polynomials_are_clear(plan: Plan) -> bool:
     for leg in plan.legs or (plan,):
         assert leg.motion is not None
         last = first + len(leg.motion.time) - 1  # where the next leg begins
-        moves = _polynomials(plan, slice(first, last + 1))
+        moves = _polynomials(plan, leg, slice(first, last + 1))
         first = last
         if any(one.quantity == "position" for one in joint_limits(moves).passed):
             return False
@@ -59,9 +59,12 @@ def _paper_arm(plan: Plan) -> PaperArm | None:
     return plan.arm if isinstance(plan.arm, PaperArm) else None
 
 
-def _polynomials(plan: Plan, rows: slice) -> RobotMotion:
-    """Quintic polynomials between some points of a motion, [rad] and [m]."""
-    motion, arm = plan.motion, plan.arm
+def _polynomials(plan: Plan, leg: Plan, rows: slice) -> RobotMotion:
+    """Quintic polynomials between the points of a leg of a motion, [rad] and [m].
+
+    Its arm has what that leg holds, and its gripper as on that leg.
+    """
+    motion, arm = plan.motion, leg.arm
     assert motion is not None
     assert arm is not None
     tables = motion.positions, motion.joint_velocities, motion.joint_accelerations

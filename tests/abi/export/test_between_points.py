@@ -108,6 +108,47 @@ def test_velocities_are_left_out_where_with_them_a_joint_would_pass_what_it_near
     assert (b"straight ways" in text) == (samples == 3)
 
 
+@pytest.mark.parametrize("samples", [3, 101])
+def test_what_a_later_leg_holds_keeps_clear_where_controllers_go_with_velocities(
+    tmp_path: Path, samples: int
+) -> None:
+    (tmp_path / "lift.urdf").write_text(LIFT.format(2.0, 1.1, 0.4), encoding="utf-8")
+    scene = abi.Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": [-1, -1, 0], "max": [1, 1, 3]},
+            "start": {"joints": [0.0, 0.0]},
+            "obstacles": [{"shape": "box", "size": [0.1] * 3, "position": [0, 0.1, 0.999]}],
+            "tasks": [
+                {"goal": {"joints": [0.0, 0.1]}, "attach": 0},
+                {"goal": {"joints": [0.0, 0.5]}},
+                {"goal": {"joints": [0.94895, 0.5]}},  # the box ends 0.05 mm above the floor
+            ],
+            "motion": {"samples": samples, "speed": 5, "acceleration": 1, "deceleration": 10},
+            "spline": {"clearance": 0},
+            "arm": {"model": "urdf", "urdf": "lift.urdf", "base": [0, 0, 0], "search": "joints"},
+        },
+        folder=tmp_path,
+    )
+    plan = abi.plan_tasks(scene).joined
+    text = ros_trajectory.write(plan, "a.ros.json")
+    motion = read_motion("a.ros.json", text, own_joints(scene.arm.robot))
+    assert motion.interpolation == ("linear" if samples == 3 else "quintic")
+    rows = slice(2 * (samples - 1), None)
+    rates = [
+        None if one is None else one[rows] for one in (motion.velocities, motion.accelerations)
+    ]
+    last = replace(
+        motion,
+        times=motion.times[rows],
+        positions=motion.positions[rows],
+        velocities=rates[0],
+        accelerations=rates[1],
+    )
+    assert certify_motion(last, plan.legs[2].scene).state == "clear"
+
+
 def test_the_bound_of_the_departure_holds_for_the_polynomials() -> None:
     plan = abi.plan(abi.load_scene("kitchen-ur5e"))
     motion, arm = plan.motion, plan.arm
@@ -127,7 +168,9 @@ def test_the_bound_of_the_departure_holds_for_the_polynomials() -> None:
     straight = scipy.interpolate.make_interp_spline(coarse.time, coarse.positions, 1)
     away = [arm.chain.poses(positions(times))[..., 3] for positions in (polynomial, straight)]
     farthest = float(np.linalg.norm(away[0] - away[1], axis=-1).max())
-    bound = between_points._departure(arm, between_points._polynomials(coarse_plan, slice(None)))
+    bound = between_points._departure(
+        arm, between_points._polynomials(coarse_plan, coarse_plan, slice(None))
+    )
     assert 1e-4 < farthest <= bound < 0.2
 
 
@@ -178,7 +221,7 @@ def test_of_the_papers_arm_what_is_left_out_between_poses_counts_too(
         scipy.interpolate.make_interp_spline(motion.time, motion.positions, 1),
     )
     there = arm.placed(true.positions)
-    moves = between_points._polynomials(plan, slice(None))
+    moves = between_points._polynomials(plan, plan, slice(None))
     bound = between_points._from_curve(plan) + between_points._departure(arm, moves)
     for way in ways:
         straight = arm.placed(way(true.time))
