@@ -11,6 +11,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray, ReadOnlyCopies
+from abi.certification.stated_object import StatedObject
 from abi.errors import MotionError, short
 
 MOST_WAYPOINTS = 20_000
@@ -28,18 +29,18 @@ class RobotState(NamedTuple):
 
     Attributes:
         joints: positions by name, also of joints that the motion does not move, [rad] or [m].
-        objects: names of the objects that it holds.
+        objects: that it holds by a message.
         base: where its root stands in the world, x, y, z [m], and its quaternion x, y, z, w; None
             if that is not said.
         root: name of the link that stands there, empty for the root of its file; None if that is
             not said.
         attached: unit of length of a scene, and the object that it holds, as that has it; None if
-            its shape is not said.
+            no scene says so.
         rests: whether joints that are not named rest nearest to 0.
     """
 
     joints: Mapping[str, float]
-    objects: tuple[str, ...]
+    objects: tuple[StatedObject, ...]
     base: tuple[float, ...] | None = None
     root: str | None = None
     attached: tuple[str, Mapping[str, Any]] | None = None

@@ -32,6 +32,7 @@ _PLAIN_CDR = (b"\0\0", b"\0\1")
 """Beginnings of messages whose bytes are big- and little-endian."""
 _PADDING = 4
 """Bytes at the end of a message, less than which may fill it up to a multiple of four."""
+_SQLITE = b"SQLite format 3"
 _BAR = "=" * 80
 JOINT_TRAJECTORY = f"""std_msgs/Header header
 string[] joint_names
@@ -81,7 +82,7 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
     """
     found = list[BagMessage]()
     numbers: Counter[str] = Counter()
-    read = _sqlite_messages if content.startswith(b"SQLite format 3") else _mcap_messages
+    read = _sqlite_messages if content.startswith(_SQLITE) else _mcap_messages
     try:
         for name, data in read(content):
             numbers[name] += 1
@@ -93,6 +94,19 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
         reason = short(str(error) or type(error).__name__)
         raise MotionError(f"The bag cannot be read ({reason}).") from None
     return _chosen(found, topic).data
+
+
+def state_of_bag(content: bytes) -> list[str]:
+    """What the metadata of an MCAP file say of a motion that was exported into it, in words."""
+    if content.startswith(_SQLITE):
+        return []
+    from mcap.reader import NonSeekingReader  # here, since few need it
+
+    said = []
+    with suppress(Exception):  # the reader raises whatever it meets in a damaged bag
+        for one in NonSeekingReader(io.BytesIO(content)).iter_metadata():
+            said += [one.metadata["state"]] if one.name == "arm" else []
+    return said
 
 
 def _chosen(found: list[BagMessage], topic: str | None) -> BagMessage:

@@ -7,7 +7,8 @@ A ``trajectory_msgs/msg/JointTrajectory`` may stand alone or inside MoveIt's ``R
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Any
 
@@ -15,13 +16,39 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.certification.motion import Motion, RobotState
+from abi.certification.stated_object import StatedObject
 from abi.errors import MotionError, short
 from abi.obstacles.pose import METRES
+from abi.robot.urdf.urdf_joints import some_of
 
 _INSIDE = ("joint_trajectory", "trajectory", "solution", "motion")
 _STATES = ("trajectory_start", "start_state")
 _DEEPEST = 4
-_UNITS, _SI = ("unit", "units"), (None, "rad", "radian", "radians", "si", "SI")
+_UNIT = re.compile(r"unit|degree", re.IGNORECASE)
+_SI = (
+    None,
+    False,
+    "rad",
+    "radian",
+    "radians",
+    "m",
+    "s",
+    "si",
+    "SI",
+    {"angle": "rad", "length": "m"},
+)
+_STATE, _LONGEST_STATE = "state", 500
+_MESSAGE = frozenset(
+    (
+        *("header", "joint_names", "points", _STATE, *_INSIDE, *_STATES),
+        *("model_id", "group_name", "planning_time", "error_code"),
+        *("multi_dof_joint_trajectory",),
+    )
+)
+_PLAIN = frozenset(
+    ("joints", "positions", "velocities", "accelerations", "timed", _STATE, *_STATES)
+)
+"""Fields of messages that are read, or say nothing of the motion."""
 
 
 def read_message(data: object, slides: Sequence[str]) -> Motion:
@@ -34,30 +61,58 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
     Raises:
         MotionError: it is none of the known forms, or a part of it is missing or wrong.
     """
-    found, start = data, RobotState({}, ())
+    found, start, notes = data, RobotState({}, ()), list[str]()
     for _ in range(_DEEPEST):
         if isinstance(found, list) and len(found) == 1:
             found = found[0]
         if not isinstance(found, dict):
             break
         _check_base(found)
+        notes += told(found.get(_STATE))
         start = next((_state(found[name]) for name in _STATES if name in found), start)
         if "joint_names" in found and "points" in found:
-            return replace(_trajectory(found), start=start)
+            motion = _trajectory(found)
+            notes += _unused(found, _MESSAGE)
+            return replace(motion, start=start, notes=(*motion.notes, *notes))
         if "joints" in found and "positions" in found:
-            return _plain(found)
+            motion, used = _plain(found), {"times" if "times" in found else "time"}
+            notes += _unused(found, _PLAIN | used)
+            return replace(motion, start=start, notes=(*motion.notes, *notes))
         if isinstance(found.get("scene"), dict):
-            motion = found.get("arm")
+            planned = found.get("arm")
             if "legs" in found:
                 _check_legs(found["scene"].get("tasks"))
-                motion = found.get("trajectory")
-            if isinstance(motion, dict):
-                return _planned(motion, found["scene"], slides)
+                planned = found.get("trajectory")
+            if isinstance(planned, dict):
+                return _planned(planned, found["scene"], slides)
+        notes += _unused(found, _MESSAGE)
         found = next((found[name] for name in _INSIDE if name in found), None)
     raise MotionError(
         "The file holds no motion.",
         "Give a JointTrajectory with joint_names and points, a plan, or joints and positions.",
     )
+
+
+def told(state: object) -> list[str]:
+    """A sentence with what a file says of its motion in words; none if it says nothing."""
+    return [f"The file says: {state[:_LONGEST_STATE]}"] if isinstance(state, str) else []
+
+
+def _unused(message: Mapping[str, Any], known: Set[str]) -> list[str]:
+    """A sentence on fields of a file that are not read, none if there are none.
+
+    Raises:
+        MotionError: one is a unit that is not read.
+    """
+    others = [str(name) for name in message if name not in known]
+    for name in filter(_UNIT.search, others):
+        if message.get(name) not in _SI:
+            raise MotionError(
+                f"{name[:60]} of the motion is {short(message[name])}, which is not read.",
+                "Give angles in rad, lengths in m and times in s.",
+            )
+    left = [name for name in others if not _UNIT.search(name)]
+    return [f"Not used of the file: {some_of(left, 8)}."] if left else []
 
 
 def _check_base(message: Mapping[str, Any]) -> None:
@@ -75,8 +130,7 @@ def _state(state: object) -> RobotState:
     if not isinstance(state, dict):
         return RobotState({}, ())
     held = state.get("attached_collision_objects") or []
-    parts = [one.get("object") if isinstance(one, dict) else None for one in held]
-    objects = [str(one.get("id", "")) if isinstance(one, dict) else "" for one in parts]
+    objects = [StatedObject.of(one) for one in (held if isinstance(held, list) else [held])]
     joints = state.get("joint_state")
     names, at = ((joints or {}).get(name) or [] for name in ("name", "position"))
     if len(names) != len(at) or not all(map(_is_number, at)):
@@ -128,12 +182,6 @@ def _trajectory(message: dict[str, Any]) -> Motion:
 
 def _plain(data: dict[str, Any]) -> Motion:
     """Motion of ``joints``, ``positions`` and what else is known."""
-    for name in _UNITS:
-        if data.get(name) not in _SI:
-            raise MotionError(
-                f"{name} of the motion is {short(data[name])}, which is not read.",
-                "Give angles in rad, lengths in m and times in s.",
-            )
     names = _names(data["joints"])
     positions = _table("positions", data["positions"])
     rates = [

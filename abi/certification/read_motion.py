@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import codecs
-from collections.abc import Callable, Mapping
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from abi.certification.motion import Motion
-from abi.certification.read_bag import read_bag
+from abi.certification.read_bag import read_bag, state_of_bag
 from abi.certification.read_csv import read_csv
-from abi.certification.read_message import read_message
+from abi.certification.read_message import read_message, told
 from abi.errors import MotionError, SceneError, short
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene_file import parse_bytes
@@ -34,7 +36,8 @@ def read_motion(
     """
     ending = PurePosixPath(name).suffix.lower()
     if ending in BAGS:
-        return _from_plain(read_bag(_within(name, content), topic), slides)
+        bag = _within(name, content)
+        return _from_plain(read_bag(bag, topic), slides, state_of_bag(bag))
     if topic is not None:
         raise MotionError(f"{short(name)} is no bag, so it has no topic {short(topic)}.")
     if ending not in FORMATS:
@@ -102,19 +105,24 @@ def _csv(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
 
 
 def _mapping(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
+    said: list[str] = []
     # what ``ros2 topic echo`` prints ends with a line that begins another document
     if not name.lower().endswith(".json"):
         content = content.strip().removesuffix(b"---")
+        lines = itertools.takewhile(lambda line: line.startswith(b"#"), content.splitlines())
+        said = [line.lstrip(b"# ").decode(errors="replace") for line in lines]
     try:
         data = parse_bytes(content, name, MOST_BYTES)
     except SceneError as error:
         raise MotionError(f"{short(name)} cannot be read; expected {error.expected}.") from None
-    return _from_plain(data, slides)
+    return _from_plain(data, slides, said)
 
 
-def _from_plain(data: object, slides: Mapping[str, bool]) -> Motion:
-    """The motion of a message."""
-    return read_message(data, [joint for joint, is_slide in slides.items() if is_slide])
+def _from_plain(data: object, slides: Mapping[str, bool], said: Sequence[str] = ()) -> Motion:
+    """The motion of a message, with a note on what a file says beside it."""
+    motion = read_message(data, [joint for joint, is_slide in slides.items() if is_slide])
+    text = " ".join(filter(None, said))
+    return replace(motion, notes=(*motion.notes, *told(text))) if text else motion
 
 
 FORMATS: dict[str, Callable[[str, bytes, Mapping[str, bool]], Motion]] = {

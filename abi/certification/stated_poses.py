@@ -9,7 +9,9 @@ import scipy
 
 from abi.arrays import FloatArray
 from abi.certification.motion import Motion
+from abi.certification.stated_object import StatedObject
 from abi.errors import MotionError, short
+from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_joints import some_of
@@ -101,7 +103,7 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
     Returns:
         A sentence if it says so by no more than rounding in a file.
     """
-    state, arm, near = motion.start, scene.arm, list[str]()
+    state, arm, near, notes = motion.start, scene.arm, list[str](), list[str]()
     ranges = {
         joint.name: (joint.low, joint.high) for joint in chain.robot.joints if not joint.mimic
     }
@@ -127,18 +129,49 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
             f"The file's robot stands on its link {root}, and here on {chain.robot.root}.",
             "Say so as arm.base_link of the scene.",
         )
-    if state.objects and arm.attached is None:
-        raise MotionError(
-            f"The file's robot holds {short(state.objects[0])}, whose shape is not read.",
-            "Give it as arm.attached of the scene.",
-        )
+    if state.objects:
+        told, other = _held_otherwise(state.objects, scene)
+        notes += told
+        near += other
     here = {} if arm.attached is None else arm.attached.model_dump(mode="json")
     if state.attached not in (None, (scene.unit, here)):
         raise MotionError(
             "The file's robot holds an object that the scene's does not.",
             "Give it as arm.attached of the scene.",
         )
-    return _as_here(near)
+    return [*notes, *_as_here(near)]
+
+
+def _held_otherwise(objects: Sequence[StatedObject], scene: Scene) -> tuple[list[str], list[str]]:
+    """Raise where a message's robot holds another object than the scene's, or several.
+
+    Returns:
+        A sentence if that cannot be compared, and what of it is a little otherwise.
+    """
+    named = short(objects[0].name)
+    attached = scene.arm.attached
+    if attached is None:
+        raise MotionError(
+            f"The file's robot holds {named}, and the scene's nothing.",
+            "Give it as arm.attached of the scene.",
+        )
+    if len(objects) > 1:
+        raise MotionError(
+            f"The file's robot holds {len(objects)} objects, {named} among them, and the scene's "
+            "has room for one.",
+            "Give the trajectory alone, and all that is held as one mesh, arm.attached.",
+        )
+    away = objects[0].distance(attached, METRES[scene.unit], scene.robot, scene.arm.tool)
+    if away is None:
+        told = f"The file's robot holds {named}, which is not compared with arm.attached."
+        return [told], []
+    if away > _APART:
+        raise MotionError(
+            f"The file's robot holds {named}, another object than the scene's or elsewhere: the "
+            f"surfaces are {away:.2g} m apart.",
+            "Give the same as arm.attached of the scene, in the frame of its tip.",
+        )
+    return [], [f"{named} by {away:.2g} m"] * (away > _ROUNDED)
 
 
 def _as_here(near: Sequence[str]) -> list[str]:

@@ -70,15 +70,29 @@ def motion_state(plan: Plan) -> str:
 
 
 def holding(plan: Plan) -> list[str]:
-    """A sentence on each object that the tool holds for a part of the motion."""
+    """Sentences on what the tool holds, on the whole motion or a part of it, and on its gripper."""
     if plan.motion is None:
         return []
-    time = plan.motion.time
-    return [
+    time, scene = plan.motion.time, plan.scene
+    told = [
         f"From {time[one.first]:.4g} to {time[one.last]:.4g} s its tool holds "
         f"{f'obstacle {one.number + 1}' if one.is_taken else 'an object'}, as a part of the arm."
         for one in carried_objects(plan)
     ]
+    if not plan.legs and scene.arm.attached is not None:
+        told.append("Its tool holds an object, as a part of the arm.")
+    grippers = [leg.scene.arm.gripper for leg in plan.legs] or [scene.arm.gripper]
+    if any(one != grippers[0] for one in grippers):
+        told.append("Its gripper is held otherwise on some legs than on others.")
+    elif grippers[0] and plan.arm is not None and scene.arm.model == "urdf":
+        robot = scene.arm.robot
+        slides = {one.name for one in robot.joints if one.kind == "prismatic"}
+        held = [
+            f"{name} at {at:.4g} {scene.unit if name in slides else 'rad'}"
+            for name, at in grippers[0].items()
+        ]
+        told.append(f"Joints beside the arm are held: {', '.join(held)}.")
+    return told
 
 
 def joint_trajectory(plan: Plan) -> JointTrajectory:

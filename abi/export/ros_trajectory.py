@@ -11,7 +11,7 @@ import math
 from typing import Any
 
 from abi.export.between_points import polynomials_are_clear
-from abi.export.joint_trajectory import is_marked, joint_trajectory, motion_state
+from abi.export.joint_trajectory import holding, is_marked, joint_trajectory, motion_state
 from abi.planner.plan import Plan
 from abi.scene.scene_file import yaml_text
 
@@ -24,8 +24,9 @@ _STRAIGHT = (
 def write(plan: Plan, name: str) -> bytes:
     """The message; JSON where ``name`` ends so, else YAML. Lengths in [m].
 
-    YAML says in a comment whether the arm is clear. JSON has no comments: there a motion that is
-    not has a field more, so that a program that takes nothing but the message refuses it.
+    YAML says in a comment whether the arm is clear, and what it holds. JSON has no comments: there
+    a motion that is not, or holds something, has a field more, so that a program that takes nothing
+    but the message refuses it.
 
     Raises:
         ExportError: there is no motion that the arm can execute.
@@ -35,7 +36,7 @@ def write(plan: Plan, name: str) -> bytes:
     if not message["points"][0]["velocities"]:
         state += f" {_STRAIGHT}"
     if name.lower().endswith(".json"):
-        if is_marked(plan):
+        if is_marked(plan) or holding(plan):
             message = {"state": motion_state(plan), **message}
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
     return f"# {state}\n{yaml_text(message, width=4096)}".encode()

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable, Mapping
 
 from abi.certification.motion import Motion, RobotState
+from abi.certification.stated_object import StatedObject
 from abi.errors import MotionError, SceneError, SeveralChoicesError
 from abi.obstacles.triangle_mesh.mesh_source import CheckedFile
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -131,7 +132,11 @@ class Reader:
         data = json.loads(answer.data)
         joints, objects, base, root, attached, rests = data["start"]
         held = None if attached is None else (*attached,)
-        state = RobotState(joints, (*objects,), base and (*base,), root, held, rests)
+        named = tuple(
+            StatedObject(name, link, solid and (solid[0], (*solid[1],), (*solid[2],)))
+            for name, link, solid in objects
+        )
+        state = RobotState(joints, named, base and (*base,), root, held, rests)
         changed = {
             "joints": tuple(data["joints"]),
             "notes": tuple(data["notes"]),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from abi.certification.motion import Motion, RobotState
 from abi.certification.read_message import read_message
@@ -18,6 +19,7 @@ from abi.certification.read_motion import own_joints, read_motion
 from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.errors import MotionError
+from abi.robot.urdf.tip_pose import tip_pose
 from abi.scene.scene import Scene
 from abi.scene.scene_file import yaml_text
 from abi.verify.exact_path import exact_path
@@ -232,7 +234,23 @@ def test_a_plain_motion_in_other_units_is_refused(unit: object) -> None:
     plain = {"joints": list(JOINTS), "times": TIMES, "positions": TABLE}
     with pytest.raises(MotionError, match="unit of the motion is"):
         read_message({**plain, "unit": unit}, [])
+    with pytest.raises(MotionError, match="angle_units of the motion is"):
+        read_message({**plain, "angle_units": unit}, [])
     assert read_message({**plain, "units": "rad"}, []).joints == JOINTS
+
+
+def test_what_is_not_read_of_a_file_is_told() -> None:
+    plain = {"joints": list(JOINTS), "times": TIMES, "positions": TABLE}
+    wrapped = {"trajectory": [{"joint_trajectory": message(), "at": 1}], "robot": "r"}
+    assert read_message(plain, []).notes == ()
+    for data, names in (
+        ({**plain, "base": [1, 0, 0], "time": TIMES}, "base, time"),
+        ({**message(), "speed": 2}, "speed"),
+        (wrapped, "robot"),
+    ):
+        assert f"Not used of the file: {names}." in read_message(data, []).notes
+    told = "The file says: From 1 to 2 s its tool holds obstacle 1."
+    assert told in read_message({**message(), "state": told[15:]}, []).notes
 
 
 @pytest.mark.parametrize(
@@ -261,6 +279,69 @@ def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
     whole = {"trajectory": [{"joint_trajectory": message()}], **changed}
     with pytest.raises(MotionError, match=why):
         robot_motion(read_motion("a.json", json.dumps(whole).encode(), own_joints(ROBOT)), SCENE)
+
+
+def a_solid(kind: int, sizes: list[float], link: str, at: list[float], turn: list[float]) -> Any:
+    """A message's object that a link holds."""
+    place = {"position": dict(zip("xyz", at, strict=True))}
+    place["orientation"] = dict(zip("xyzw", turn, strict=True))
+    solid = {"type": kind, "dimensions": sizes}
+    inner = {"id": "part", "primitives": [solid], "primitive_poses": [place]}
+    return {"link_name": link, "object": inner}
+
+
+@pytest.mark.parametrize(
+    ("shape", "given"),
+    [
+        ({"shape": "box", "size": [2, 4, 6]}, (1, [0.02, 0.04, 0.06])),
+        ({"shape": "sphere", "radius": 3}, (2, [0.03])),
+        ({"shape": "cylinder", "radius": 2, "height": 9}, (3, [0.09, 0.02])),
+    ],
+    ids=["box", "sphere", "cylinder"],
+)
+def test_what_a_message_says_is_held_is_what_the_scene_has(
+    shape: dict[str, Any], given: tuple[int, list[float]]
+) -> None:
+    half = math.sqrt(0.5)
+    attached = {**shape, "position": [1, 2, 8], "wxyz": [half, half, 0, 0]}
+    room = {"min": [-300] * 3, "max": [300] * 3}
+    scene = SCENE.replace(
+        unit="cm", workspace=room, mesh={"pitch": 90}, arm={"tip": "tool0", "attached": attached}
+    )
+    kind, sizes = given
+    at, turn = [0.01, 0.02, 0.08], [half, 0.0, 0.0, half]
+    rest = dict.fromkeys(JOINTS, 0.0)
+    tool, wrist = (tip_pose(ROBOT, name, rest) for name in ("tool0", "wrist_3_link"))
+    offset = np.linalg.inv(wrist) @ tool
+    flange = Rotation.from_matrix(offset[:3, :3])
+    on_wrist = (flange.apply(at) + offset[:3, 3]).tolist()
+    turned = (flange * Rotation.from_quat(turn)).as_quat().tolist()
+
+    def notes(*objects: Any) -> tuple[str, ...]:
+        whole = {
+            "trajectory": [{"joint_trajectory": message()}],
+            "trajectory_start": {"attached_collision_objects": [*objects]},
+        }
+        motion = read_motion("a.json", json.dumps(whole).encode(), own_joints(scene.robot))
+        return robot_motion(motion, scene).notes
+
+    same = a_solid(kind, sizes, "tool0", at, turn)
+    for one in (same, a_solid(kind, sizes, "wrist_3_link", on_wrist, turned)):
+        assert not any("as it is here" in note or "part" in note for note in notes(one))
+    near = a_solid(kind, sizes, "tool0", [0.0105, 0.02, 0.08], turn)
+    assert any("'part' by 0.0005 m" in note for note in notes(near))
+    larger = [1.1 * size for size in sizes]
+    for other in (
+        a_solid(kind, larger, "tool0", at, turn),
+        a_solid(kind, sizes, "tool0", [0.03, 0.02, 0.08], turn),
+    ):
+        with pytest.raises(MotionError, match="another object than the scene's or elsewhere"):
+            notes(other)
+    with pytest.raises(MotionError, match="holds 2 objects"):
+        notes(same, same)
+    unread = {"link_name": "tool0", "object": {"id": "part", "meshes": [{}]}}
+    for one in (unread, a_solid(kind, sizes, "forearm_link", at, turn)):
+        assert any("'part', which is not compared" in note for note in notes(one))
 
 
 @pytest.mark.parametrize(

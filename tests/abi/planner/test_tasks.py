@@ -394,16 +394,27 @@ def test_files_of_a_motion_have_all_legs(tmp_path: Path) -> None:
     first = planned().legs[0].arm
     assert first is not None
     own = dict(zip(first.chain.names, first.chain.slides, strict=True))
-    notes = read_motion("a.csv", (tmp_path / "a.csv").read_bytes(), own).notes
     taken, left = whole.begins[[1, 3]]
     holds = f"From {taken:.4g} to {left:.4g} s its tool holds obstacle 1, as a part of the arm."
-    assert [holds in note for note in notes if note.startswith("The file says: ")] == [True]
-
-    export(planned(), tmp_path / "a.ros.json")
-    message = json.loads((tmp_path / "a.ros.json").read_text())
-    assert len(message["points"]) == len(whole.time)
     limits = [bool(limits_warning(leg)) for leg in planned().legs]
-    assert ("state" in message) == any(limits) == bool(limits_warning(planned().joined))
+    assert any(limits) == bool(limits_warning(planned().joined))
+    for name in ("a.csv", "a.ros.json", "a.bag.mcap"):
+        export(planned(), tmp_path / name, "rosbag" if name.endswith("mcap") else None)
+        motion = read_motion(name, (tmp_path / name).read_bytes(), own)
+        assert len(motion.times) == len(whole.time)
+        (said,) = (note for note in motion.notes if note.startswith("The file says: "))
+        assert holds in said
+        assert ("PASSES LIMITS" in said) == any(limits)
+
+
+def test_what_the_tool_holds_on_a_single_way_is_said_too(tmp_path: Path) -> None:
+    leg = planned().legs[1]
+    assert leg.arm is not None
+    own = dict(zip(leg.arm.chain.names, leg.arm.chain.slides, strict=True))
+    for name in ("a.csv", "a.ros.json", "a.ros.yaml"):
+        export(leg, tmp_path / name)
+        notes = read_motion(name, (tmp_path / name).read_bytes(), own).notes
+        assert any("Its tool holds an object, as a part of the arm." in note for note in notes)
 
     export(planned(), tmp_path / "a.plan.json", "json")
     verdicts = verify(json.loads((tmp_path / "a.plan.json").read_text()), planned().scene.meshes)

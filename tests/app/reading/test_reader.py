@@ -19,6 +19,7 @@ import trimesh
 
 from abi.certification.motion import RobotState
 from abi.certification.read_motion import read_motion
+from abi.certification.stated_object import StatedObject
 from abi.errors import ArgumentError, SceneError
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read_surface
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -60,7 +61,13 @@ def test_a_mesh_is_the_one_that_is_read_here(reader: Reader, suffix: str) -> Non
 
 def test_a_motion_is_the_one_that_is_read_here(reader: Reader) -> None:
     state = {"joint_state": {"name": ["b"], "position": [0.5]}}
-    held = {"attached_collision_objects": [{"object": {"id": "rod"}}]}
+    solid = {"type": 1, "dimensions": [1, 2, 3]}
+    held = {
+        "attached_collision_objects": [
+            {"link_name": "l", "object": {"id": "rod", "primitives": [solid]}},
+            {"object": {"id": "other"}},
+        ]
+    }
     points = [{"positions": [k], "time_from_start": 1 + k} for k in range(2)]
     trajectory = [{"joint_names": ["a"], "points": points}]
     content = json.dumps({"trajectory": trajectory, "trajectory_start": state | held}).encode()
@@ -69,7 +76,9 @@ def test_a_motion_is_the_one_that_is_read_here(reader: Reader) -> None:
     wanted = read_motion("a.json", content, slides)
     assert found.to_dict() == wanted.to_dict()
     assert (found.notes, found.start) == (wanted.notes, wanted.start)
-    assert wanted.start == RobotState({"b": 0.5}, ("rod",))
+    box = "box", (1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    objects = StatedObject("rod", "l", box), StatedObject("other", "", None)
+    assert wanted.start == RobotState({"b": 0.5}, objects)
     arm = {"base": [1, 2, 3], "base_link": "l", "gripper": {"b": 5}, "attached": {"shape": "box"}}
     motion = {"joints": ["a"], "time": [0, 1], "positions": [[0], [1]]}
     plan = json.dumps({"scene": {"unit": "cm", "arm": arm}, "arm": motion}).encode()
