@@ -19,14 +19,12 @@ class Card:
     """One entry of a list.
 
     Attributes:
-        value: what choosing it sets the widget to.
-        title: its name.
+        title: its name, to which choosing it sets the widget.
         note: what else is said of it.
         picture: file of its picture, which may be missing.
         chosen: whether it is the one to look at.
     """
 
-    value: str
     title: str
     note: str
     picture: Path
@@ -40,9 +38,9 @@ def cards(widget: viser.GuiDropdownHandle[str], entries: Iterable[Card], few: bo
 
 
 def _card(uuid: str, card: Card) -> str:
-    title, value = html.escape(card.title), html.escape(card.value)
+    title = html.escape(card.title)
     return (
-        f'<button data-choose="{uuid}" data-value="{value}" aria-label="{title}"'
+        f'<button data-choose="{uuid}" data-value="{title}" aria-label="{title}"'
         f' aria-pressed="{str(card.chosen).lower()}">{_picture(card.picture)}'
         f"<span><b>{title}</b><br>{html.escape(card.note)}</span></button>"
     )

@@ -17,7 +17,6 @@ def scene_cards(chosen: str) -> list[Card]:
     return [
         Card(
             name,
-            name,
             about(name),
             assets.path("pictures", "scenes", f"{name}.webp"),
             name == chosen,

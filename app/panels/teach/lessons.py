@@ -286,7 +286,7 @@ class LessonPanel:
                 note += " · next"
             picture = assets.path("pictures", "lessons", f"{name}.webp")
             title = self._title(name)
-            entries.append(Card(title, title, note, picture, name == following))
+            entries.append(Card(title, note, picture, name == following))
         return cards(self.choice, entries)
 
     def _take_presses(self) -> None:

@@ -19,12 +19,12 @@ def test_a_card_has_a_picture_or_no_place_for_one(
 ) -> None:
     monkeypatch.setattr(page, "uuid", lambda widget: "u")
     widget: Any = SimpleNamespace()
-    shown = cards(widget, [Card("a", "A <b>", "note", tmp_path / "missing.webp")])
+    shown = cards(widget, [Card("A <b>", "note", tmp_path / "missing.webp")])
     assert "<img" not in shown
     assert "<i" not in shown
     assert "A &lt;b&gt;" in shown
     picture = assets.path("pictures", "scenes", "paper.webp")
-    assert cards(widget, [Card("a", "A", "note", picture)]).count("<img") == 1
+    assert cards(widget, [Card("A", "note", picture)]).count("<img") == 1
 
 
 def test_every_shipped_scene_and_lesson_has_its_picture() -> None:
