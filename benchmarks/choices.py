@@ -18,6 +18,7 @@ import os
 import random
 import sys
 import time
+from contextlib import AbstractContextManager
 from typing import Any
 
 from playwright.sync_api import Browser
@@ -27,7 +28,7 @@ from abi.scene.scene import load_scene
 from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
-from app.tab.plan_watch import PlanWatch
+from app.tab.planner import TabPlanner
 from app.tab.session import Session
 from app.ui import page as functions
 from benchmarks.browser import chromium
@@ -48,20 +49,21 @@ class Gaps:
         longest: the longest so far, [s].
     """
 
-    def __init__(self, watch: PlanWatch) -> None:
-        """Note when the plans under this watch ask."""
+    def __init__(self, planner: TabPlanner) -> None:
+        """Note when the plans of a tab ask."""
         self.longest = 0.0
         self._last = math.inf
-        self._begins, self._asks, self._tells = watch.begin, watch.cancelled, watch.told
-        watch.begin, watch.cancelled, watch.told = (  # type: ignore[method-assign]
+        self._begins = planner._watched
+        self._asks, self._tells = planner._is_cancelled, planner._told
+        planner._watched, planner._is_cancelled, planner._told = (  # type: ignore[method-assign]
             self._begin,
             self._ask,
             self._tell,
         )
 
-    def _begin(self) -> None:
+    def _begin(self) -> AbstractContextManager[None]:
         self._last = time.thread_time()
-        self._begins()
+        return self._begins()
 
     def _ask(self) -> bool:
         self.longest = max(self.longest, time.thread_time() - self._last)
@@ -93,9 +95,9 @@ class Chooser:
         if panels.files.name != scene:
             self._set(panels.files.choice, scene)
             self._shows(scene)
-        begun = session._watch._begun
+        begun = session._planner._begun
         self._set(panels.stages.mesh.pitch, pitch)
-        self._until(lambda: session._watch._begun > begun)
+        self._until(lambda: session._planner._begun > begun)
         self._page.tab.wait_for_timeout(1e3 * wait)
         took = None if session.resting else self._choose(arm)
         self._set(panels.files.choice, "two-boxes")
@@ -110,9 +112,9 @@ class Chooser:
             self._set(panels.stages.arm.model.model, arm)
         else:
             self._set(panels.files.choice, "two-boxes")
-        watch = session._watch
-        self._until(lambda: max(watch.ended, watch._begun) > chosen)
-        return min(moment for moment in (watch.ended, watch._begun) if moment > chosen) - chosen
+        planner = session._planner
+        self._until(lambda: max(planner.ended, planner._begun) > chosen)
+        return min(moment for moment in (planner.ended, planner._begun) if moment > chosen) - chosen
 
     def _shows(self, scene: str) -> None:
         """Wait until a scene is drawn: its name is there before it, and what is set then is lost.
@@ -144,7 +146,7 @@ def measure(browser: Browser, times: int, seed: int = 0) -> dict[str, Any]:
     try:
         page.until(lambda: any(one.plans for one in server.sessions.values()), "a session")
         (session,) = server.sessions.values()
-        chooser, gaps = Chooser(page, session), Gaps(session._watch)
+        chooser, gaps = Chooser(page, session), Gaps(session._planner)
         for _ in range(times):
             scene = chance.choice(list(_SLOW))
             arm = chance.choice(("", "", "xArm7"))

@@ -1,10 +1,14 @@
-"""Planner of one tab, which records its plans and shares those of a class."""
+"""Planner of one tab, which records its plans and shares those of a class.
+
+Another choice ends a plan that is being made, and a slow one reports its progress.
+"""
 
 from __future__ import annotations
 
 import logging
 import time
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import replace
 
 from abi import compiling, progress
@@ -15,12 +19,13 @@ from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.process import metrics
 from app.shared.shared_plans import SharedPlans
-from app.tab.plan_watch import PlanWatch
 
 _log = logging.getLogger("abi.tab")
 
 LOGGED_MS = 1000.0
 """Milliseconds beyond which a plan is logged."""
+_QUICK = 0.4
+"""Seconds of planning without a progress report."""
 
 
 class TabPlanner:
@@ -31,17 +36,24 @@ class TabPlanner:
 
     Attributes:
         live: the planner itself.
+        overtaken: whether something else has been chosen than what is planned; set from any thread.
+        ended: moment at which a plan was told so last, [s], by the monotonic clock.
         processor_ms: time that the last plan took of the processor, [ms]; while many tabs plan at
             once it may have waited much longer, for which the plan can do nothing.
     """
 
-    def __init__(self, tab: int, watch: PlanWatch) -> None:
-        """Begin with empty caches, for the tab with this number, whose plans are watched.
+    def __init__(self, tab: int, tell: Callable[[str], None]) -> None:
+        """Begin with empty caches, for the tab with this number.
 
-        Each plan raises :class:`abi.progress.CancelledError` once something else has been chosen.
+        Each plan raises :class:`abi.progress.CancelledError` once something else has been chosen;
+        ``tell`` is called with the progress of a slow one.
         """
         self.live = LivePlanner()
-        self._watch = watch
+        self.overtaken = False
+        self.ended = 0.0
+        self._tell = tell
+        self._begun = 0.0
+        self._does = self._said = ""
         self._tab = tab
         self._ms: Mapping[str, float] = {}
         self.processor_ms = 0.0
@@ -68,8 +80,7 @@ class TabPlanner:
                     plan = self._make(self.live, scene)
                     shared.keep(scene, plan, self.live.coarse, self.live.partial)
                     return plan
-            self._watch.begin()
-            with progress.watched_by(self._watch.cancelled, self._watch.told):
+            with self._watched():
                 shared.wait(scene)
             if (made := self.take(scene, shared)) is not None:
                 return made
@@ -86,9 +97,8 @@ class TabPlanner:
     def _make(self, planner: Callable[[Scene], Plan], scene: Scene) -> Plan:
         """Make a plan and record it."""
         begin, before = time.thread_time(), interpreted_calls()
-        self._watch.begin()
         try:
-            with progress.watched_by(self._watch.cancelled, self._watch.told):
+            with self._watched():
                 compiling.wait_for_kept()
                 plan = planner(scene)
         except progress.CancelledError:
@@ -108,3 +118,26 @@ class TabPlanner:
         if plan.interpreted:
             plan = replace(plan, ms={**plan.ms, **dict.fromkeys(plan.interpreted, 0.0)})
         return plan
+
+    def _watched(self) -> AbstractContextManager[None]:
+        """Watch a plan that is made, or waited for, in the block."""
+        self._begun = time.monotonic()
+        self._does = self._said = ""
+        return progress.watched_by(self._is_cancelled, self._told)
+
+    def _is_cancelled(self) -> bool:
+        """Check whether the plan is not wanted any more."""
+        self._report()
+        if self.overtaken:
+            self.ended = time.monotonic()
+        return self.overtaken
+
+    def _told(self, doing: str) -> None:
+        """Receive what the plan is doing now."""
+        self._does = doing
+        self._report()
+
+    def _report(self) -> None:
+        if self._does != self._said and time.monotonic() - self._begun > _QUICK:
+            self._said = self._does
+            self._tell(self._does)

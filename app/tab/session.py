@@ -33,7 +33,6 @@ from app.state.tab_state import TabState
 from app.tab.browser_storage import Report, TabStorage
 from app.tab.budget import TabBudget
 from app.tab.pause import IDLE, REST, Pause
-from app.tab.plan_watch import PlanWatch
 from app.tab.planner import TabPlanner
 from app.tab.refused_files import hear_of_refused_files
 from app.tab.view import TabView
@@ -86,8 +85,7 @@ class Session:
         self.frame = Frame(Plan(scene))
         self.plans = 0
         self._scene = scene
-        self._watch = PlanWatch(self._tell)
-        self._planner = TabPlanner(client.client_id, self._watch)
+        self._planner = TabPlanner(client.client_id, self._tell)
         self._overdue: Frame | None = None  # to be drawn once the plan under way is slow
         self._unplanned = False  # whether the plan of the scene was ended by another choice
         self._budget = TabBudget(budget, client, self)
@@ -119,7 +117,7 @@ class Session:
                 bool(look.dark),
                 library,
                 watch,
-                lambda: self._watch.overtaken,
+                lambda: self._planner.overtaken,
             )
             self.panels, self.playback = self._view.panels, self._view.playback
             self._built = True
@@ -175,7 +173,7 @@ class Session:
         if getattr(event, "client", None) is not None:
             if self._built:  # until then no widget has been read
                 self.panels.note(event)
-                self._watch.overtaken |= self.panels.chooses(event)
+                self._planner.overtaken |= self.panels.chooses(event)
             if not self._worker.is_woken():
                 self._woken = time.monotonic()
             self._worker.hurry()
@@ -204,7 +202,7 @@ class Session:
         demo = self._pause.demo
         resized = self._view.fit(self.frame, woken)
         if woken:
-            self._watch.overtaken = False  # before it is read what was chosen
+            self._planner.overtaken = False  # before it is read what was chosen
             self._demonstrated = demo.running
             demo.end()
             self._broken = False

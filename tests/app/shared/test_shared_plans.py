@@ -16,7 +16,6 @@ from abi.scene.scene import Scene, load_scene
 from app.panels.messages import _progress
 from app.shared.shared_plans import SharedPlans
 from app.state.frame import Frame
-from app.tab.plan_watch import PlanWatch
 from app.tab.planner import TabPlanner
 from tests.kernel_forms import kernels_as
 
@@ -69,7 +68,7 @@ class Slow(LivePlanner):
 
 def test_a_planner_takes_what_another_is_planning() -> None:
     plans, scene = SharedPlans(), load_scene("two-boxes")
-    one, other = (TabPlanner(k, PlanWatch(print)) for k in range(2))
+    one, other = (TabPlanner(k, print) for k in range(2))
     one.live = slow = Slow(plan(scene))
     other.live = Slow(plan(scene))
     with ThreadPoolExecutor(2) as pool:
@@ -82,15 +81,15 @@ def test_a_planner_takes_what_another_is_planning() -> None:
 
 
 def test_a_planner_that_waits_for_another_ends_once_something_else_is_chosen() -> None:
-    plans, scene, watch = SharedPlans(), load_scene("two-boxes"), PlanWatch(print)
-    watch.overtaken = True
+    plans, scene, planner = SharedPlans(), load_scene("two-boxes"), TabPlanner(1, print)
+    planner.overtaken = True
     with plans.claim(scene), pytest.raises(CancelledError):
-        TabPlanner(1, watch)(scene, plans)
+        planner(scene, plans)
 
 
 def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
     plans, made = SharedPlans(), plan(load_scene("two-boxes"))
-    planner = TabPlanner(1, PlanWatch(print))
+    planner = TabPlanner(1, print)
     plans.keep(made.scene, made, coarse=True, partial=True)
     assert planner.take(made.scene, plans) is made
     assert (planner.live.coarse, planner.live.partial) == (True, True)
@@ -100,7 +99,7 @@ def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
 
 
 def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_processor() -> None:
-    scene, planner = load_scene("two-boxes"), TabPlanner(1, PlanWatch(print))
+    scene, planner = load_scene("two-boxes"), TabPlanner(1, print)
     made = plan(scene)
 
     class Waiting(LivePlanner):
@@ -124,7 +123,7 @@ def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_pro
 
 
 def test_no_time_is_told_of_what_ran_before_it_was_compiled() -> None:
-    planner, scene = TabPlanner(0, PlanWatch(print)), load_scene("two-boxes")
+    planner, scene = TabPlanner(0, print), load_scene("two-boxes")
     with kernels_as(compiled=False):
         slow = planner(scene, None)
     assert slow.total_ms == 0

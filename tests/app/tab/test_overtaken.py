@@ -50,7 +50,7 @@ def test_another_scene_ends_the_plan_of_the_last(
     until(lambda: session.resting)
     choice = session.panels.files.choice
     fake.set(choice, _SLOW)
-    until(lambda: session._watch._said == "never ending")
+    until(lambda: session._planner._said == "never ending")
     chosen = time.monotonic()
     fake.set(choice, "two-boxes")
     until(lambda: bool(ended))
@@ -70,7 +70,7 @@ def test_nothing_of_the_last_scene_stays_while_the_next_is_planned(
     until(lambda: session.resting)
     shown = session.panels.layout.overlay.shown
     fake.set(session.panels.files.choice, _SLOW)
-    until(lambda: session._watch._said == "never ending")
+    until(lambda: session._planner._said == "never ending")
     assert not layer(session, ArmLayer)._nodes.root.visible
     clouds = [one._cloud for one in layer(session, MeshLayer)._clouds.values()]
     assert not any(cloud.visible for cloud in clouds if cloud is not None)
@@ -92,7 +92,7 @@ def test_no_verdict_stays_while_a_change_is_planned(
     heading = session.panels.layout.folders["arm"]
     assert heading.label != "6 · Arm — planning …"
     fake.set(session.panels.stages.spline.degree, _SLOW_DEGREE)
-    until(lambda: session._watch._said == "never ending")
+    until(lambda: session._planner._said == "never ending")
     until(lambda: heading.label == "6 · Arm — planning …" and session.frame.outdated)
     fake.set(session.panels.files.choice, "two-boxes")
     until(lambda: session.resting and len(session.frame.plan.scene.obstacles) == 2)
