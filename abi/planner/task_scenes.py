@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -32,13 +33,30 @@ def next_scene(scene: Scene, number: int, last: Plan) -> Scene:
         number: of the leg, from 1.
         last: plan of the leg before, with a motion.
     """
-    leg, motion = scene.tasks[number], last.motion
+    motion = last.motion
     assert motion is not None
     assert last.arm is not None
-    joints = motion.positions[-1]
-    here = _after_gripper(scene, number - 1, last.scene, _tool_pose(last.arm, joints))
+    joints = dict(zip(motion.joints, motion.positions[-1].tolist(), strict=True))
+    return scene_from(scene, number, last.scene, last.arm, joints)
+
+
+def scene_from(
+    scene: Scene, number: int, last: Scene, arm_before: AnyArm, joints: Mapping[str, float]
+) -> Scene:
+    """Scene of a leg, from the joints in which the one before ended.
+
+    Args:
+        scene: the scene with all tasks.
+        number: of the leg, from 1.
+        last: scene of the leg before.
+        arm_before: its arm.
+        joints: positions in which it ended by name, in the arm's order, [rad] or [unit].
+    """
+    leg = scene.tasks[number]
+    tool = _tool_pose(arm_before, np.array([*joints.values()]))
+    here = _after_gripper(scene, number - 1, last, tool)
     arm: dict[str, Any] = {
-        "start": {"joints": dict(zip(motion.joints, joints.tolist(), strict=True))},
+        "start": {"joints": dict(joints)},
         "goal": None,
         "axis": plain_axis(leg.axis),
         "grasping": leg.grasps or scene.tasks[number - 1].grasps,

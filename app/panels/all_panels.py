@@ -290,6 +290,7 @@ class AllPanels:
         self.lessons.restore(state.lessons)
         self.theatre.restore(state.theatre)
         self.practice.restore(state.practice)
+        self.messages.legs.restore(state.tasks)
         if state.challenge != self.share.kept:
             challenge = parsed(state.challenge)
             if challenge is not None and not challenge.scene:

@@ -8,35 +8,51 @@ with the first.
 from __future__ import annotations
 
 import html
+import itertools
+from typing import NamedTuple
 
 import viser
 
+from abi.errors import AbiError
 from abi.planner.plan import Plan
 from abi.planner.task_scenes import next_scene
 from abi.scene.leg import Leg
 from abi.scene.scene import Scene
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.state.frame import Frame
-from app.ui import style
+from app.state.known_legs import KnownLegs, LegEnd
 from app.ui.overlay import button
+from app.ui.time_bar import LegBar
+
+
+class _Leg(NamedTuple):
+    """A leg that has been planned: its scene, where it ends, and its plan if that is at hand."""
+
+    scene: Scene
+    end: LegEnd | None
+    plan: Plan | None = None
 
 
 class LegsCard:
-    """Sentence on the leg that is shown, the time bar of all legs, and buttons to go on and back.
+    """Sentence on the leg that is shown, and buttons to go on and back.
 
     Attributes:
         number: of the leg that is shown, from 0; None while none is.
+        from_time: of the leg asked for, at which it begins to be shown, [s].
     """
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self.go_on = hidden_button(gui, "Next leg", wake)
         self.go_back = hidden_button(gui, "Leg before", wake)
         self.number: int | None = None
+        self.from_time = 0.0
         self._whole: Scene | None = None
-        self._plans: list[Plan] = []
-        self._complete: list[Plan] = []  # those of them of which nothing is to come
+        self._legs: list[_Leg] = []
+        self._complete: list[Plan] = []  # those of which nothing is to come
         self._due = False  # whether the leg that is shown has been played
+        self._sought: float | None = None
         self._asked: tuple[int, Scene] | None = None
+        self._kept: KnownLegs | None = None
 
     def see(self, frame: Frame) -> None:
         """Take note of the plan that is shown: of a leg, or of another scene."""
@@ -51,8 +67,34 @@ class LegsCard:
         else:
             self._take(number, plan)
         complete = self._complete if frame.partial else [*self._complete, plan]
-        self._complete = [one for one in self._plans if one in complete]
+        plans = [leg.plan for leg in self._legs]
+        self._complete = [one for one in complete if one in plans]
         self._asked = None
+
+    def restore(self, known: KnownLegs | None) -> None:
+        """Take up a sequence of which a leg is about to be shown; None for none."""
+        self.number = None
+        if known is None:
+            return
+        try:
+            scenes = known.scenes()
+        except AbiError:
+            return  # it is not of that scene, which is shown without the others
+        self._whole, self.number = known.whole, known.number
+        self._legs = [_Leg(scene, end) for scene, end in zip(scenes, known.ends, strict=False)]
+
+    @property
+    def kept(self) -> KnownLegs | None:
+        """What a reload needs to show the leg that is shown as one of a sequence; None for none."""
+        if not self.number or self._whole is None:
+            return None  # the first leg is the scene itself
+        ends = [leg.end for leg in self._legs]
+        known = tuple(one for one in ends if one is not None)
+        kept = self._kept
+        state = self._whole, self.number, known
+        if kept is None or (kept.whole, kept.number, kept.ends) != state:
+            self._kept = KnownLegs(*state)
+        return self._kept
 
     def _number_of(self, scene: Scene) -> int | None:
         """Number of the leg that begins as a scene does, in the joints in which another ended.
@@ -60,11 +102,11 @@ class LegsCard:
         Where several do, it is the one that was asked for or shown last.
         """
         start = None if scene.arm.start is None else scene.arm.start.joints
-        last = min(len(self._plans) + 1, len(self._tasks))
+        last = min(len(self._legs) + 1, len(self._tasks))
         begin = [
             number
             for number in range(1, last)
-            if start is not None and start == _end(self._plans[number - 1])
+            if (end := self._legs[number - 1].end) is not None and start == end.joints
         ]
         asked = None if self._asked is None else self._asked[0]
         return min(begin, key=lambda one: (one != asked, one != self.number), default=None)
@@ -72,34 +114,49 @@ class LegsCard:
     def _take(self, number: int, plan: Plan) -> None:
         """Keep the plan of a leg; one that ends elsewhere than before drops what followed it."""
         self.number = number
-        kept = self._plans[number] if number < len(self._plans) else None
-        if kept is not None and kept.scene == plan.scene and _end(kept) == _end(plan):
-            self._plans[number] = plan
+        leg = _Leg(plan.scene, LegEnd.of(plan), plan)
+        kept = self._legs[number] if number < len(self._legs) else None
+        if kept is not None and kept.scene == leg.scene and kept.end == leg.end:
+            self._legs[number] = leg
         else:
-            self._plans[number:] = [plan]
+            self._legs[number:] = [leg]
 
     @property
     def _tasks(self) -> tuple[Leg, ...]:
         return () if self._whole is None else self._whole.tasks
 
+    def seek(self, time: float) -> None:
+        """Ask for the leg at a time of all, [s]."""
+        self._sought = time
+
     def requested(self) -> Scene | None:
         """Scene of the leg that was asked for since the last call."""
         on, back = pressed(self.go_on), pressed(self.go_back)
         due, self._due = self._due, False
-        number, whole = self.number, self._whole
+        sought, self._sought = self._sought, None
+        number, whole, self.from_time = self.number, self._whole, 0.0
         if number is None or whole is None:
             return None
         if back and number > 0:
             number -= 1
+        elif sought is not None:
+            bar = self._bar(number)
+            number = min(bar.number_at(sought), self._farthest)
+            self.from_time = max(sought - bar.begins[number], 0.0)
         elif (on or due) and self._may_go_on:
             number += 1
         elif due:
             number = 0
         else:
             return None
-        planned = number < len(self._plans)
-        scene = self._plans[number].scene if planned else None
-        scene = scene or next_scene(whole, number, self._plans[number - 1])
+        if number == self.number:
+            return None
+        known = number < len(self._legs)
+        scene = self._legs[number].scene if known else None
+        if scene is None:
+            plan = self._legs[number - 1].plan
+            assert plan is not None
+            scene, self.from_time = next_scene(whole, number, plan), 0.0
         self._asked = number, scene
         return scene
 
@@ -114,7 +171,9 @@ class LegsCard:
 
     def shows(self, frame: Frame) -> bool:
         """Whether the plan of ``frame`` is that of a leg."""
-        return self.number is not None and frame.plan is self._plans[self.number]
+        number = self.number  # of a leg that is restored there is no plan at first
+        known = number is not None and number < len(self._legs)
+        return known and frame.plan is self._legs[number or 0].plan
 
     def plays_on(self, frame: Frame) -> bool:
         """Whether another leg follows once the motion of ``frame`` has been played."""
@@ -128,14 +187,31 @@ class LegsCard:
     @property
     def _may_go_on(self) -> bool:
         number = self.number
-        if number is None or number + 1 >= len(self._tasks):
+        if number is None or number + 1 >= len(self._tasks) or number >= len(self._legs):
             return False
-        plan = self._plans[number]
-        return plan.error is None and plan.motion is not None
+        return _ends_well(self._legs[number])
+
+    @property
+    def _farthest(self) -> int:
+        """Number of the last leg that can be shown, planned or to be planned next."""
+        count = len(self._legs)
+        return count if count < len(self._tasks) and _ends_well(self._legs[-1]) else count - 1
+
+    def bar(self, frame: Frame) -> LegBar | None:
+        """The legs on one time bar; None where none is shown."""
+        if self.number is None or len(self._tasks) < 2 or not self.shows(frame):
+            return None
+        return self._bar(self.number)
+
+    def _bar(self, number: int) -> LegBar:
+        times = [0.0 if leg.end is None else leg.end.duration for leg in self._legs]
+        mean = max(sum(times) / len(times), 1e-3)
+        times += [mean] * (len(self._tasks) - len(times))
+        return LegBar((0.0, *itertools.accumulate(times)), number)
 
     def state(self) -> tuple[object, ...]:
         """Values that the card depends on."""
-        return self.number, len(self._plans), self._may_go_on, self._whole
+        return self.number, len(self._legs), self._may_go_on, self._whole
 
     def html(self) -> str:
         """The card as HTML; empty where no leg is shown."""
@@ -150,35 +226,16 @@ class LegsCard:
             after = " At its end the gripper lets go."
         buttons = button(self.go_back, "Leg before", enabled=number > 0)
         buttons += button(self.go_on, "Next leg", enabled=self._may_go_on)
+        span = "The time bar is of all legs"
+        if len(self._legs) == len(self._tasks):
+            span += f", {self._bar(number).end:.1f} s in all"
         return (
             f'<div class="abi-card"><b>Leg {number + 1} of {len(self._tasks)}</b>{name}.{after}'
-            f'{self._bar()}<div class="abi-buttons">{buttons}</div></div>'
+            f'<small style="display:block">{span}.</small>'
+            f'<div class="abi-buttons">{buttons}</div></div>'
         )
 
-    def _bar(self) -> str:
-        """Time bar of all legs: each as long as it takes, those not planned yet as the mean."""
-        times = [
-            0.0 if plan.motion is None else float(plan.motion.time[-1]) for plan in self._plans
-        ]
-        number = self.number or 0
-        mean = max(sum(times) / len(times), 1e-3)
-        widths = [*times, *[mean] * (len(self._tasks) - len(times))]
-        shown, others = style.css(style.BSPLINE), style.css(style.FADED)
-        place = "height:6px;border-radius:2px"
-        parts = "".join(
-            f'<span style="flex:{width:.3f};{place};background:{shown if k == number else others}">'
-            "</span>"
-            for k, width in enumerate(widths)
-        )
-        span = "Play goes through all legs"
-        if len(times) == len(self._tasks):
-            span += f", {sum(times):.1f} s in all"
-        return f'<div style="display:flex;gap:2px;margin:4px 0">{parts}</div><small>{span}.</small>'
 
-
-def _end(plan: Plan) -> tuple[tuple[str, float], ...] | None:
-    """Joints by name in which a plan ends; None without a motion."""
-    motion = plan.motion
-    if motion is None:
-        return None
-    return tuple(zip(motion.joints, motion.positions[-1].tolist(), strict=True))
+def _ends_well(leg: _Leg) -> bool:
+    """Whether another leg may follow."""
+    return leg.plan is not None and leg.plan.error is None and leg.plan.motion is not None

@@ -13,7 +13,7 @@ from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.certification.verdict import TimeStretch
 from app.panels.widgets import Wake, hidden_button
 from app.ui.overlay import Overlay, button, slider
-from app.ui.time_bar import bar_style
+from app.ui.time_bar import LegBar, bar_style
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 _PAUSE_AT_END = 0.8
@@ -41,7 +41,8 @@ class PlaybackPanel:
         self.playing = True
         self._wake = wake
         self._marked: ArmClearance | None = None
-        self._moves = True
+        self._bar = LegBar.alone(1.0)
+        self._drawn: tuple[object, ...] = ()
         self._written = 0.0
         self._time, self._rate = 0.0, 1.0
         self._again = True
@@ -67,10 +68,20 @@ class PlaybackPanel:
         """Seconds of the motion for one of the clock."""
         return SPEEDS.get(self.speed.value, 1.0)
 
-    def advance(self, duration: float, again: bool = True) -> float:
+    def sought(self) -> float | None:
+        """The time on the bar, [s], if the slider has been set to another leg than is shown."""
+        value = self.slider.value
+        if not (self._scrubbed or value != self._written) or not math.isfinite(value):
+            return None
+        if self._bar.number_at(value) == self._bar.number:
+            return None
+        self._written, self._scrubbed, self.playing = value, False, False
+        return value
+
+    def advance(self, duration: float, again: bool = True, legs: LegBar | None = None) -> float:
         """Advance to now; the time to show, [s], which begins ``again`` a moment after the end.
 
-        Otherwise it stays there, where another motion follows.
+        Otherwise it stays there, where another motion follows: one of the ``legs`` on the bar.
         The page plays by its own clock: it is told the time only once it stands.
         """
         now = time.monotonic()
@@ -84,7 +95,8 @@ class PlaybackPanel:
         if (presses := self._presses) != self._counted:
             self.playing ^= bool((presses - self._counted) % 2)
             self._counted = presses
-        end = max(round(duration, 2), 0.01)
+        self._bar = bar = legs or LegBar.alone(duration)
+        end = max(round(bar.end, 2), 0.01)
         if self.slider.max != end:
             self.slider.max = end
         if not math.isfinite(self.slider.value):
@@ -97,13 +109,15 @@ class PlaybackPanel:
                 # changed by the last bit, since an equal one is not sent
                 scrubbed = math.nextafter(scrubbed, 0.0)
                 self.slider.value = scrubbed
-            self._time, self._written, self.playing = scrubbed, scrubbed, False
+            self._time, self._written, self.playing = scrubbed - bar.before, scrubbed, False
         shown = min(max(self._time, 0.0), duration)
-        if not self.playing and (abs(shown - self._written) >= 0.05 or self._written > end):
-            self._written = round(shown, 2)
+        at = bar.before + shown
+        if not self.playing and (abs(at - self._written) >= 0.05 or self._written > end):
+            self._written = round(at, 2)
             self.slider.value = self._written
             self._sent = now
-        self._overlay.set_clock(shown if self.playing else self._written, end, self.playing)
+        told = at if self.playing else self._written
+        self._overlay.set_clock(told, end, self.playing, bar.before)
         return shown
 
     def until_contact(self, duration: float) -> float | None:
@@ -145,14 +159,18 @@ class PlaybackPanel:
         that was ``checked`` each stretch has a colour. A line says where the tool's direction is
         ``held``.
         """
-        moves = duration > 0 and seen
+        moves, bar = duration > 0 and seen, self._bar
         self.speed.visible = seen
-        if clearance is self._marked and moves == self._moves:
+        if clearance is self._marked and (moves, bar) == self._drawn:
             return
-        self._marked, self._moves = clearance, moves
+        self._marked, self._drawn = clearance, (moves, bar)
         contacts = () if clearance is None else clearance.contacts
         stretches = checked or [TimeStretch(one.first, one.last, "touches") for one in contacts]
-        self._overlay.show("marks", bar_style(stretches, duration if moves else 0.0, held))
+        at = bar.before
+        stretches = [one._replace(first=one.first + at, last=one.last + at) for one in stretches]
+        later = [one.later(at) for one in held]
+        end = bar.end if moves else 0.0
+        self._overlay.show("marks", bar_style(stretches, end, later, bar.begins[1:-1]))
 
     def _toggle(self, event: object) -> None:
         self._presses += 1

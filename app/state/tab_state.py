@@ -19,6 +19,7 @@ from abi.scene.scene_file import MAX_JSON_BYTES
 from abi.scene.without_obstacles import contacts_without
 from app.camera.camera import View
 from app.shared import mesh_store
+from app.state.known_legs import KnownLegs
 
 LONGEST_LINK = 6000
 """Most characters of a state that servers and browsers accept in an address."""
@@ -54,6 +55,7 @@ class TabState:
         before: the state to which the end of a lesson or of the paper's figures leads; itself
             without one. No link has it.
         figure: number of the paper's figure that is shown since; 0 for none.
+        tasks: the sequence of which the scene is a leg; None for none.
     """
 
     name: str
@@ -71,6 +73,7 @@ class TabState:
     faults: tuple[str, ...] = ()
     before: TabState | None = None
     figure: int = 0
+    tasks: KnownLegs | None = None
 
     def alone(self) -> TabState:
         """The state without the previous one, as others are shown it."""
@@ -112,6 +115,7 @@ class TabState:
         if not isinstance(data, dict) or data.get("version") != _VERSION:
             raise SceneError(_FIELD, _shortened(text), "one that this version has made")
         state, before = _state(data, meshes), _before(data.get("before"), meshes)
+        state = replace(state, tasks=_tasks(data.get("tasks"), meshes))
         return state if before is None else replace(state, before=before, figure=_figure(data))
 
 
@@ -125,15 +129,20 @@ class StateEncoder:
     def __init__(self) -> None:
         self._scene = _StreamPart()
         self._before = _StreamPart()
+        self._tasks = _StreamPart()
 
     def encode(self, state: TabState) -> str:
         """Encode the state in URL-safe characters."""
-        self._scene.write(state.scene, lambda: "{" + _scene_fields(state))
+        self._scene.write(state.scene, lambda: "{" + _fields_of(state.scene))
         self._before.write(state.before, lambda: _before_field(state))
+        self._tasks.write(state.tasks, lambda: _tasks_field(state.tasks))
         settings = json.dumps(state.settings(), separators=(",", ":")).encode()
         settings = b"," + settings.removeprefix(b"{")
-        parts = [self._scene, self._before]
-        if sum(len(part.text) for part in parts) + len(settings) > MAX_JSON_BYTES:
+        parts = [self._scene, self._tasks, self._before]
+        while (
+            len(parts) > 1
+            and sum(len(part.text) for part in parts) + len(settings) > MAX_JSON_BYTES
+        ):
             parts.pop()  # what is shown now comes back rather than nothing
         # a zlib stream (RFC 1950) in stretches, none of which looks back into another
         checksum = zlib.adler32(b"")
@@ -159,9 +168,9 @@ class _StreamPart:
             self.packed = _deflate(self.text, zlib.Z_FULL_FLUSH) if self.text else b""
 
 
-def _scene_fields(state: TabState) -> str:
-    files = json.dumps(mesh_store.keys(state.scene.meshes.files))
-    return f'"scene":{state.scene.model_dump_json()},"files":{files}'
+def _fields_of(scene: Scene) -> str:
+    files = json.dumps(mesh_store.keys(scene.meshes.files))
+    return f'"scene":{scene.model_dump_json()},"files":{files}'
 
 
 def _before_field(state: TabState) -> str:
@@ -170,7 +179,14 @@ def _before_field(state: TabState) -> str:
     if before is None:
         return ""
     settings = json.dumps(before.settings(), separators=(",", ":")).removeprefix("{")
-    return f',"before":{{{_scene_fields(before)},{settings}'
+    return f',"before":{{{_fields_of(before.scene)},{settings}'
+
+
+def _tasks_field(tasks: KnownLegs | None) -> str:
+    """The sequence of tasks as a field of a JSON object; empty without one."""
+    if tasks is None:
+        return ""
+    return f',"tasks":{{{_fields_of(tasks.whole)},"legs":{json.dumps(tasks.to_list())}}}'
 
 
 def _deflate(data: bytes, end: int) -> bytes:
@@ -205,6 +221,17 @@ def _before(data: object, meshes: MeshSource) -> TabState | None:
     """Parse the previous state; None if it cannot be shown, whatever the present one is."""
     try:
         return _state(data, meshes) if isinstance(data, dict) else None
+    except SceneError:
+        return None
+
+
+def _tasks(data: object, meshes: MeshSource) -> KnownLegs | None:
+    """Parse a sequence of tasks; None if it cannot be shown, whatever the present scene is."""
+    if not isinstance(data, dict):
+        return None
+    try:
+        scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
+        return None if missing else KnownLegs.of(scene, data.get("legs"))
     except SceneError:
         return None
 

@@ -277,6 +277,7 @@ class Session:
             restored |= self._scene != before
         if (direction := self.panels.lecture.requested_view()) is not None:
             self._view.viewpoint.look_from(direction)
+        self._view.seek_leg()
         try:
             scene = self._read()
         except AbiError as error:
@@ -291,7 +292,8 @@ class Session:
                 begins = self.panels.messages.legs.begins(scene)
                 plan = self._replan(scene)
                 if begins:
-                    self.playback.restore(0.0, self.playback.playing)
+                    legs = self.panels.messages.legs
+                    self.playback.restore(legs.from_time, self.playback.playing)
                 self._show(plan, interactive=True)
             else:
                 self._show(self.frame.plan, interactive=True)

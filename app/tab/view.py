@@ -162,6 +162,11 @@ class TabView:
         left = None if self._is_hidden else self._until_leg(frame)
         return left is not None and left <= 0
 
+    def seek_leg(self) -> None:
+        """Ask for the leg to which the player's slider was set, if another one is shown."""
+        if (time := self.playback.sought()) is not None:
+            self.panels.messages.legs.seek(time)
+
     @property
     def _is_hidden(self) -> bool:
         area = self._watch.area()
@@ -187,7 +192,7 @@ class TabView:
         self.panels.messages.legs.see(frame)
         again = not self._plays_on(frame)
         frame = replace(frame, again=again)
-        now = self.playback.advance(frame.duration, again)
+        now = self.playback.advance(frame.duration, again, self.panels.messages.legs.bar(frame))
         playing, rate = self.playback.playing, self.playback.rate
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
@@ -337,6 +342,7 @@ class TabView:
             dark=bool(self.panels.layer_switches.dark.value),
             lessons=self.panels.lessons.progress,
             challenge=self.panels.share.kept,
+            tasks=self.panels.messages.legs.kept,
             theatre=self.panels.theatre.kept,
             practice=self.panels.practice.kept,
             before=self._before,

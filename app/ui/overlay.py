@@ -34,7 +34,7 @@ class Overlay:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
         self.shown: dict[str, str] = {}
-        self._clock = (-1.0, 0.0, False)
+        self._clock = (-1.0, 0.0, False, 0.0)
 
     def show(self, part: Part, content: str) -> None:
         """Show HTML in a part; user input in it must be escaped."""
@@ -42,9 +42,9 @@ class Overlay:
             self.shown[part] = content
             page.call(self._client, "show", part, unbroken(content))
 
-    def set_clock(self, time: float, end: float, playing: bool) -> None:
-        """Show the motion's time and duration, [s], in the player."""
-        clock = round(time, 2), round(end, 2), playing
+    def set_clock(self, time: float, end: float, playing: bool, before: float = 0.0) -> None:
+        """Show a time and the end of all, [s], in the player; ``before`` it the motion begins."""
+        clock = round(time, 2), round(end, 2), playing, round(before, 3)
         # while it plays the page counts by itself
         if clock != self._clock and not (playing and clock[1:] == self._clock[1:]):
             self._clock = clock

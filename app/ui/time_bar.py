@@ -5,7 +5,9 @@ None is told by its colour alone: touching is thick, undecided is striped, prove
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Sequence
+from typing import NamedTuple, Self
 
 from abi.arm_planning.joint_search.held_part import HeldSpan
 from abi.certification.verdict import State, TimeStretch
@@ -38,13 +40,51 @@ _LOOKS: dict[State, _BarLook] = {
 }
 
 _HELD = ("direction of the gripper kept", _plain(style.TAUT), 2)
+_SEAM = ("end of a leg", _plain(style.FADED), 16)
 
 
-def bar_style(stretches: Sequence[TimeStretch], end: float, held: Sequence[HeldSpan] = ()) -> str:
+class LegBar(NamedTuple):
+    """Legs of a sequence on one time bar.
+
+    Attributes:
+        begins: when each leg begins, and when the last one ends, [s]; those of which the time is
+            not known yet take as long as the others on average.
+        number: of the leg that is shown, from 0.
+    """
+
+    begins: tuple[float, ...]
+    number: int
+
+    @classmethod
+    def alone(cls, duration: float) -> Self:
+        """A bar of one motion."""
+        return cls((0.0, duration), 0)
+
+    @property
+    def before(self) -> float:
+        """When the leg that is shown begins, [s]."""
+        return self.begins[self.number]
+
+    @property
+    def end(self) -> float:
+        """When the last leg ends, [s]."""
+        return self.begins[-1]
+
+    def number_at(self, time: float) -> int:
+        """Number of the leg at a time, [s]."""
+        return min(max(bisect.bisect_right(self.begins, time), 1), len(self.begins) - 1) - 1
+
+
+def bar_style(
+    stretches: Sequence[TimeStretch],
+    end: float,
+    held: Sequence[HeldSpan] = (),
+    seams: Sequence[float] = (),
+) -> str:
     """Style sheet that draws stretches on the player's slider, which runs from 0 to ``end``, [s].
 
     A short one is made as wide as can be seen. Below them is a line where a direction of the tool
-    is ``held``. The player of no motion is hidden.
+    is ``held``, and a mark stands at each of the ``seams``. The player of no motion is hidden.
     """
     if end == 0:
         return "<style>#abi-overlay .abi-player{visibility:hidden}</style>"
@@ -57,6 +97,7 @@ def bar_style(stretches: Sequence[TimeStretch], end: float, held: Sequence[HeldS
         if one.last >= one.first
     ]
     layers += [_layer((one.first, one.last), end, _HELD, "100%") for one in held]
+    layers += [f"{_SEAM[1]} {100 * at / end:.2f}% 50%/2px {_SEAM[2]}px no-repeat" for at in seams]
     if not layers:
         return ""
     return f"<style>#abi-overlay .abi-track{{background:{','.join(layers)}}}</style>"

@@ -222,7 +222,8 @@ window.abi = {
     const box = over.getBoundingClientRect(), left = event.clientX - box.left;
     const chart = this.charts().find(chart => chart.over === over);
     if (chart && chart.series[0].label !== "t") return;
-    const time = chart ? chart.posToVal(left, "x") : left / box.width * Number(slider.max);
+    const part = chart ? chart.posToVal(left, "x") : left / box.width * Number(slider.max);
+    const time = chart ? this.before + Math.max(part, 0) : part;
     this.send(slider.dataset.set, Math.min(Math.max(time, 0), Number(slider.max)));
   },
 
@@ -423,19 +424,24 @@ window.abi = {
   // Large letters for the last row of a hall.
   lecture(on) { this.overlay().classList.toggle("abi-lecture", on); },
 
-  // The time of the motion and its end, [s]; a slider that is held stays with the hand.
-  clock(time, end, playing) {
+  // The time of all motions and their end, [s], and when that which is shown begins; a slider that is
+  // held stays with the hand.
+  clock(time, end, playing, before) {
     this.playing = playing;
     this.shown = null;  // where the page's own clock runs, it says its time at once
-    this.face(time, end);
+    [this.end, this.before] = [end, before];
+    this.face(time);
   },
-  face(time, end) {
+  before: 0,
+  end: 0,
+  face(time) {
+    const end = this.end;
     const root = this.overlay(), slider = root.querySelector("input[type=range]");
     if (!slider) return;
     slider.max = end;
     slider.disabled = end <= 0.01;
     if (!slider.matches(":active")) slider.value = time;
-    this.time = time;
+    this.time = time - this.before;
     this.mark();
     root.querySelector("output").textContent = `${time.toFixed(2)} of ${end.toFixed(2)} s`;
     root.querySelector(".abi-play").textContent = this.playing ? "Pause" : "Play";
@@ -495,7 +501,7 @@ window.abi = {
     // once the server has said the time at which it stands, the motion's end is on its way
     if (this.playing && Math.abs(time - (this.shown ?? -1)) >= 0.05) {
       this.shown = time;
-      this.face(time, duration);
+      this.face(this.before + time);
     }
   },
 

@@ -9,10 +9,14 @@ from html import unescape
 
 import pytest
 
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
 from app.panels import playback
+from app.panels.legs import LegsCard
 from app.state.frame import Frame
+from app.state.known_legs import KnownLegs
+from app.state.tab_state import TabState
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -23,8 +27,8 @@ def told(session: Session) -> str:
 
 
 def at_leg(session: Session, number: int) -> bool:
-    plans = session.panels.messages.legs._plans
-    return session.resting and len(plans) > number and session.frame.plan is plans[number]
+    legs = session.panels.messages.legs._legs
+    return session.resting and len(legs) > number and session.frame.plan is legs[number].plan
 
 
 @pytest.mark.slow  # three plans of a real arm
@@ -100,7 +104,7 @@ def test_what_plays_goes_through_all_legs_and_begins_anew(
     assert [plan for _, plan in shown[begin : begin + count - 1]] == [
         plan for _, plan in shown[begin + count : begin + 2 * count - 1]
     ]
-    assert "Play goes through all legs, " in told(session)
+    assert "The time bar is of all legs, " in told(session)
     # playing has not filled what can be undone
     fake.set(session.panels.history.undo, True)
     until(lambda: session.resting and session.frame.plan.scene.arm.model == "abi")
@@ -120,5 +124,61 @@ def test_a_leg_asked_for_begins_at_its_begin_also_while_the_arm_stands(
     until(lambda: session.resting and abs(session.frame.time - 1.0) < 1e-6)
     fake.set(legs.go_on, True)
     until(partial(at_leg, session, 1))
-    assert session.frame.time == player.slider.value == 0
+    first = legs._legs[0].plan
+    assert first is not None
+    assert session.frame.time == 0
+    assert abs(player.slider.value - first.motion.time[-1]) <= 0.01  # type: ignore[union-attr]
     assert not player.playing
+
+
+@pytest.mark.slow  # three plans of a real arm
+def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    legs, player = session.panels.messages.legs, session.playback
+    fake.set(player.button, True)
+    until(lambda: not player.playing)
+    fake.set(session.panels.files.choice, "pick-and-place")
+    until(lambda: at_leg(session, 0) and legs.state()[2] is True)
+    for number in (1, 2):
+        fake.set(legs.go_on, True)
+        until(partial(at_leg, session, number))
+        until(lambda: legs.state()[2] is True)
+    bar = legs.bar(session.frame)
+    assert bar is not None
+    assert len(bar.begins) == len(load_scene("pick-and-place").tasks) + 1
+    assert player.slider.max == round(bar.end, 2)
+
+    # back into the first leg, within it, and on to the third
+    for moment, number in ((0.5, 0), (0.9, 0), (bar.begins[2] + 0.4, 2), (bar.begins[1], 1)):
+        fake.set(player.slider, moment)
+        until(partial(at_leg, session, number))
+        until(lambda at=moment - bar.begins[number]: abs(session.frame.time - at) < 0.02)  # type: ignore[misc]
+        assert abs(player.slider.value - moment) < 0.02
+    # past what is planned: the next leg, from its begin
+    fake.set(player.slider, bar.end)
+    until(partial(at_leg, session, 3))
+    assert session.frame.time == 0
+
+    text = session._state().encode()
+    state = TabState.decode(text, MeshSource())
+    assert state.tasks is not None
+    scenes = [leg.scene for leg in legs._legs[:3]]
+    assert [*state.tasks.scenes()] == scenes
+    card = LegsCard(session.client.gui, lambda event: None)
+    card.restore(state.tasks)
+    card.see(session.frame)
+    assert "Leg 4 of 6" in card.html()
+    ends = [leg.end for leg in legs._legs]
+    assert [leg.end for leg in card._legs] == ends
+    # what tells another sequence is not taken for this one
+    whole, number = state.tasks.whole, state.tasks.number
+    for data in (
+        [number, []],
+        [len(whole.tasks), [[{}, 1.0]] * 6],
+        [number, [[{"a": "b"}, 1.0]] * 3],
+    ):
+        assert KnownLegs.of(whole, data) is None
+    card.restore(KnownLegs.of(whole, [number, [[{"elbow": 1.0}, 1.0]] * 3]))
+    assert card.html() == ""

@@ -119,7 +119,7 @@ def test_the_clock_never_passes_the_end_of_a_motion_that_became_shorter(
     panel = _panel(session, None, "real time")
     told: list[tuple[float, float]] = []
     monkeypatch.setattr(
-        panel._overlay, "set_clock", lambda time, end, playing: told.append((time, end))
+        panel._overlay, "set_clock", lambda time, end, playing, before: told.append((time, end))
     )
     panel.restore(2.78, False)
     for duration in (2.781, 2.75, 2.7499, 2.6, 3.0, 0.0):
