@@ -12,9 +12,10 @@ _OF_PLANS = (
     *("arm.contacts", "arm.within_limits", "arm.limits_passed", "arm.joint_speed_limits"),
     *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
+    *("arm.axis.angle", "arm.axis.bound"),
 )
 _OF_URDF_PLANS = ("timing.t1", "timing.t2", "timing.t3", "timing.peak_speed", "arm.elbow")
-_OF_MOTIONS = ("limits", "direction.angle", "motion.duration")
+_OF_MOTIONS = ("limits", "direction.angle", "time", "link", "obstacle", "notes")
 """Unchecked fields, the most telling ones of each section; computing times are left out."""
 
 
@@ -40,8 +41,7 @@ def _is_of_urdf(scene: object) -> bool:
 
 
 def _is_stated(data: dict[str, Any], name: str) -> bool:
-    section, _, field = name.partition(".")
-    value = data.get(section)
-    if field:
+    value: object = data
+    for field in name.split("."):
         value = value.get(field) if isinstance(value, dict) else None
     return value is not None and value != []

@@ -77,22 +77,25 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
 def _plan_verdicts(
     plan: dict[str, Any], folder: Path | MeshSource | None, is_leg: bool = False
 ) -> tuple[Verdict, ...]:
-    """Verdicts on the curves of a plan and on its arm, on that alone of the leg of a sequence."""
+    """Verdicts on the curves of a plan, of a leg those said to be clear, and on its arm."""
     if not all(name in plan for name in ("scene", *CURVES)):
         raise SceneError("plan", [*plan], "a plan as abi plan writes it")
     if type(version := plan.get("version")) is not int or version != 1:
         raise SceneError("version", version, "1")
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = obstacles_of(scene)
-    if is_leg:
-        return (_arm_verdict(plan, scene, obstacles),)
     # a motion from the space of the joints follows no curve of the tool
-    needs_arm = plan.get("joint_search") is not None
-    curves = [c for c in CURVES if plan[c]] if needs_arm else CURVES
+    needs_arm = is_leg or plan.get("joint_search") is not None
+    curves = [name for name in CURVES if _claims(plan[name]) or not needs_arm]
     verdicts = [_curve_verdict(name, plan[name], scene, obstacles) for name in curves]
     if "arm" in plan or needs_arm:
         verdicts.append(_arm_verdict(plan, scene, obstacles))
     return tuple(verdicts)
+
+
+def _claims(curve: Any) -> bool:
+    """Check whether a curve is stated to be clear: where objects are taken it need not be."""
+    return isinstance(curve, dict) and (curve.get("certified") or curve.get("certificate"))
 
 
 def _task_verdicts(plan: dict[str, Any], folder: Path | MeshSource | None) -> tuple[Verdict, ...]:

@@ -178,11 +178,18 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
 
 def _check_told(data: dict[str, Any]) -> None:
     """Raise if the verdict states more or other in words and stretches than that it is clear."""
-    if data.get("touches") or data.get("undecided"):
+    if data.get("touches") or data.get("undecided") or data.get("depth") is not None:
         raise Fault("it lists what touches or is not decided")
     stretches = [mapping("stretches", one) for one in list_of("stretches", data.get("stretches"))]
     if not stretches or any(one.get("state") != "clear" for one in stretches):
         raise Fault("its stretches are not all clear")
+    motion = data["motion"]
+    ends = [motion["times"][0], *(one.get("last") for one in stretches)]
+    if [one.get("first") for one in stretches] != ends[:-1] or ends[-1] != motion["times"][-1]:
+        raise Fault("its stretches are not the whole motion")
+    rates = sum(motion.get(name) is not None for name in ("velocities", "accelerations"))
+    if data.get("interpolation") != ("linear", "cubic", "quintic")[rates]:
+        raise Fault("its joints move otherwise between waypoints than it says")
     sentence = str(data.get("sentence"))
     told = {float(number) for number in re.findall(r"\d[\d.e+-]*\d|\d", sentence)}
     margin = finite("clearance", data.get("clearance") or 0.0)

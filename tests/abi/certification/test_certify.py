@@ -137,6 +137,10 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
         data["allowed"].append({"link": first, "other": last, "reason": kind})
     elif kind == "stretch":
         data["stretches"][-1]["state"] = "touches"
+    elif kind in ("first", "last"):
+        data["stretches"][0][kind] += 0.1
+    elif kind == "interpolation":
+        data["interpolation"] = "quintic"
     elif kind == "sentence":
         data["sentence"] = data["sentence"].replace("keep 0.", "keep 1.")
     elif kind == "contact":
@@ -152,7 +156,7 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
     "kind",
     [
         *("motion", "plane", "direction", "body", "pair", "margin", "obstacle"),
-        *("stretch", "sentence", "contact"),
+        *("stretch", "first", "last", "interpolation", "sentence", "contact"),
         *("adjacent", "srdf", "always", "mount"),
     ],
 )
