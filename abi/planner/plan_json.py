@@ -271,6 +271,7 @@ def arm(
         "clearance_obstacle": clearance.obstacle if has_obstacles else None,
         "contacts": [contact._asdict() for contact in clearance.contacts],
         "allowed": [contact._asdict() for contact in clearance.allowed],
+        "apart_only": list(clearance.apart_only),
         "certificate": arm_certificate(model, clearance),
         "peak_joint_speed": motion.peak_joint_speed.tolist(),
         "joint_speed_limits": _finites(rates.speed_limits),

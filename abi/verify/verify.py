@@ -95,7 +95,7 @@ def _plan_verdicts(
 
 def _claims(curve: Any) -> bool:
     """Check whether a curve is stated to be clear: where objects are taken it need not be."""
-    return isinstance(curve, dict) and (curve.get("certified") or curve.get("certificate"))
+    return isinstance(curve, dict) and bool(curve.get("certified") or curve.get("certificate"))
 
 
 def _task_verdicts(plan: dict[str, Any], folder: Path | MeshSource | None) -> tuple[Verdict, ...]:

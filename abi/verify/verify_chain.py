@@ -152,13 +152,17 @@ def check_chain(
     _check_all_named(capsules, pairs, allowed)
     if section.get("allowed") != certificate.get("allowed"):
         raise Fault("the plan lists other contacts that are allowed")
+    in_hand = [capsule.frame == chain.frames[scene.arm.tool] for capsule in capsules]
+    touchable = [scene.arm.grasping and behind for behind in in_hand]
+    links = {one.link for one, touches in zip(capsules, touchable, strict=True) if touches}
+    if {*section.get("apart_only", links)} != links:
+        raise Fault("the plan names other links that need only be apart from obstacles")
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     span = Fraction(0), Fraction(len(motion.rows) - 1)
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     for number, capsule in enumerate(capsules):
         least = partial(_least, motion, capsule)
-        touches = scene.arm.grasping and capsule.frame == chain.frames[scene.arm.tool]
-        distance = Fraction(0) if touches else margin
+        distance = Fraction(0) if touchable[number] else margin
         for k, obstacle in enumerate(obstacles):
             if (capsule.link, k) not in allowed:
                 label = f"{capsule.link} and obstacle {k + 1}"

@@ -83,6 +83,8 @@ class ArmClearance(ShortRepr):
         contacts: what touches what, the deepest first.
         certificate: proof of ``distance``, and that nothing else is touched; None if there is none.
         allowed: contacts of a URDF arm that count for nothing.
+        apart_only: names of the links that need only not touch obstacles, while something is taken
+            or set down: the distances leave them out.
         has_verdict: whether ``distance`` is proven by a verdict on the motion, which has its own
             certificate.
     """
@@ -96,6 +98,7 @@ class ArmClearance(ShortRepr):
     contacts: tuple[Contact, ...]
     certificate: ArmCertificate | None
     allowed: tuple[AllowedContact, ...] = ()
+    apart_only: tuple[str, ...] = ()
     has_verdict: bool = False
 
     @property

@@ -5,6 +5,7 @@ The joints start from a chosen or a given pose, and move straight from sample to
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -168,7 +169,7 @@ class ChainJointPath:
         arm, allowed = self.arm, collision_world.allowed
         poses = _poses(arm, motion)
         of_capsules = obstacle_distances(arm, obstacles, poses.ends, allowed=allowed)
-        least = float(of_capsules[0].min(initial=math.inf))
+        least = float(of_capsules[0][:, ~arm.touchable].min(initial=math.inf))
         below = max(required, least) + _CLOSER * arm.reach
         measured = Measured(*hull_distances_to(arm, poses, collision_world, of_capsules, below))
         measured = _without_touchable(arm, measured)
@@ -187,7 +188,13 @@ class ChainJointPath:
             _decided(arm, motion, obstacles, collision_world, one) for one in found.contacts[:1]
         ]
         contacts = (*deepest, *found.contacts[1:])
-        return replace(found, contacts=contacts, allowed=(*arm.allowed, *allowed))
+        touchable = itertools.compress((one.link for one in arm.capsules), arm.touchable)
+        return replace(
+            found,
+            contacts=contacts,
+            allowed=(*arm.allowed, *allowed),
+            apart_only=tuple(dict.fromkeys(touchable)),
+        )
 
 
 def _apart_though_allowed(

@@ -36,21 +36,23 @@ def obstacle_distances(
     """Signed distances of an arm's capsules to the nearest obstacle.
 
     Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf,
-    and so may what is above ``enough``, [unit]. What a link may touch is left out.
+    and so may what is above ``enough``, [unit]. What a link may touch is left out. Those that need
+    only not touch have a nearest one of their own.
 
     Returns:
         Distances (k, c), [unit], inf without obstacles; and numbers of the obstacles, -1 where the
         distance is inf.
     """
     ends = arguments.numbers("ends", ends, (-1, len(arm.capsules), 2, 3))
-    if not any(isinstance(one.other, int) for one in allowed):
+    if not any(isinstance(one.other, int) for one in allowed) and not arm.touchable.any():
         return _distances(ends, arm.radii, obstacles, enough)
     distance, number = np.empty(ends.shape[:2]), np.empty(ends.shape[:2], dtype=np.int32)
-    groups: dict[frozenset[int], list[int]] = {}
+    groups: dict[tuple[frozenset[int], bool], list[int]] = {}
     for k, capsule in enumerate(arm.capsules):
         others = (one.other for one in allowed if one.link == capsule.link)
-        groups.setdefault(frozenset(k for k in others if isinstance(k, int)), []).append(k)
-    for left_out, capsules in groups.items():
+        left_out = frozenset(k for k in others if isinstance(k, int))
+        groups.setdefault((left_out, bool(arm.touchable[k])), []).append(k)
+    for (left_out, _), capsules in groups.items():
         rest, numbers = _without(obstacles, left_out)
         of_rest = _distances(ends[:, capsules], arm.radii[capsules], rest, enough)
         distance[:, capsules], number[:, capsules] = of_rest[0], numbers[of_rest[1]]

@@ -28,8 +28,9 @@ seeds = st.integers(0, 2**31)
 
 
 @cache
-def some_arm(name: str) -> UrdfArm:
-    return urdf_arm(load_robot(name, MeshSource()), SHIPPED[name], (3.0, 3.0, 0.0))
+def some_arm(name: str, grasping: bool = False) -> UrdfArm:
+    robot = load_robot(name, MeshSource())
+    return urdf_arm(robot, SHIPPED[name], (3.0, 3.0, 0.0), grasping=grasping)
 
 
 def around(one: UrdfArm, random: np.random.Generator) -> ObstacleSet:
@@ -50,11 +51,11 @@ def around(one: UrdfArm, random: np.random.Generator) -> ObstacleSet:
 
 @pytest.mark.slow
 @settings(max_examples=12, deadline=None)
-@given(st.sampled_from(list(SHIPPED)), seeds)
+@given(st.sampled_from(list(SHIPPED)), st.booleans(), seeds)
 def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
-    name: str, seed: int
+    name: str, grasping: bool, seed: int
 ) -> None:
-    one, random = some_arm(name), np.random.default_rng(seed)
+    one, random = some_arm(name, grasping), np.random.default_rng(seed)
     obstacles = around(one, random)
     ends = random.uniform(one.limits[:, 0], one.limits[:, 1], (2, len(one.limits)))
     ends[1] = ends[0] + random.choice([0.02, 0.3, 1.0]) * (ends[1] - ends[0])
@@ -76,9 +77,12 @@ def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
     outside = found & (least > -one.radii)
     assert distance[outside] == pytest.approx(least[outside], abs=1e-9)
     assert found[least < -1e-9].all()
-    nearest = least.min(axis=1)
-    told = nearest < enough - 1e-9
-    assert distance.min(axis=1)[told] == pytest.approx(nearest[told], abs=1e-9)
+    # with an object in the hand, the arm without both has a nearest link, too
+    assert one.touchable.any() == grasping
+    for links in (slice(None), ~one.touchable):
+        nearest = least[:, links].min(axis=1)
+        told = nearest < enough - 1e-9
+        assert distance[:, links].min(axis=1)[told] == pytest.approx(nearest[told], abs=1e-9)
 
 
 def test_without_obstacles_nothing_is_near() -> None:

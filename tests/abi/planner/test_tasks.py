@@ -148,6 +148,8 @@ def test_what_is_taken_or_left_is_apart_and_all_else_keeps_the_clearance() -> No
     assert [leg.scene.arm.grasping for leg in legs] == [True, True, True, True, False]
     for leg in legs:
         assert leg.arm_clearance is not None
+        assert bool(leg.arm_clearance.apart_only) == leg.scene.arm.grasping
+        assert np.isfinite(leg.arm_clearance.distances).all()
         assert leg.arm_clearance.distance >= CLEARANCE
         assert ("gripper and object apart" in clearance_sentence(leg)) == leg.scene.arm.grasping
         smaller = leg.scene.arm.grasping and leg.scene.arm.attached is not None
@@ -425,7 +427,8 @@ def test_what_the_tool_holds_on_a_single_way_is_said_too(tmp_path: Path) -> None
 
     export(planned(), tmp_path / "a.plan.json", "json")
     verdicts = verify(json.loads((tmp_path / "a.plan.json").read_text()), planned().scene.meshes)
-    assert [one.proven for one in verdicts] == [True] * 6
+    assert all(one.proven for one in verdicts)
+    assert len(verdicts) > len(planned().legs)
 
 
 def test_recording_and_page_carry_the_object_with_the_tool(tmp_path: Path) -> None:
@@ -457,11 +460,13 @@ def test_recording_and_page_carry_the_object_with_the_tool(tmp_path: Path) -> No
     assert np.abs(ball[~before & ~after] - ball[0]).max() > 0.5
 
 
-def test_what_a_leg_states_of_a_curve_is_checked() -> None:
+def test_what_a_leg_states_of_its_curve_and_of_what_need_only_be_apart_is_checked() -> None:
     plan = copy.deepcopy(written())
     number, curve = next(
         (k, leg["bspline"]) for k, leg in enumerate(plan["legs"], 1) if leg["bspline"]
     )
     curve["clearance"] += 0.01
-    verdicts = {one.curve: one.proven for one in verify(plan, planned().scene.meshes)}
-    assert [name for name, proven in verdicts.items() if not proven] == [f"leg {number}, bspline"]
+    plan["legs"][1]["arm"]["apart_only"] = []
+    verdicts = verify(plan, planned().scene.meshes)
+    wrong = {one.curve for one in verdicts if not one.proven}
+    assert wrong == {f"leg {number}, bspline", "leg 2, arm"}
