@@ -253,6 +253,7 @@ def _of_shape(
         expected = f"{wanted} of shape {_text_of(shape)}"
         raise ArgumentError(name, values, expected) from None
     fits = array.shape == shape or _fits(array.shape, shape)
+    fits &= not np.ma.is_masked(values)
     # a list without entries has no type of its own
     if not fits or (array.dtype.kind not in kinds and (array.size or array is values)):
         given = Described(f"an array of shape {array.shape} and type {array.dtype}")

@@ -65,6 +65,10 @@ def certify_motion(
         ArgumentError: an argument is out of range.
     """
     clearance = arguments.number("clearance", clearance, 0.0, math.inf)
+    if acceleration is not None:
+        acceleration = arguments.number("acceleration", acceleration, 0.0, math.inf)
+    if start is not None:
+        start = {name: arguments.number(f"start[{name!r}]", at) for name, at in start.items()}
     moves = robot_motion(motion, scene, start)
     beside = joint_limits(moves, acceleration), kept_direction(moves, scene)
     verdict = _verdict(problem_of(moves, scene), scene, beside, clearance, most_tries)

@@ -46,8 +46,8 @@ class LimitsKept(ShortRepr):
 
     Attributes:
         peaks: largest size of each joint's speed, acceleration and torque, (n,) each; None where it
-            is not known: speeds without times, accelerations of straight motions, whose speeds jump
-            at waypoints, torques without masses or times.
+            is not known: speeds without times, accelerations and torques of straight motions, whose
+            speeds jump at waypoints, torques without masses or times.
         passed: limits that are passed.
     """
 
@@ -101,7 +101,10 @@ def joint_limits(motion: RobotMotion, acceleration: float | None = None) -> Limi
             "position": read_only(np.abs(motion.points).max(axis=(0, 1))),
             "speed": None if speed is None else _peak(speed),
             "acceleration": None if growth is None else _peak(growth),
-            "torque": None if torques is None else read_only(np.abs(torques).max(axis=(0, 1))),
+            # what a straight motion needs at a constant speed may be too much, but is not all
+            "torque": None
+            if torques is None or growth is None
+            else read_only(np.abs(torques).max(axis=(0, 1))),
         },
         passed=tuple(passed),
     )
@@ -185,7 +188,7 @@ def _past(
 
 
 def _torques(motion: RobotMotion, speed: FloatArray, growth: FloatArray | None) -> FloatArray:
-    """Torques at places between waypoints, (k, samples, n); straight motions do not accelerate."""
+    """Torques at places between waypoints, (k, samples, n), where straight motions keep a speed."""
     ways = np.abs(np.diff(motion.points, axis=1)).sum(axis=1)
     wanted = math.ceil(float(ways.max()) / _STEP) + 1
     count = max(_SAMPLES, min(wanted, _MOST_ROWS // len(ways)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple
 
@@ -166,13 +167,20 @@ class Motion(ReadOnlyCopies):
 
 
 def _array(name: str, values: Any) -> FloatArray:
-    """Values as an array of numbers, not yet checked otherwise."""
-    try:
-        return np.ascontiguousarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise MotionError(
-            f"The motion's {name} are {short(values)}, which are no numbers."
-        ) from None
+    """Values as an array of numbers, not yet checked otherwise; times may be numpy's or pandas'."""
+    with suppress(TypeError, ValueError, OverflowError):
+        array = np.asarray(values)
+        if name == "times" and array.dtype.kind == "m":
+            array = array / np.timedelta64(1, "s")
+        numbers = array.dtype.kind in "fiu" or (
+            array.dtype.kind == "O"
+            and all(
+                isinstance(one, int | float) and not isinstance(one, bool) for one in array.flat
+            )
+        )
+        if numbers and not np.ma.is_masked(values):
+            return np.ascontiguousarray(array, dtype=np.float64)
+    raise MotionError(f"The motion's {name} are {short(values)}, which are no numbers.")
 
 
 def _check_names(joints: tuple[str, ...]) -> None:

@@ -66,6 +66,8 @@ def _pose(field: str, matrix: FloatArray) -> dict[str, Any]:
     """Position and quaternion of a pose (4, 4), ``world_from_body``."""
     from scipy.spatial.transform import Rotation  # here, since it takes long to import
 
+    if matrix.dtype.kind not in "fiu" or np.ma.is_masked(matrix):
+        raise SceneError(field, matrix.tolist(), "real numbers")
     pose = np.asarray(matrix, dtype=np.float64)
     turn = pose[:3, :3]
     off = np.abs(turn.T @ turn - np.eye(3)).max() if np.isfinite(pose).all() else np.inf

@@ -73,11 +73,13 @@ def certify(
 
 def _state(text: str) -> dict[str, float]:
     """Parse the positions of joints by name."""
-    state = {}
+    state = dict[str, float]()
     for part in text.split(","):
         name, sign, value = part.partition("=")
+        if name.strip() in state:
+            raise click.UsageError(f"--start: {name.strip()} is given twice.")
         try:
-            state[name.strip()] = float(value)
+            state[name.strip()] = float(value.replace("_", "?"))  # 1_0 would be 10
         except ValueError:
             sign = ""
         if not sign:

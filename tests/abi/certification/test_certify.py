@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ import pytest
 
 import abi
 from abi.arrays import FloatArray
+from abi.certification.certify_motion import certify_motion
 from abi.certification.clearance_proof import nearest
 from abi.certification.exact_contact import ContactFinder
 from abi.certification.joint_limits import joint_limits
@@ -18,7 +21,8 @@ from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
-from abi.errors import MotionError, SceneError
+from abi.certification.verdict_words import limit_sentences
+from abi.errors import ArgumentError, MotionError, SceneError
 from abi.scene.scene import Scene
 from abi.verify.verify import verify
 from tests.abi.robot.robots import LINKED_BIT, arm, joint, link, packed, urdf
@@ -215,11 +219,69 @@ def test_a_torque_between_far_waypoints_is_found() -> None:
     peaks = []
     for count in (2, 801):  # stretched out level, where its weight pulls most, on the way
         positions, times = np.linspace(first, last, count), np.linspace(0, 600, count)
-        motion = robot_motion(Motion(JOINTS, times, positions), scene_with([]))
+        speeds = np.tile((last - first) / 600, (count, 1))
+        motion = robot_motion(Motion(JOINTS, times, positions, speeds), scene_with([]))
         peak = joint_limits(motion).peaks["torque"]
         assert peak is not None
         peaks.append(peak)
     np.testing.assert_allclose(peaks[0], peaks[1], rtol=2e-3, atol=1e-3)
+
+
+def test_a_straight_motion_whose_speed_jumps_is_not_said_to_keep_torques() -> None:
+    """Stretched out level, an arm that is too weak for its own weight is told of all the same."""
+    positions = np.array([[0, angle, 0, 0, 0, 0] for angle in (0.0, 0.03, 0.0, 0.0)])
+    times = np.array([0.0, 0.01, 0.02, 9.0])
+    verdict = certify_motion(Motion(JOINTS, times, positions), scene_with([]))
+    assert {"torque", "acceleration"} <= {*verdict.limits.to_dict()["not_judged"]}
+    assert not any("torque" in one for one in limit_sentences(verdict) if "keep" in one)
+    moves = verdict.problem.motion
+    weak = replace(moves.chain, efforts=0.01 * moves.chain.efforts)
+    passed = joint_limits(replace(moves, chain=weak)).passed
+    assert "torque" in {one.quantity for one in passed}
+
+
+NO_NUMBERS: dict[str, dict[str, Any]] = {
+    "masked": {"positions": np.ma.masked_equal([[0.0] * 6, [0.1] * 6], 0.1)},
+    "masked velocities": {"velocities": np.ma.masked_equal(np.zeros((2, 6)), 0)},
+    "complex": {"positions": np.zeros((2, 6)) + 1j},
+    "flags": {"positions": np.zeros((2, 6)) > 1},
+    "texts": {"positions": np.zeros((2, 6)).astype(str)},
+    "dates": {"times": np.array(["2020-01-01", "2020-01-02"], dtype="datetime64[s]")},
+    "intervals as places": {"positions": np.zeros((2, 6), dtype="timedelta64[s]")},
+    "gaps": {"positions": np.array([[0.0] * 6, [None] * 6])},
+}
+
+
+@pytest.mark.parametrize("changed", NO_NUMBERS.values(), ids=NO_NUMBERS)
+def test_what_is_no_array_of_numbers_is_refused(changed: dict[str, Any]) -> None:
+    given = {"times": [0, 1], "positions": np.zeros((2, 6)), **changed}
+    with pytest.raises(MotionError, match="which are no numbers"):
+        abi.certify("ur5e", JOINTS, **given)
+
+
+@pytest.mark.parametrize("unit", ["s", "ms", "ns"])
+def test_intervals_of_time_are_in_their_own_unit(unit: str) -> None:
+    seconds = np.array([0, 2, 3]).astype("timedelta64[s]")
+    given = [seconds.astype(f"timedelta64[{unit}]"), np.array([0, 2, 3.0], dtype=object)]
+    for times in given:
+        motion = Motion(JOINTS, times, np.zeros((3, 6)))
+        assert motion.times.tolist() == [0.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"start": {JOINTS[0]: math.nan}},
+        {"start": {JOINTS[0]: None}},
+        {"start": {JOINTS[0]: "0.4"}},
+        {"acceleration": math.nan},
+        {"acceleration": -1.0},
+        {"clearance": math.nan},
+    ],
+)
+def test_arguments_that_are_no_numbers_are_refused(changed: dict[str, Any]) -> None:
+    with pytest.raises(ArgumentError, match=next(iter(changed))):
+        abi.certify("ur5e", JOINTS, [0, 1], np.zeros((2, 6)), **changed)
 
 
 def test_a_beam_that_the_first_joint_swings_into_the_floor_touches_it(tmp_path: Path) -> None:

@@ -60,7 +60,17 @@ def test_a_budget_that_ends_leaves_it_undecided(tmp_path: Path) -> None:
     assert "More tries" in json.loads(found.output)["undecided"][0]["would_decide"]
 
 
-@pytest.mark.parametrize("state", ["elbow_joint", "elbow_joint=x", "=1"])
+@pytest.mark.parametrize(
+    "state",
+    [
+        "elbow_joint",
+        "elbow_joint=x",
+        "=1",
+        "elbow_joint=1_0",
+        "elbow_joint=0,elbow_joint=1.2",
+        "elbow_joint=nan",
+    ],
+)
 def test_a_start_state_that_is_none_is_refused(tmp_path: Path, state: str) -> None:
     motion = written(tmp_path, f"{HEAD}\n{ROWS}")
     found = CliRunner().invoke(certify, [motion, "--robot", "ur5e", "--start", state])
