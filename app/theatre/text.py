@@ -39,7 +39,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
         sides = (" ←" if node >= n else "" for node in queue)
         named += zip(_PLACES, queue, sides, strict=False)
     letters = list(zip(LETTERS, lettered(theatre).tolist(), strict=False))
-    named += [(f"<b>{letter}</b>", node, "") for letter, node in letters]
+    named += [(_choice(theatre, letter), node, "") for letter, node in letters]
     rows = [
         (_at(state, node, f"{name} {where(state, node)}{side}"), *node_row(theatre, node))
         for name, node, side in named
@@ -58,6 +58,11 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     if theatre.answer.text:
         text += style.paragraph(theatre.answer.text)
     return text
+
+
+def _choice(theatre: Theatre, letter: str) -> str:
+    """A letter whose row answers with it, as the letter in the scene does."""
+    return f'<b data-choose="{theatre.widget}" data-value="{letter}">{letter}</b>'
 
 
 def _counts(state: SearchState) -> str:

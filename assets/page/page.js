@@ -157,9 +157,9 @@ window.abi = {
     this.parts[part] = html;
     this.overlay().querySelector(`[data-part=${part}]`).innerHTML = html;
   },
-  // A card in a panel sets a widget that is hidden itself.
+  // A card in a panel, or a table's row, sets a widget that is hidden itself.
   cardPressed({target}) {
-    const card = target.closest?.("[data-choose]");
+    const card = target.closest?.("[data-choose]") ?? target.closest?.("tr")?.querySelector("[data-choose]");
     if (card) this.send(card.dataset.choose, card.dataset.value);
   },
 
@@ -343,15 +343,24 @@ window.abi = {
     go();
   },
 
-  // Scroll the heading of a stage, which begins with that number, into sight beside a lesson; on a
-  // phone, where both are in one sheet, the lesson stays.
+  // Scroll the heading of a stage, which begins with that number, into sight beside a lesson. On a
+  // phone, where both are in one sheet, a button of the lesson does, and unfolds the stage.
   showStage(number) {
-    if (innerWidth <= this.PHONE) return;
-    const folder = [...document.querySelectorAll(".mantine-ScrollArea-content .mantine-Paper-root")]
-      .find(heading => heading.style.cursor === "pointer" && heading.textContent.startsWith(`${number} · `));
-    if (!folder) return;
-    folder.style.scrollMargin = "14px 0 6px";
-    folder.scrollIntoView({block: "nearest"});
+    if (innerWidth > this.PHONE) this.stage(number)?.scrollIntoView({block: "nearest"});
+  },
+  stage(number) {
+    const heading = [...document.querySelectorAll(".mantine-ScrollArea-content .mantine-Paper-root")]
+      .find(each => each.style.cursor === "pointer" && each.textContent.startsWith(`${number} · `));
+    if (heading) heading.style.scrollMargin = "14px 0 6px";
+    return heading;
+  },
+  stageAsked({target}) {
+    const heading = target.dataset?.stage && this.stage(target.dataset.stage);
+    if (!heading) return;
+    this.showing.forEach(clearTimeout);
+    if (!(heading.nextElementSibling?.offsetHeight > 20)) heading.click();
+    heading.style.scrollMargin = "4em 0 6px";  // the sheet's own heading stays
+    heading.scrollIntoView({block: "start"});
   },
 
   // A tab of the panels is chosen once all have heard of the click.
@@ -384,8 +393,9 @@ window.abi = {
     const chosen = target.closest?.("[role=tab], .abi-cards") || turned || target.textContent?.startsWith("Result · ");
     if (innerWidth > this.PHONE || !chosen) return;
     const show = () => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"});
-    for (const delay of [300, 600, 1000, 2000]) setTimeout(show, delay);
+    this.showing = [300, 600, 1000, 2000].map(delay => setTimeout(show, delay));
   },
+  showing: [],
   PHONE: 600,  // [px]: the greatest width of one
 
   // The hint of a control comes up for its name, too; viser shows it over the control alone.
@@ -418,6 +428,14 @@ window.abi = {
   // A box ticked with the mouse would keep the keys to itself.
   boxTicked({target}) {
     if (target.matches?.("input[type=checkbox]") && !target.matches(":focus-visible")) target.blur();
+  },
+  // After a lesson's page is turned, what comes to lie under the pointer looks as all others do until
+  // the hand moves: an answer would look chosen.
+  pageTurned({target}) {
+    if (/^(Next|Back)/.test(target.closest?.(".mantine-Button-root")?.textContent)) document.documentElement.classList.add("abi-turned");
+  },
+  handMoved({movementX, movementY}) {
+    if (movementX || movementY) document.documentElement.classList.remove("abi-turned");
   },
   closeSheet() { document.querySelector(".mantine-Modal-body button")?.click(); },
 
@@ -591,7 +609,8 @@ for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
   ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"], ["click", "folderClicked"],
   ["mouseover", "hintSided"], ["mouseover", "nameHovered"], ["mouseout", "nameHovered"], ["keydown", "keyPressed"],
-  ["mousedown", "besideClicked"], ["click", "boxTicked"], ["click", "cardPressed"],
+  ["mousedown", "besideClicked"], ["click", "boxTicked"], ["click", "cardPressed"], ["click", "stageAsked"],
+  ["click", "pageTurned"], ["mousemove", "handMoved"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
@@ -680,7 +699,7 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
 #abi-overlay [data-part=lecture] b { min-width: 7.5em; text-align: center; }
 #abi-overlay [data-part=lecture] span { width: 12px; }
 #abi-overlay [data-part=marks] { display: none; }
-@media (min-width: 601px) { #abi-overlay .abi-phone { display: none; } }
+@media (min-width: 601px) { .abi-phone { display: none; } }
 #abi-overlay .abi-tour { max-width: 34em; border-left: 4px solid #1f84d6; }
 #abi-overlay .abi-player output { white-space: nowrap; font-variant-numeric: tabular-nums; }
 #abi-overlay .abi-play { min-width: 4.6em; }
@@ -696,6 +715,7 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
   --mantine-color-gray-filled: #5c646c; --mantine-color-gray-filled-hover: #495057;
   --mantine-color-blue-outline: light-dark(#1a6fc0, #74b8f5);
 }
+.abi-turned .mantine-Button-root { --button-hover: var(--button-bg) !important; }
 [role=tab][aria-selected=true] * { color: light-dark(#1a6fc0, #74b8f5) !important; }
 /* the numbers at its ends below a slider's knob */
 .mantine-Slider-markLabel { color: var(--mantine-color-dimmed); padding-top: 4px; }
@@ -812,6 +832,9 @@ body:has(:is(:active, .mantine-NumberInput-input:focus:hover)) .mantine-Tooltip-
 .abi-cards button:not(:has(img)) { grid-template-columns: 1fr; padding: 6px 9px; }
 .abi-cards button:is(:hover, :focus-visible) { border-color: #1f84d6; }
 .abi-cards button[aria-pressed=true] { border-color: #1f84d6; background: color-mix(in srgb, #1f84d6 12%, transparent); }
+.abi-go {
+  padding: 6px 12px; border: 1px solid #1f84d6; border-radius: 6px; background: none; color: inherit; font: inherit; min-height: 34px;
+}
 .abi-cards img { width: 84px; height: 52px; border-radius: 4px; object-fit: cover; background: rgba(128, 128, 128, .2); }
 .abi-spotlight {
   position: fixed; z-index: 90; pointer-events: none; border: 3px solid #1f84d6; border-radius: 8px;

@@ -18,6 +18,7 @@ from tests.shipped_lessons import LESSONS
 from tests.thorough import of_each_kind
 
 _KEPT = "() => localStorage.getItem('abi-lessons')"
+_IS_TURNED = "() => document.documentElement.classList.contains('abi-turned')"
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +89,7 @@ def test_a_lesson_is_found_again_after_a_reload(student: Page, desk: Tabs, serve
     desk.reload(page)
     page.reads("Lesson 2 of ")
     assert page.is_open("Result")
-    page.click("Open lesson")
+    page.click("Back to lesson")
     page.until(lambda: page.is_open("Learn"), "the tab with the lesson")
     over = page.tab.locator("#abi-overlay").get_by_role("button", name="End lesson", exact=True)
     over.click()
@@ -104,6 +105,9 @@ def test_a_drag_goes_on_when_it_has_done_the_task(student: Page, server: Server)
     page.click("Straight through the plate")
     page.click("Next")
     page.reads("➜ Drag the plate")
+    assert page.tab.evaluate(_IS_TURNED)  # what came under the pointer looks as all others do
+    page.tab.mouse.move(600, 300)
+    assert not page.tab.evaluate(_IS_TURNED)
     page.settle()
     gizmo = session.panels.obstacles.gizmos[0].name
     places = []

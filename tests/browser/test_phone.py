@@ -110,7 +110,7 @@ def _fold(page: Page) -> None:
 def test_a_sheet_shows_what_is_chosen_and_can_be_folded(phone: Page) -> None:
     title = phone.tab.get_by_text(TITLE, exact=True)
     phone.settle()
-    assert phone.tab.evaluate(_SMALL) == []
+    phone.until(lambda: phone.tab.evaluate(_SMALL) == [], "what a finger can hit")
     title.click()
     phone.until(lambda: _are_both_seen(phone), "the scene above the sheet")
     phone.until(lambda: phone.tab.evaluate(_HEADING, 14), "a finger's width of the heading")
@@ -137,6 +137,15 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(phone: Page) -> None:
     phone.click("Lessons")
     phone.reads("1. ")
     phone.until(lambda: _in_sight(phone), "the lessons")
+    phone.click("1. The mesh")
+    phone.click("They are removed")
+    phone.click("Next")
+    phone.click("Go to stage 1")
+    spacing = phone.row("spacing [cm]")
+    phone.until(lambda: 422 < spacing.bounding_box()["y"] < 800, "the stage of the task")  # type: ignore[index]
+    phone.click("Back to lesson")
+    phone.until(lambda: _in_sight(phone), "the lesson")
+    phone.click("End lesson")
     _fold(phone)
     assert not phone.errors
 

@@ -11,6 +11,8 @@ from app.stages.catalogue import SHOWN_STAGES, STAGE_OF_ERROR, TITLES
 from app.state.frame import Frame
 
 _STAGE_OF_FIELD = {field: name for name, stage in SHOWN_STAGES.items() for field in stage.fields}
+_OF_THE_TOOL = ("search", "bspline", "quadratic")
+"""Stages that make the curve of the tool."""
 _FOLDED = ("graph", "arm")
 """Stages whose folders are closed at first."""
 
@@ -64,6 +66,9 @@ def _stage(error: AbiError | None) -> str | None:
 def _results(plan: Plan) -> dict[str, str]:
     """Each stage's result, short enough for a heading on one line."""
     results = {name: stage.result(plan) for name, stage in SHOWN_STAGES.items()}
+    if plan.joint_search is not None:
+        for name in _OF_THE_TOOL:  # where there is a curve, the joints do not follow it
+            results[name] = "not followed" if results[name] else "not used"
     if plan.error is not None:
         ended = STAGE_OF_ERROR[plan.error.stage]
         results[ended] = SHOWN_STAGES[ended].failure or results[ended]

@@ -20,7 +20,7 @@ def lesson_mark(lessons: LessonPanel, opening: viser.GuiButtonHandle) -> str:
     """
     if not lessons.place:
         return ""
-    opens = button(opening, "Open lesson", hint=f"Shows its text, in the {LEARN} tab.")
+    opens = button(opening, "Back to lesson", hint=f"Shows its text, in the {LEARN} tab.")
     ends = button(lessons.leave, "End lesson", hint="Brings your own scene back.")
     return (
         '<div class="abi-card abi-buttons" style="align-items:center">'

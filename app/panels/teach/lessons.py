@@ -79,6 +79,7 @@ class LessonPanel:
         self.answers = [
             gui.add_button("", visible=False, color="gray") for _ in range(_MOST_CHOICES)
         ]
+        self._stage = gui.add_html("", visible=False)
         self._reply = gui.add_markdown("", visible=False)
         self._after = gui.add_markdown("", visible=False)
         self.exercise = ExerciseStart(client, wake)
@@ -350,7 +351,7 @@ class LessonPanel:
         self._intro.visible = step is None
         if step is None:
             self.exercise.show(())
-            for text in (self._question, self._reply, self._after):
+            for text in (self._question, self._stage, self._reply, self._after):
                 text.visible = False
             for button in (self.show_me, *self.answers):
                 button.visible = False
@@ -372,6 +373,9 @@ class LessonPanel:
             elif resting:
                 asking += " *Done; it need not stay so.*"
         self._show(self._question, asking, frame)
+        stage = _STAGE.search(task.text) if task is not None else None
+        self._stage.visible = stage is not None
+        self._stage.content = _to_stage(int(stage[1])) if stage is not None else ""
         choices = question.choices if question is not None else ()
         for number, button in enumerate(self.answers):
             button.visible = number < len(choices)
@@ -414,3 +418,12 @@ class LessonPanel:
     def _press(self, name: str, event: Any) -> None:
         self._pressed.append(name)
         self._wake(event)
+
+
+def _to_stage(number: int) -> str:
+    """Button that leads from a task to its stage on a phone, where one sheet has both."""
+    return (
+        '<div class="abi-phone" style="margin:0 8px 6px">'
+        f'<button class="abi-go" data-stage="{number}">Go to stage {number}</button> '
+        "“Back to lesson”, above the scene, leads here again.</div>"
+    )

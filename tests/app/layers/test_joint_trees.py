@@ -9,6 +9,7 @@ import abi
 from abi.robot.urdf_arm import UrdfArm
 from app.drawing.lines import NO_SEGMENTS
 from app.layers.arm.joint_trees import tree_lines
+from app.panels.stages.stage_headers import _results
 
 
 @pytest.mark.slow
@@ -25,6 +26,9 @@ def test_every_edge_is_drawn_from_one_place_of_the_tool_to_the_other() -> None:
         np.testing.assert_allclose(pieces[:, 0, 0], tool[tree.edges[:, 0]], atol=1e-6)
         np.testing.assert_allclose(pieces[:, -1, 1], tool[tree.edges[:, 1]], atol=1e-6)
         np.testing.assert_array_equal(pieces[:, 1:, 0], pieces[:, :-1, 1])
+    headings = _results(plan)
+    told = {headings[name] for name in ("search", "bspline", "quadratic")}
+    assert told <= {"not used", "not followed"}
     path = along.reshape(len(plan.joint_search.path) - 1, -1, 2, 3)
     np.testing.assert_allclose(path[1:, 0, 0], path[:-1, -1, 1], atol=1e-6)
 

@@ -44,7 +44,7 @@ def test_who_is_asked_reads_letters_and_their_numbers_and_a_vote_reads_none() ->
     asked = Theatre("a_star", state, asking=True)
     text = describe(asked, PLAN.scene)
     for letter, node in zip(LETTERS, lettered(asked).tolist(), strict=True):
-        assert f"<b>{letter}</b> {where(state, node)}" in text
+        assert f">{letter}</b> {where(state, node)}" in text
     assert "Compare A to E" in question(asked)
     assert not len(lettered(Theatre("a_star", state)))
     voted = Theatre("a_star", state, asking=True, voted=True)
