@@ -36,7 +36,6 @@ from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.curves.clearance.halving_kernels import (
     Attempt,
-    Halves,
     HalvingLimits,
     Piece,
     ProofLists,
@@ -168,7 +167,7 @@ _AlongPath = tuple[ChainTable, Hulls, Path, Obstacles, HullPose]
 
 @jitable(forceinline=True)
 def _along_path(
-    problem: _AlongPath, piece: Piece, halves: Halves, known: tuple[int, int], lists: ProofLists
+    problem: _AlongPath, piece: Piece, behind: Piece, known: tuple[int, int], lists: ProofLists
 ) -> Attempt:
     """Separate bodies from rows, and from each other, while the joints move along a piece.
 
@@ -176,14 +175,14 @@ def _along_path(
     """
     chain, hulls, path, around, pose = problem
     planes, candidates, work = lists
-    joints_at(path, halves.at, pose)
+    joints_at(path, behind.start, pose)
     ways_of(path, piece, pose)
     place_hulls(chain, hulls, pose)
     work.clear()
     for i in range(known[1] - 1, known[0] - 1, -1):
         work.append(candidates[i])
     solid_pairs, allowance = len(hulls.frames) * len(around.margins), ALLOWANCE * around.size
-    tries, farthest, touching = 0, 0.0, -1
+    tries, farthest, touching, left = 0, 0.0, -1, -1
     while len(work) > 0:
         pair = work.pop()
         tries += 1
@@ -201,13 +200,15 @@ def _along_path(
                 if not is_solid(around, pair):
                     outcome = UNDECIDED
         if outcome == CERTIFIED:
-            planes.append(SeparatingPlane(piece.start, piece.end, pair, way, halves.at))
+            planes.append(SeparatingPlane(piece.start, piece.end, pair, way, behind.start))
             continue
         if outcome == REFUTED and touching < 0:
             touching = pair
         candidates.append(pair)
-        farthest = max(farthest, moves)
-    return Attempt(REFUTED if touching >= 0 else UNDECIDED, touching, 0.0, tries, farthest)
+        left, farthest = pair, max(farthest, moves)
+    if touching >= 0:
+        return Attempt(REFUTED, touching, 0.0, tries, farthest)
+    return Attempt(UNDECIDED, left, 0.0, tries, farthest)
 
 
 @compiled(example=(TABLE, HULLS, PATH, NO_OBSTACLES, 1.0, 9, True), fallback=False)

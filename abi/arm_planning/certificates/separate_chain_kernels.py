@@ -29,7 +29,6 @@ from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.curves.clearance.halving_kernels import (
     Attempt,
-    Halves,
     HalvingLimits,
     Piece,
     ProofLists,
@@ -244,7 +243,7 @@ def _add_pairs(problem: _AlongKnots, near: _NearPose, pairs: list[int]) -> None:
 
 @jitable(forceinline=True)
 def _along_knots(
-    problem: _AlongKnots, piece: Piece, halves: Halves, known: tuple[int, int], lists: ProofLists
+    problem: _AlongKnots, piece: Piece, behind: Piece, known: tuple[int, int], lists: ProofLists
 ) -> Attempt:
     """Separate capsules from rows, and from each other, while the joints move along a piece.
 
@@ -253,12 +252,12 @@ def _along_knots(
     _, bodies, _, around, certify, _, latest = problem
     planes, candidates, work = lists
     solid_pairs, allowance = len(bodies.frames) * len(around.margins), ALLOWANCE * around.size
-    near = _go_to(problem, piece, halves.at)
+    near, before = _go_to(problem, piece, behind.start), len(candidates)
     work.clear()
     for i in range(known[1] - 1, known[0] - 1, -1):
         if candidates[i] < solid_pairs:
             work.append(candidates[i])
-    span = Span(piece.start, piece.end, halves.at, allowance, True, certify)
+    span = Span(piece.start, piece.end, behind.start, allowance, True, certify)
     outcome, pair, away, tried, farthest = separate_pairs(
         around, span, lists, latest, _capsule_of, _level_at_ends, _refined, near
     )
@@ -275,11 +274,11 @@ def _along_knots(
             return Attempt(REFUTED, pair, away, tries, farthest)
         if outcome == CERTIFIED:
             number = -1 - pair if closer else pair
-            planes.append(SeparatingPlane(piece.start, piece.end, number, way, halves.at))
+            planes.append(SeparatingPlane(piece.start, piece.end, number, way, behind.start))
         else:
             candidates.append(pair)
             farthest = max(farthest, moves)
-    left = candidates[len(candidates) - 1] if len(candidates) > 0 else -1
+    left = candidates[len(candidates) - 1] if len(candidates) > before else -1
     return Attempt(UNDECIDED, left, 0.0, tries, farthest)
 
 
@@ -313,7 +312,7 @@ def separate_knots(
     problem = chain, bodies, knots, around, certify, pose, [NO_DIRECTION]
     lists, left = new_lists(), none_left()
     whole = whole_motion(len(knots) // count)
-    near = _go_to(problem, whole, halves_of_motion(problem, whole).at)
+    near = _go_to(problem, whole, halves_of_motion(problem, whole)[1].start)
     _add_pairs(problem, near, lists.candidates)
     limits = HalvingLimits(1, FINEST * around.size, most_tries, math.inf, False, not certify)
     ending = separate_pieces(problem, whole, halves_of_motion, _along_knots, limits, lists, left)

@@ -30,7 +30,6 @@ from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.curves.clearance.halving_kernels import (
     Attempt,
     CurvePoints,
-    Halves,
     HalvingLimits,
     Piece,
     ProofLists,
@@ -171,7 +170,7 @@ _AlongCurve = tuple[CurvePoints, ArmTable, Obstacles, Slide, list[Direction]]
 
 @jitable(forceinline=True)
 def _along_curve(
-    problem: _AlongCurve, piece: Piece, halves: Halves, known: tuple[int, int], lists: ProofLists
+    problem: _AlongCurve, piece: Piece, behind: Piece, known: tuple[int, int], lists: ProofLists
 ) -> Attempt:
     """Separate the arm's capsules from rows while the tool runs along a piece.
 
@@ -179,7 +178,7 @@ def _along_curve(
     """
     (points, _, _), table, around, slide, latest = problem
     arm, _ = table
-    middle = vec3_at(points, 3 * halves.behind.first)
+    middle = vec3_at(points, 3 * behind.first)
     low, high = _slide_within(slide, piece.start, piece.end)
     forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
     farthest = _farthest(points, piece, middle)
@@ -190,15 +189,16 @@ def _along_curve(
         return Attempt(UNREACHED, -1, 0.0, 0, farthest)
     neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
     allowance = allowance_of(around, neighbourhood.rates)
-    span = Span(piece.start, piece.end, halves.at, allowance, bounded, True)
+    span = Span(piece.start, piece.end, behind.start, allowance, bounded, True)
     _, candidates, work = lists
     work.clear()
     for i in range(known[1] - 1, known[0] - 1, -1):
         work.append(candidates[i])
+    before = len(candidates)
     outcome, pair, away, tried, _ = separate_pairs(
         around, span, lists, latest, capsule_of, level_at_ends, as_found, (table, neighbourhood)
     )
-    if outcome == UNDECIDED:
+    if len(candidates) > before and outcome == UNDECIDED:
         pair = candidates[len(candidates) - 1]
     return Attempt(outcome, pair, away, tried[0] + tried[1], farthest)
 

@@ -16,7 +16,6 @@ from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.curves.clearance.halving_kernels import (
     Attempt,
     CurvePoints,
-    Halves,
     HalvingLimits,
     Piece,
     ProofLists,
@@ -75,7 +74,7 @@ coordinate of both, and the margin, [unit]."""
 def _before_primitive(
     problem: _BeforePrimitive,
     piece: Piece,
-    halves: Halves,
+    behind: Piece,
     known: tuple[int, int],
     lists: ProofLists,
 ) -> Attempt:
@@ -84,7 +83,8 @@ def _before_primitive(
     The size of what is left is its extent.
     """
     (points, _, width), s, axes, core, scale, margin = problem
-    middle = vec3_at(points, 3 * halves.behind.first)
+    planes, _, _ = lists
+    middle = vec3_at(points, 3 * behind.first)
     distance, direction = signed_distance_gradient(core, middle)
     allowance = allowance_of(scale, width - 1, piece.halvings, margin)
     if distance < margin - allowance:
@@ -102,9 +102,8 @@ def _before_primitive(
         separated = level > need
     if separated:
         normal = in_world(axes, direction)
-        lists.planes.append(SeparatingPlane(piece.start, piece.end, s, normal, level))
-        return Attempt(UNDECIDED, s, distance, 0, size)
-    lists.candidates.append(s)
+        planes.append(SeparatingPlane(piece.start, piece.end, s, normal, level))
+        return Attempt(UNDECIDED, -1, distance, 0, size)
     return Attempt(UNDECIDED, s, distance, 1, size)
 
 
@@ -144,8 +143,6 @@ def separate_from_primitives(
             points[i], points[i + 1], points[i + 2] = in_body(axes, sub(vec3_at(world, i), centre))
         core, scale = core_of(primitives, s), _scale_of(primitives, s, size)
         problem = curve, s, axes, core, scale, margin
-        lists.candidates.clear()
-        lists.candidates.append(s)
         outcome, at, _, distance = separate_pieces(
             problem, whole, halves_of_curve, _before_primitive, limits, lists, left
         )
@@ -233,7 +230,7 @@ and the margin, [unit]."""
 def _before_surface(
     problem: _BeforeSurface,
     piece: Piece,
-    halves: Halves,
+    behind: Piece,
     known: tuple[int, int],
     lists: ProofLists,
 ) -> Attempt:
@@ -243,14 +240,14 @@ def _before_surface(
     """
     (points, _, width), tree, scale, margin = problem
     planes, candidates, work = lists
-    middle = vec3_at(points, 3 * halves.behind.first)
+    middle = vec3_at(points, 3 * behind.first)
     extent = extent_of(points, 3 * piece.first, 3 * piece.last)
     size = max(
         extent[1][0] - extent[0][0], extent[1][1] - extent[0][1], extent[1][2] - extent[0][2]
     )
     allowance = allowance_of(scale, width - 1, piece.halvings, margin)
     need = margin + allowance
-    first_plane, nearest, tries = len(planes), math.inf, 0
+    first_plane, left, nearest, tries = len(planes), -1, math.inf, 0
     nodes = 2 * len(tree.leaves) - 3
     work.clear()
     for i in range(known[0], known[1]):
@@ -272,13 +269,16 @@ def _before_surface(
                 return Attempt(REFUTED, node, distance, tries, size)
             nearest = min(nearest, distance)
         level = least_product(points, piece.first, piece.last, direction)
+        # not as if and else, whose common end LLVM would join: planes would be counted in and out
         if level - _support(direction, tree, node) > need:
             planes.append(SeparatingPlane(piece.start, piece.end, 0, direction, level))
-        elif wide:
+            continue
+        if wide:
             _open(tree, node, work)
-        else:
-            candidates.append(node)
-    return Attempt(UNDECIDED, -1, nearest, tries, size)
+            continue
+        candidates.append(node)
+        left = node
+    return Attempt(UNDECIDED, left, nearest, tries, size)
 
 
 @compiled(example=(NEW_FLOATS, NEW_FLOATS, 1, NO_TREE, 1.0, 0.0, 9))

@@ -44,12 +44,8 @@ class Piece(NamedTuple):
     end: float
 
 
-class Halves(NamedTuple):
-    """Parameter at which a piece is halved, and both halves; of a curve the second begins there."""
-
-    at: float
-    ahead: Piece
-    behind: Piece
+Halves = tuple[Piece, Piece]
+"""Both halves of a piece; the second begins at the parameter at which it is halved."""
 
 
 class ProofLists(NamedTuple):
@@ -109,11 +105,11 @@ def _leave(
 
 
 class Attempt(NamedTuple):
-    """Result of the try to separate a piece; pairs that are left were added to the candidates.
+    """Result of the try to separate a piece; what is left of several pairs is among the candidates.
 
     Attributes:
         outcome: UNDECIDED, or why the piece cannot be separated.
-        pair: that cannot be, or one that is left.
+        pair: that cannot be, or one that is left; -1 where it is separated in all.
         distance: of this pair at the pose, or where the piece is halved, [unit].
         tries: pairs that were tried.
         size: how far the piece goes, or what is left of it moves, [unit].
@@ -157,7 +153,7 @@ def separate_pieces(
     problem: _Problem,
     whole: Piece,
     halves_of: Callable[[_Problem, Piece], Halves],
-    attempt: Callable[[_Problem, Piece, Halves, tuple[int, int], ProofLists], Attempt],
+    attempt: Callable[[_Problem, Piece, Piece, tuple[int, int], ProofLists], Attempt],
     limits: HalvingLimits,
     lists: ProofLists,
     left: PairsLeft,
@@ -171,7 +167,7 @@ def separate_pieces(
         problem: given to both functions.
         whole: the path; its pairs are the candidates in ``lists``, or found by the first attempt.
         halves_of: halves of a piece.
-        attempt: tries the candidates in a range of ``lists`` on a piece.
+        attempt: tries the candidates in a range of ``lists`` on a piece, whose second half it gets.
         limits: where halving ends.
         lists: written.
         left: takes what is not separated.
@@ -191,17 +187,17 @@ def separate_pieces(
             while len(candidates) > highest:
                 candidates.pop()
         known = len(candidates)
-        halves = halves_of(problem, piece)
-        at = halves.at
+        ahead, behind = halves_of(problem, piece)
+        at = behind.start
         if limits.to_the_end and tries > limits.most_tries:
             ending = SPENT, at, -1, 0.0
             _leave(left, candidates, (lowest, highest), piece, ending)
             continue
         outcome, pair, distance, tried, size = attempt(
-            problem, piece, halves, (lowest, highest), lists
+            problem, piece, behind, (lowest, highest), lists
         )
         tries += tried
-        if outcome == UNDECIDED and len(candidates) == known:
+        if outcome == UNDECIDED and pair < 0:
             continue
         run = piece.last - piece.first > limits.width
         final = piece.halvings == MOST_HALVINGS or size < limits.finest
@@ -214,8 +210,8 @@ def separate_pieces(
             if limits.to_the_end:
                 continue
             return ending
-        pending.append((halves.behind, known, len(candidates)))
-        pending.append((halves.ahead, known, len(candidates)))
+        pending.append((behind, known, len(candidates)))
+        pending.append((ahead, known, len(candidates)))
     return ending
 
 
@@ -261,7 +257,7 @@ def halves_of_curve(problem: tuple[CurvePoints, *tuple[Any, ...]], piece: Piece)
         share = (at - piece.start) / (piece.end - piece.start)
         divide(points, 3 * piece.first, points, 3 * first, 3 * middle, width, share)
     ahead = Piece(first, middle, halvings, piece.start, at)
-    return Halves(at, ahead, Piece(middle, last, halvings, at, piece.end))
+    return ahead, Piece(middle, last, halvings, at, piece.end)
 
 
 @jitable
@@ -279,4 +275,4 @@ def halves_of_motion(problem: object, piece: Piece) -> Halves:
         middle = int(at)
         at, first, halvings = 1.0 * middle, middle, 0
     ahead = Piece(piece.first, middle, halvings, piece.start, at)
-    return Halves(at, ahead, Piece(first, piece.last, halvings, at, piece.end))
+    return ahead, Piece(first, piece.last, halvings, at, piece.end)

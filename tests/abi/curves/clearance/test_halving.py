@@ -16,7 +16,6 @@ from abi.curves.clearance.halving_kernels import (
     SPENT,
     Attempt,
     Ending,
-    Halves,
     HalvingLimits,
     PairsLeft,
     Piece,
@@ -42,7 +41,7 @@ Touching = tuple[list[float], bool]
 
 
 def attempt(
-    problem: Touching, piece: Piece, halves: Halves, known: tuple[int, int], lists: ProofLists
+    problem: Touching, piece: Piece, behind: Piece, known: tuple[int, int], lists: ProofLists
 ) -> Attempt:
     """Separate the pairs that do not touch within a piece, with a try each."""
     places, seen = problem
@@ -52,7 +51,7 @@ def attempt(
             touching = pair
             lists.candidates.append(pair)
         else:
-            plane = SeparatingPlane(piece.start, piece.end, pair, (0.0, 0.0, 1.0), halves.at)
+            plane = SeparatingPlane(piece.start, piece.end, pair, (0.0, 0.0, 1.0), behind.start)
             lists.planes.append(plane)
     refuted = seen and touching >= 0
     tries, size = known[1] - known[0], piece.end - piece.start
