@@ -105,7 +105,7 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
         meaning where not reached; expanded nodes in order (m,), the goal last; number of edges
         examined.
     """
-    start, goal, own = problem.ends
+    start, goal, own = problem.start, problem.goal, problem.own
     shape = problem.adjacency.shape
     total = shape.nodes + own
     room = total + shape.most + len(problem.links.tails) + 1
@@ -141,9 +141,9 @@ def _expand(
 
     With the growth of arrays in the same loop, they would be counted in and out at each turn.
     """
-    adjacency, opened, links, (start, goal, _), largest, metric = problem
+    adjacency, open_directions, weights, links, start, goal, _, largest, metric = problem
     shape, offsets, steps, places, indptr, indices = adjacency
-    (open_directions, weights), (tails, heads, link_weights) = opened, links
+    tails, heads, link_weights = links
     (cost, parent, closed, left), (first, entries, order) = labels, queue
     used, waiting, current, expanded, relaxed, found, done = progress
     most = shape.most + len(links.tails)
@@ -227,7 +227,7 @@ def _expand(
 @compiled(example=EXAMPLE)
 def estimates(problem: Problem) -> FloatArray:
     """The heuristic of all nodes (n,), less by what links to the goal may be shorter."""
-    total = problem.adjacency.shape.nodes + problem.ends.own
+    total = problem.adjacency.shape.nodes + problem.own
     slack = _slack(problem)
     found = np.zeros(total)
     for node in range(total):
@@ -238,13 +238,13 @@ def estimates(problem: Problem) -> FloatArray:
 @jitable
 def _slack(problem: Problem) -> float:
     """Largest excess of the heuristic over the length of a link to the goal."""
-    adjacency, _, links, ends, _, metric = problem
+    adjacency, links, goal, metric = problem.adjacency, problem.links, problem.goal, problem.metric
     slack = 0.0
     count = len(links.tails)
     for k in range(2 * count if metric.kind != NONE else 0):
         tail, head = links.tails[k % count], links.heads[k % count]
         end = head if k < count else tail
-        if (tail if k < count else head) == ends.goal and end < adjacency.shape.nodes:
+        if (tail if k < count else head) == goal and end < adjacency.shape.nodes:
             slack = max(slack, _estimate(adjacency, metric, end) - links.weights[k % count])
     return slack
 

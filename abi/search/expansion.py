@@ -9,8 +9,8 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
-from abi.search.search_kernels import Ends, Metric, Problem
-from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
+from abi.search.search_kernels import Metric, Problem
+from abi.tet_mesh.adjacency_kernels import Links
 
 
 class Expansion(NamedTuple):
@@ -38,9 +38,12 @@ def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
         link_weights = read_only(np.ones(len(link_weights)))
     return Problem(
         graph.mesh.adjacency,
-        OpenEdges(graph.open_directions, weights),
+        graph.open_directions,
+        weights,
         Links(graph.tails, graph.heads, link_weights),
-        Ends(graph.start, graph.goal, len(graph.own)),
+        graph.start,
+        graph.goal,
+        len(graph.own),
         largest,
         towards,
     )

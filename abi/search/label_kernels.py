@@ -55,12 +55,11 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     returns the same as ``best_first``, but needs no goal and no metric, and expands a node as often
     as its cost was lowered.
     """
-    adjacency, opened, links, ends, largest, _ = problem
+    adjacency, open_directions, weights, links, source, _, beside, largest, _ = problem
     shape, offsets, _, _, indptr, indices = adjacency
-    open_directions, weights = opened
     tails, heads, link_weights = links
     kind, nodes, directions, cross = shape.kind, shape.nodes, shape.directions, shape.cross
-    total = nodes + ends.own
+    total = nodes + beside
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
     waiting = np.zeros(total, np.uint8)
     most = shape.most + len(tails)
@@ -68,7 +67,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     # how many had their turn, and how many have or had a place in the order
     expanded, last, relaxed = 0, 1, 0
     little = LITTLE * largest
-    cost[ends.start], parent[ends.start], order[0] = 0.0, -1, ends.start
+    cost[source], parent[source], order[0] = 0.0, -1, source
     while expanded < last:
         if last + most > len(order):
             order = np.concatenate((order, np.empty_like(order)))

@@ -24,7 +24,6 @@ from abi.tet_mesh.adjacency_kernels import (
     Adjacency,
     Links,
     MeshSizes,
-    OpenEdges,
     half_cells_within,
     node_at,
     row_place,
@@ -143,45 +142,33 @@ LITTLE = 1e-11
 """Part of the largest weight by which a cost must fall to be worth it."""
 
 
-class Ends(NamedTuple):
-    """Ends of a path.
-
-    Attributes:
-        start, goal: node ids.
-        own: how many of the two are no nodes of the mesh.
-    """
-
-    start: int
-    goal: int
-    own: int
-
-
 class Problem(NamedTuple):
     """A graph, and the path that is searched in it.
 
     Attributes:
         adjacency: the mesh.
-        opened: its open edges.
+        open_directions: (n,) as bits, and ``LINKED_BIT``, the only bit of rows.
+        weights: of the directions (d,), or of the edges of the rows (2 e,), inf where shut.
         links: the edges of start and goal.
-        ends: start and goal.
+        start, goal: node ids.
+        own: how many of the two are no nodes of the mesh.
         largest: an upper bound of the weights, above 0; the estimates of nodes one edge away
             from the same node differ by at most four times as much.
         metric: the heuristic.
     """
 
     adjacency: Adjacency
-    opened: OpenEdges
+    open_directions: IntArray
+    weights: FloatArray
     links: Links
-    ends: Ends
+    start: int
+    goal: int
+    own: int
     largest: float
     metric: Metric
 
 
-EXAMPLE = (
-    Problem(
-        NO_ADJACENCY, OpenEdges(IDS, FLOATS), Links(IDS, IDS, FLOATS), Ends(0, 0, 1), 1.0, NO_METRIC
-    ),
-)
+EXAMPLE = (Problem(NO_ADJACENCY, IDS, FLOATS, Links(IDS, IDS, FLOATS), 0, 0, 1, 1.0, NO_METRIC),)
 """Example of a problem, for the compiler."""
 
 

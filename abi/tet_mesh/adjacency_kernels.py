@@ -69,18 +69,6 @@ class Adjacency(NamedTuple):
     indices: IntArray
 
 
-class OpenEdges(NamedTuple):
-    """Edges of a mesh that are open.
-
-    Attributes:
-        open_directions: (n,) as bits, and ``LINKED_BIT``, the only bit of rows.
-        weights: of the directions (d,), or of the edges of the rows (2 e,), inf where shut.
-    """
-
-    open_directions: IntArray
-    weights: FloatArray
-
-
 class Links(NamedTuple):
     """Edges of start and goal where these are no nodes of the mesh.
 

@@ -46,7 +46,6 @@ from abi.tet_mesh.lattice_exclusion_kernels import Found
 from abi.tet_mesh.near_node_kernels import (
     EXCLUDED,
     FAR,
-    NearNodeLimits,
     PlacedSurface,
     near_nodes_of_lattice,
     near_nodes_of_rows,
@@ -86,9 +85,9 @@ def exclusion_near_mesh(
     """
     near_point = margin / placement.factor
     doubt = tables.error[0] + tables.error[1] * near_point
-    limits = NearNodeLimits(near_point, (margin + longest) / placement.factor, near_point + doubt)
+    reach, touching = (margin + longest) / placement.factor, near_point + doubt
     own, bounds = new_room(), np.full(adjacency.shape.nodes, FAR)
-    surface = PlacedSurface(tables, placement, limits, borrowed(own))
+    surface = PlacedSurface(tables, placement, near_point, reach, touching, borrowed(own))
     if adjacency.shape.kind == CSR:
         starts, lengths, near = near_nodes_of_rows(adjacency, surface, bounds)
         cut_nodes, cut_bits = _edges_of_rows(adjacency, surface, bounds, near)
@@ -118,7 +117,7 @@ def _edges_of_lattice(
         adjacency.steps,
         adjacency.offsets,
     )
-    placement, limits = surface.placement, surface.limits
+    placement = surface.placement
     y0, z0 = y_and_z_origins(shape)
     cross, factor = shape.cross, placement.factor
     edges, sizes = np.empty((shape.directions, 3)), np.empty(shape.directions)
@@ -131,11 +130,11 @@ def _edges_of_lattice(
         edges[k, 0], edges[k, 1], edges[k, 2] = in_body(placement.axes, along)
         sizes[k] = norm(along)
     cut_nodes, cut_bits = np.empty(256, np.int32), np.empty(256, np.int32)
-    tables, _, _, room = surface
+    tables, _, _, _, _, room = surface
     tree, own = tables.tree, no_triangles()
     gathered = borrowed(own)
-    longest = (limits.reach - limits.margin) * (1.0 + 1e-9)
-    around = longest + limit_of(tables, limits.margin, longest)
+    longest = (surface.reach - surface.margin) * (1.0 + 1e-9)
+    around = longest + limit_of(tables, surface.margin, longest)
     doubt = _ROUNDING * (tables.error[0] + tables.error[1] * around)
     count, hint, until, triangles = 0, -1, 0, _OPEN
     skip, pause = 0, 0
@@ -163,7 +162,7 @@ def _edges_of_lattice(
             # an edge in the way has both ends near
             if math.isinf(there):  # far, or excluded
                 continue
-            if here + there - sizes[k] >= 2.0 * limits.margin:
+            if here + there - sizes[k] >= 2.0 * surface.margin:
                 continue
             q = add(p, (edges[k, 0], edges[k, 1], edges[k, 2]))
             if triangles == _OPEN:
@@ -174,7 +173,7 @@ def _edges_of_lattice(
                 pause = 0 if triangles >= 0 else min(2 * pause + 1, _LONGEST_PAUSE)
                 skip = pause
             if triangles >= 0:
-                limit = limit_of(tables, limits.margin, sizes[k])
+                limit = limit_of(tables, surface.margin, sizes[k])
                 lost = comes_near_gathered(tree, gathered, triangles, (p, q), limit, doubt)
             else:
                 lost, hint = _is_lost(surface, p, q, (here, there), sizes[k], hint)
@@ -213,7 +212,7 @@ def _edges_of_rows(
         adjacency.indptr,
         adjacency.indices,
     )
-    placement, margin = surface.placement, surface.limits.margin
+    placement, margin = surface.placement, surface.margin
     gone = np.empty(len(indices), np.int32)
     count = 0
     for i in range(len(near)):
@@ -265,8 +264,8 @@ def _is_lost(
     Returns:
         Whether it does, and a triangle that may be near to the next edge, or -1.
     """
-    tables, _, limits, room = surface
-    tree, margin, (at_p, at_q) = tables.tree, limits.margin, bounds
+    tables, _, margin, _, _, room = surface
+    tree, (at_p, at_q) = tables.tree, bounds
     middle = axpy(0.5, sub(q, p), p)
     lower, upper = distance_bounds(tables.grid, middle)
     if upper < margin:

@@ -48,33 +48,23 @@ _OVERLAPPING = 2.0 * (1.0 - 1e-9)
 Window = tuple[Span, Span, Span]
 
 
-class NearNodeLimits(NamedTuple):
-    """Distances in the body frame.
-
-    Attributes:
-        margin: what is nearer than this is excluded.
-        reach: margin and longest edge: nodes farther than this lose no edges.
-        touching: limit of a point for the triangles, with room for rounding.
-    """
-
-    margin: float
-    reach: float
-    touching: float
-
-
 class PlacedSurface(NamedTuple):
     """A triangle mesh where it is, and what nodes near to it are asked.
 
     Attributes:
         tables: the triangle mesh.
         placement: where it is.
-        limits: distances.
+        margin: what is nearer than this is excluded, body frame.
+        reach: margin and longest edge: nodes farther than this lose no edges, body frame.
+        touching: limit of a point for the triangles, with room for rounding, body frame.
         room: for descents.
     """
 
     tables: SurfaceTables
     placement: Placement
-    limits: NearNodeLimits
+    margin: float
+    reach: float
+    touching: float
     room: DescentWorkspace
 
 
@@ -91,28 +81,28 @@ def _bound(surface: PlacedSurface, x: Vec3, last: Vec3, hint: int) -> tuple[floa
     Returns:
         The bound, and a triangle that may be near to the next node, or -1.
     """
-    tables, _, limits, room = surface
-    tree, near = tables.tree, limits.touching * limits.touching
+    tables, _, margin, reach, touching, room = surface
+    tree, near = tables.tree, touching * touching
     if hint >= 0 and point_to_triangle(x, triangle_at(tree.corners, hint), near) < near:
         return EXCLUDED, hint
-    _, found = nearest_triangle(tree, x, limits.touching, math.inf, room.waiting, room.squares)
+    _, found = nearest_triangle(tree, x, touching, math.inf, room.waiting, room.squares)
     if found >= 0:
         return EXCLUDED, found
     if not tables.closed:
-        return limits.margin, hint
+        return margin, hint
     # what nothing is between is on the same side: where balls that nothing is in overlap
     apart = norm(sub(x, last))
-    if apart < _OVERLAPPING * limits.margin:
-        return limits.margin, hint
-    touching = limit_of(tables, 0.0, 0.0)
+    if apart < _OVERLAPPING * margin:
+        return margin, hint
+    limit = limit_of(tables, 0.0, 0.0)
     if (
-        apart < limits.reach
-        and near_triangle(tree, last, x, touching, steepest(tables.grid, x), room.waiting) < 0
+        apart < reach
+        and near_triangle(tree, last, x, limit, steepest(tables.grid, x), room.waiting) < 0
     ):
-        return limits.margin, hint
+        return margin, hint
     if is_inside(tree, tables.dipoles, x, room.stack):
         return EXCLUDED, hint
-    return limits.margin, hint
+    return margin, hint
 
 
 @jitable
@@ -134,7 +124,7 @@ def near_nodes_of_lattice(
         First nodes and lengths of the runs; the near nodes.
     """
     shape, places = adjacency.shape, adjacency.places
-    tables, placement, limits, _ = surface
+    tables, placement, margin, reach, _, _ = surface
     y0, z0 = y_and_z_origins(shape)
     low, high = _reached(surface)
     kinds = 2 if shape.cross else 1
@@ -158,15 +148,15 @@ def near_nodes_of_lattice(
                 while c <= c1:
                     x = to_surface(placement, (places[a], places[y0 + b], places[z0 + c]))
                     lower, upper = distance_bounds(tables.grid, x)
-                    if lower >= limits.reach:
-                        c += 2 * max(int((lower - limits.reach) / step), 0) + 2
+                    if lower >= reach:
+                        c += 2 * max(int((lower - reach) / step), 0) + 2
                         last = x
                         continue
                     many = 1
-                    if upper < limits.margin:
+                    if upper < margin:
                         lower = EXCLUDED
-                        many = min(int((limits.margin - upper) / step), (c1 - c) >> 1) + 1
-                    elif lower < limits.margin:
+                        many = min(int((margin - upper) / step), (c1 - c) >> 1) + 1
+                    elif lower < margin:
                         lower, hint = _bound(surface, x, last, hint)
                     node = line + (c >> 1)
                     if lower == EXCLUDED:
@@ -194,7 +184,7 @@ def near_nodes_of_rows(
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Nodes of a mesh of rows that a surface excludes or is near to; a run is one node."""
     places, nodes = adjacency.places, adjacency.shape.nodes
-    tables, placement, limits, _ = surface
+    tables, placement, margin, reach, _, _ = surface
     low, high = _reached(surface)
     excluded, near = np.empty(nodes, np.int32), np.empty(nodes, np.int32)
     runs, count, hint = 0, 0, -1
@@ -205,11 +195,11 @@ def near_nodes_of_rows(
             continue
         here = to_surface(placement, place)
         lower, upper = distance_bounds(tables.grid, here)
-        if lower >= limits.reach:
+        if lower >= reach:
             continue
-        if upper < limits.margin:
+        if upper < margin:
             lower = EXCLUDED
-        elif lower < limits.margin:
+        elif lower < margin:
             lower, hint = _bound(surface, here, nowhere, hint)
         bounds[node] = lower
         if lower == EXCLUDED:
@@ -224,7 +214,7 @@ def near_nodes_of_rows(
 @jitable
 def _reached(surface: PlacedSurface) -> tuple[Vec3, Vec3]:
     """Low and high corner of what is nearer to the surface's box than the reach, [unit], world."""
-    tables, placement, limits, _ = surface
+    tables, placement, _, reach, _, _ = surface
     inner, outer = tables.grid.box
     (ux, uy, uz), (vx, vy, vz), (wx, wy, wz) = placement.axes
     half = (
@@ -233,7 +223,7 @@ def _reached(surface: PlacedSurface) -> tuple[Vec3, Vec3]:
         (outer[2] - inner[2]) / 2 * placement.factor,
     )
     # the box's middle is the origin, but for rounding
-    reach = limits.reach * placement.factor * (1.0 + 1e-9)
+    reach = reach * placement.factor * (1.0 + 1e-9)
     x, y, z = placement.origin
     dx = abs(ux) * half[0] + abs(vx) * half[1] + abs(wx) * half[2] + reach
     dy = abs(uy) * half[0] + abs(vy) * half[1] + abs(wy) * half[2] + reach
