@@ -31,8 +31,7 @@ from abi.certification.convex_bodies import RobotBodies, robot_bodies
 from abi.certification.posed_hulls_kernels import nearest_obstacle
 from abi.certification.robot_motion import RobotMotion
 from abi.certification.separate_motion_kernels import Path, separate_motion
-from abi.curves.clearance.halving_kernels import SPENT
-from abi.curves.clearance.separation_kernels import REFUTED
+from abi.curves.clearance.separation_kernels import REFUTED, SPENT
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH

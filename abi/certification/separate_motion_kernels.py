@@ -34,23 +34,21 @@ from abi.certification.posed_hulls_kernels import (
 )
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
-from abi.curves.clearance.halving_kernels import (
-    Attempt,
-    HalvingLimits,
-    Piece,
-    ProofLists,
-    halves_of_motion,
-    new_lists,
-    none_left,
-    separate_pieces,
-    whole_motion,
-)
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     REFUTED,
     UNDECIDED,
+    Attempt,
+    HalvingLimits,
+    Piece,
+    ProofLists,
     SeparatingPlane,
+    halves_of_motion,
+    new_lists,
+    none_left,
+    separate_pieces,
     table_of,
+    whole_motion,
 )
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.robot.bodies.hull_kernels import separation

@@ -21,7 +21,7 @@ from abi.errors import StageError
 from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
 from abi.planner.branch import BranchRun
-from abi.planner.foreseen_kernels import kernels_foreseen
+from abi.planner.foreseen import kernels_foreseen
 from abi.planner.joint_space_motion import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow

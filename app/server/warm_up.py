@@ -85,7 +85,7 @@ class WarmUp:
 
     def _plan_opening(self) -> None:
         """Plan the opening scene, unless a tab has done so."""
-        from abi.planner.foreseen_kernels import kernels_foreseen
+        from abi.planner.foreseen import kernels_foreseen
         from abi.planner.live_planner import LivePlanner
 
         with self._opening.claim(self._scene) as mine:

@@ -24,8 +24,7 @@ from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES, ArmSegments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.curves.clearance.bezier import PolynomialCurve
-from abi.curves.clearance.halving_kernels import MOST_HALVINGS
-from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED
+from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve

@@ -32,8 +32,7 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import flat, read_only
 from abi.curves.clearance.bezier import PolynomialCurve
-from abi.curves.clearance.halving_kernels import MOST_HALVINGS
-from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED
+from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.cubic_profile import CubicProfile, PathProfile
 from abi.curves.curve import ArcLength
 from abi.robot.paper_arm.paper_arm import PaperArm

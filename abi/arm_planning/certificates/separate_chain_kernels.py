@@ -27,24 +27,22 @@ from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacl
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
-from abi.curves.clearance.halving_kernels import (
-    Attempt,
-    HalvingLimits,
-    Piece,
-    ProofLists,
-    halves_of_motion,
-    new_lists,
-    none_left,
-    separate_pieces,
-    whole_motion,
-)
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     REFUTED,
     UNDECIDED,
+    Attempt,
+    HalvingLimits,
     Outcome,
+    Piece,
+    ProofLists,
     SeparatingPlane,
+    halves_of_motion,
+    new_lists,
+    none_left,
+    separate_pieces,
     table_of,
+    whole_motion,
 )
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at

@@ -20,8 +20,13 @@ from abi.arm_planning.world.collision_world_kernels import (
     open_box,
 )
 from abi.compilation.jitable import jitable
-from abi.curves.clearance.halving_kernels import ProofLists
-from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, SeparatingPlane
+from abi.curves.clearance.separation_kernels import (
+    CERTIFIED,
+    REFUTED,
+    UNDECIDED,
+    ProofLists,
+    SeparatingPlane,
+)
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
 from abi.obstacles.vector_kernels import Vec3, dot, sub
 

@@ -27,23 +27,21 @@ from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacl
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
-from abi.curves.clearance.halving_kernels import (
+from abi.curves.clearance.separation_kernels import (
+    CERTIFIED,
+    UNDECIDED,
     Attempt,
     CurvePoints,
     HalvingLimits,
+    Outcome,
     Piece,
     ProofLists,
     halves_of_curve,
     new_lists,
     none_left,
     separate_pieces,
-    whole_curve,
-)
-from abi.curves.clearance.separation_kernels import (
-    CERTIFIED,
-    UNDECIDED,
-    Outcome,
     table_of,
+    whole_curve,
 )
 from abi.obstacles.vector_kernels import Vec3, distance, dot, vec3_at
 from abi.robot.paper_arm.pose_kernels import (

@@ -44,8 +44,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLAGS, compiled
-from abi.curves.clearance.halving_kernels import new_lists
-from abi.curves.clearance.separation_kernels import REFUTED
+from abi.curves.clearance.separation_kernels import REFUTED, new_lists
 from abi.obstacles.triangle_mesh.surface_tables_kernels import DescentWorkspace, new_room
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at

@@ -32,8 +32,7 @@ from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.curves.clearance.bezier import Bezier, PolynomialCurve
 from abi.curves.clearance.certify_curve_kernels import separate_from_mesh, separate_from_primitives
-from abi.curves.clearance.halving_kernels import MOST_HALVINGS
-from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
+from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation

@@ -13,31 +13,29 @@ import math
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
-from abi.curves.clearance.halving_kernels import (
-    Attempt,
-    CurvePoints,
-    HalvingLimits,
-    Piece,
-    ProofLists,
-    halves_of_curve,
-    new_lists,
-    none_left,
-    separate_pieces,
-    whole_curve,
-)
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     FINEST,
     REFUTED,
     TINY,
     UNDECIDED,
+    Attempt,
+    CurvePoints,
+    HalvingLimits,
     Outcome,
+    Piece,
+    ProofLists,
     SeparatingPlane,
     allowance_of,
     apart_along_axis,
     extent_of,
+    halves_of_curve,
     least_product,
+    new_lists,
+    none_left,
+    separate_pieces,
     table_of,
+    whole_curve,
 )
 from abi.obstacles.primitive_kernels import (
     WIDTH,

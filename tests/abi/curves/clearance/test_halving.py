@@ -12,25 +12,23 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from abi.curves.clearance.halving_kernels import (
+from abi.curves.clearance.separation_kernels import (
+    CERTIFIED,
+    REFUTED,
     SPENT,
+    UNDECIDED,
     Attempt,
     Ending,
     HalvingLimits,
     PairsLeft,
     Piece,
     ProofLists,
+    SeparatingPlane,
     halves_of_motion,
     new_lists,
     none_left,
     separate_pieces,
     whole_motion,
-)
-from abi.curves.clearance.separation_kernels import (
-    CERTIFIED,
-    REFUTED,
-    UNDECIDED,
-    SeparatingPlane,
 )
 
 FINEST = 0.01
