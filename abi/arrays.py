@@ -1,4 +1,4 @@
-"""Array types of the package, read-only arrays, and the bases of what holds them."""
+"""Array types of the package, read-only arrays, and the base of what holds them."""
 
 from __future__ import annotations
 
@@ -45,17 +45,11 @@ def clip(values: FloatArray, low: float, high: float) -> FloatArray:
     return np.asarray(np.minimum(np.maximum(values, low), high))
 
 
-class ReadOnlyCopies:
-    """Base of dataclasses with arrays: those of copies are read-only, too, as kernels need them."""
+class ShortRepr:
+    """Base of dataclasses with arrays: ``repr`` is one line, with the shapes of arrays.
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Fill a copy; ``pickle`` and ``copy.deepcopy`` make arrays that can be written."""
-        lock(state.values())
-        self.__dict__.update(state)
-
-
-class ShortRepr(ReadOnlyCopies):
-    """Base of dataclasses with arrays: ``repr`` is one line, with the shapes of arrays."""
+    The arrays of copies are read-only, too, as kernels need them.
+    """
 
     def __repr__(self) -> str:
         """Name of the class and all fields, long values by their size."""
@@ -64,6 +58,11 @@ class ShortRepr(ReadOnlyCopies):
             f"{one.name}={_brief(getattr(self, one.name))}" for one in fields(self) if one.repr
         )
         return f"{type(self).__name__}({', '.join(shown)})"
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Fill a copy; ``pickle`` and ``copy.deepcopy`` make arrays that can be written."""
+        lock(state.values())
+        self.__dict__.update(state)
 
 
 def _brief(value: object) -> str:

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, ReadOnlyCopies
+from abi.arrays import FloatArray, ShortRepr
 from abi.certification.stated_object import StatedObject
 from abi.errors import MotionError, short
 
@@ -48,8 +48,8 @@ class RobotState(NamedTuple):
     rests: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Motion(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(ShortRepr):
     """Positions of n joints at m >= 2 waypoints, and their derivatives if they are known.
 
     Attributes:

@@ -13,7 +13,7 @@ from abi.arm_planning.joint_rates import JointRates, joint_rates, passed_limits
 from abi.arm_planning.joint_search.held_part import HeldPart, HeldSpan, exact_span
 from abi.arm_planning.motion.liquid import largest_tilt
 from abi.arm_planning.motion.trajectory import Violation
-from abi.arrays import ReadOnlyCopies
+from abi.arrays import ShortRepr
 from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
 from abi.planner.stage_results import StageResults
@@ -22,7 +22,7 @@ from abi.scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
-class Plan(StageResults, ReadOnlyCopies):
+class Plan(StageResults, ShortRepr):
     """Results of the stages for a scene, and how they came about. Arrays are read-only.
 
     Attributes:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, ReadOnlyCopies, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.errors import StageError
 from abi.planner import plan_json
 from abi.planner.joined_legs import joined_clearance, joined_motion
@@ -23,8 +23,8 @@ from abi.planner.task_scenes import first_scene, next_scene
 from abi.scene.scene import Scene, require_scene
 
 
-@dataclass(frozen=True, eq=False)
-class TaskTrajectory(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class TaskTrajectory(ShortRepr):
     """The motion of all legs on one time bar; at the ends of each the arm rests.
 
     Attributes:
@@ -42,8 +42,8 @@ class TaskTrajectory(ReadOnlyCopies):
     begins: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class TaskPlan(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class TaskPlan(ShortRepr):
     """Plans of the legs of a scene's tasks, as far as they come.
 
     Attributes:

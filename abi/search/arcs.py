@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, ReadOnlyCopies, lock, read_only
+from abi.arrays import FloatArray, ShortRepr, lock, read_only
 from abi.errors import ArgumentError
 from abi.search.best_first_kernels import estimates
 from abi.search.expansion import problem_of
@@ -17,8 +17,8 @@ from abi.search.heuristic import Weight, metric
 from abi.search.search_kernels import LITTLE
 
 
-@dataclass(frozen=True, eq=False)
-class Arcs(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class Arcs(ShortRepr):
     """The edges of a graph as two arcs each, with estimates of the remaining cost to the goal.
 
     Attributes:

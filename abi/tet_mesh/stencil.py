@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, IntArray, ReadOnlyCopies, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.obstacles.pose import Vec3
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.regular_lattice import Cells, Step
 
 
-@dataclass(frozen=True, eq=False)
-class Stencil(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class Stencil(ShortRepr):
     """The d directions of a lattice in a box.
 
     Attributes:

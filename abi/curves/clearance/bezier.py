@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, ReadOnlyCopies, read_only
+from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.errors import ArgumentError
 
 _ROUNDED = 1e-12
@@ -23,8 +23,8 @@ class PolynomialCurve(Protocol):
         """Bézier points of the curve's polynomials."""
 
 
-@dataclass(frozen=True, eq=False)
-class Bezier(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class Bezier(ShortRepr):
     """A curve of s polynomials, each by its Bézier points, which hold it in their convex hull.
 
     Attributes:

@@ -14,7 +14,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, ReadOnlyCopies, ShortRepr, flat, read_only
+from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.robot.kinematics.chain_kernels import POSE, ChainTable, chain_poses
 from abi.robot.kinematics.chain_table import checked_table
@@ -29,8 +29,8 @@ PULL = 3.0
 """Fraction of the way back to the start pose that redundant joints go per reach of the tip."""
 
 
-@dataclass(frozen=True, eq=False)
-class Carried(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class Carried(ShortRepr):
     """A link that a chain carries.
 
     Attributes:

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 
 from abi import arguments
-from abi.arrays import ByteArray, FloatArray, IntArray, ReadOnlyCopies, ShortRepr
+from abi.arrays import ByteArray, FloatArray, IntArray, ShortRepr
 from abi.errors import ArgumentError, SceneError
 from abi.obstacles.pose import Vec3
 
@@ -31,8 +31,8 @@ _SIZES = {"box": 3, "sphere": 1, "cylinder": 2, "mesh": 0}
 """Kinds of solids, and how many of their sizes are lengths."""
 
 
-@dataclass(frozen=True, eq=False)
-class LinkShape(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class LinkShape(ShortRepr):
     """A solid of a link.
 
     Attributes:
@@ -119,8 +119,8 @@ class Mimic(NamedTuple):
     offset: float
 
 
-@dataclass(frozen=True, eq=False)
-class Joint(ReadOnlyCopies):
+@dataclass(frozen=True, eq=False, repr=False)
+class Joint(ShortRepr):
     """A joint between two links.
 
     Attributes:
