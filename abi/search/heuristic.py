@@ -9,12 +9,13 @@ from typing import Literal
 
 from abi.obstacles.pose import Vec3
 from abi.search.graph import Graph
-from abi.search.search_kernels import INSIDE, ON_A_FACE, Metric, Norm
+from abi.search.search_kernels import INSIDE, ON_A_FACE, ZERO, Metric
 
 Weight = Literal["length", "hops"]
 """The cost of a path: its length, or the number of its edges."""
 
-_HOPS = Norm(axes=(1.0, 1.0, 1.0), faces=(1.0, 1.0, 1.0), diagonal=1.0, centres=2.0)
+_ONES = (1.0, 1.0, 1.0)
+_HOPS = Metric(INSIDE, ZERO, axes=_ONES, faces=_ONES, diagonal=1.0, centres=2.0)
 """Every edge costs 1."""
 
 
@@ -29,17 +30,17 @@ def metric(graph: Graph, weight: Weight) -> Metric:
     x, y, z = (mesh.points[goal] if own < 0 else graph.own[own]).tolist()
     if mesh.stencil is None:
         per_unit = 1.0 if weight == "length" else 1 / graph.longest_edge
-        return Metric(INSIDE, Norm((per_unit,) * 3, (0.0, 0.0, 0.0), 0.0, 0.0), (x, y, z))
-    norm = norm_of(mesh.stencil.cell) if weight == "length" else _HOPS
+        return Metric(INSIDE, (x, y, z), (per_unit,) * 3, ZERO, 0.0, 0.0)
+    by_edges = by_length(mesh.stencil.cell) if weight == "length" else _HOPS
     place = mesh.stencil.cell_of((x, y, z))
     on_a_face = 0.0 in place or any(map(eq, place, [2.0 * count for count in mesh.cells]))
-    return Metric(ON_A_FACE if on_a_face else INSIDE, norm, place)
+    return by_edges._replace(kind=ON_A_FACE if on_a_face else INSIDE, goal=place)
 
 
 @lru_cache
-def norm_of(cell: Vec3) -> Norm:
-    """Lengths, [unit], of the edges in a cell."""
+def by_length(cell: Vec3) -> Metric:
+    """Costs of the edges of a cell by their lengths, [unit], with the goal at the low corner."""
     x, y, z = (side * side for side in cell)
     faces = (math.sqrt(y + z), math.sqrt(x + z), math.sqrt(x + y))
     diagonal = math.sqrt(x + y + z)
-    return Norm(axes=cell, faces=faces, diagonal=diagonal, centres=diagonal)
+    return Metric(INSIDE, ZERO, axes=cell, faces=faces, diagonal=diagonal, centres=diagonal)

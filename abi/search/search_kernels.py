@@ -33,40 +33,30 @@ from abi.tet_mesh.adjacency_kernels import (
 NONE, INSIDE, ON_A_FACE = 0, 1, 2
 
 
-class Norm(NamedTuple):
-    """Costs of the edges of one cell of a lattice, from which A*'s heuristic is computed.
+class Metric(NamedTuple):
+    """Data of A*'s heuristic: the goal, and what the edges of a lattice's cell cost.
 
     Attributes:
-        axes: along x, y and z; of rows the cost of a unit of length, three times.
+        kind: ``NONE`` for Dijkstra's algorithm; ``ON_A_FACE`` where the goal is on a face of the
+            box, else ``INSIDE``.
+        goal: in half cells; of rows [unit], world.
+        axes: costs along x, y and z; of rows the cost of a unit of length, three times.
         faces: of the diagonals across yz, xz and xy, where there are any.
         diagonal: of the whole diagonal, where there is one.
         centres: of the way by the cell's centre from corner to corner.
     """
 
+    kind: int
+    goal: Vec3
     axes: Vec3
     faces: Vec3
     diagonal: float
     centres: float
 
 
-class Metric(NamedTuple):
-    """Data of A*'s heuristic: the goal, and what edges cost.
+ZERO = (0.0, 0.0, 0.0)
 
-    Attributes:
-        kind: ``NONE`` for Dijkstra's algorithm; ``ON_A_FACE`` where the goal is on a face of the
-            box, else ``INSIDE``.
-        norm: the costs of a cell.
-        goal: in half cells; of rows [unit], world.
-    """
-
-    kind: int
-    norm: Norm
-    goal: Vec3
-
-
-_ZERO = (0.0, 0.0, 0.0)
-
-NO_METRIC = Metric(NONE, Norm(_ZERO, _ZERO, 0.0, 0.0), _ZERO)
+NO_METRIC = Metric(NONE, ZERO, ZERO, ZERO, 0.0, 0.0)
 """That of Dijkstra's algorithm."""
 
 
@@ -81,28 +71,28 @@ def to_go(shape: MeshSizes, metric: Metric, place: Vec3) -> float:
     goal and image are as far. So the least of all four ways never changes along an edge by more
     than the edge costs. A goal on a face is its own image there, and no way is then shorter.
     """
-    kind, norm, goal = metric
+    kind, goal, axes, _, _, _ = metric
     x, y, z = place[0] - goal[0], place[1] - goal[1], place[2] - goal[2]
     if shape.kind == CSR:
-        return math.sqrt(x * x + y * y + z * z) * norm.axes[0]
+        return math.sqrt(x * x + y * y + z * z) * axes[0]
     x, y, z = 0.5 * x, 0.5 * y, 0.5 * z
     if shape.kind == KUHN:
-        return _with_diagonals(norm, max(x, 0.0), max(y, 0.0), max(z, 0.0)) + _with_diagonals(
-            norm, max(-x, 0.0), max(-y, 0.0), max(-z, 0.0)
+        return _with_diagonals(metric, max(x, 0.0), max(y, 0.0), max(z, 0.0)) + _with_diagonals(
+            metric, max(-x, 0.0), max(-y, 0.0), max(-z, 0.0)
         )
     x, y, z = abs(x), abs(y), abs(z)
     if kind == ON_A_FACE:
-        return _with_diagonals(norm, x, y, z)
+        return _with_diagonals(metric, x, y, z)
     u, v, w = 0.5 * (place[0] + goal[0]), 0.5 * (place[1] + goal[1]), 0.5 * (place[2] + goal[2])
     u, v, w = min(u, 2 * shape.nx - u), min(v, 2 * shape.ny - v), min(w, 2 * shape.nz - w)
     return min(
-        min(_by_centres(norm, x, y, z), _with_diagonals(norm, u, y, z)),
-        min(_with_diagonals(norm, x, v, z), _with_diagonals(norm, x, y, w)),
+        min(_by_centres(metric, x, y, z), _with_diagonals(metric, u, y, z)),
+        min(_with_diagonals(metric, x, v, z), _with_diagonals(metric, x, y, w)),
     )
 
 
 @jitable
-def _by_centres(norm: Norm, x: float, y: float, z: float) -> float:
+def _by_centres(metric: Metric, x: float, y: float, z: float) -> float:
     """Least cost of a step of x, y, z >= 0 cells along the axes and by way of centres.
 
     By way of t pairs of centres one gets up to t along each axis, and the rest along the axes. That
@@ -110,15 +100,15 @@ def _by_centres(norm: Norm, x: float, y: float, z: float) -> float:
     """
     low = min(x, min(y, z))
     middle = x + y + z - low - max(x, max(y, z))
-    p, q, r = norm.axes
-    few = low * norm.centres + (x - low) * p + (y - low) * q + (z - low) * r
-    many = middle * norm.centres
+    p, q, r = metric.axes
+    few = low * metric.centres + (x - low) * p + (y - low) * q + (z - low) * r
+    many = middle * metric.centres
     many += max(x - middle, 0.0) * p + max(y - middle, 0.0) * q + max(z - middle, 0.0) * r
     return min(few, many)
 
 
 @jitable
-def _with_diagonals(norm: Norm, x: float, y: float, z: float) -> float:
+def _with_diagonals(metric: Metric, x: float, y: float, z: float) -> float:
     """Least cost of a step of x, y, z >= 0 cells along the axes and all diagonals of the cells.
 
     The cost of a set of axes, its diagonal, is submodular; so this is its Lovász extension (Lovász,
@@ -129,13 +119,13 @@ def _with_diagonals(norm: Norm, x: float, y: float, z: float) -> float:
     low, high = (x, y) if x < y else (y, x)
     low = z if z < low else low
     high = z if z > high else high
-    axes, faces = norm.axes, norm.faces
+    axes, faces = metric.axes, metric.faces
     axis = axes[1] if high == y else axes[0]
     axis = axes[2] if high == z else axis
     face = faces[1] if low == y else faces[2]
     face = faces[0] if low == x else face
     middle = x + y + z - low - high
-    return low * norm.diagonal + (middle - low) * face + (high - middle) * axis
+    return low * metric.diagonal + (middle - low) * face + (high - middle) * axis
 
 
 LITTLE = 1e-11

@@ -22,7 +22,7 @@ from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES, search
-from abi.search.search_kernels import INSIDE, NO_METRIC, ON_A_FACE, Metric, Problem, to_go
+from abi.search.search_kernels import INSIDE, NO_METRIC, ON_A_FACE, Problem, to_go
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, MeshSizes, cell, node_at
 from abi.tet_mesh.exclusion import exclude
@@ -207,7 +207,7 @@ def test_with_all_diagonals_the_cost_is_the_greatest_of_six_linear_forms(seed: i
             before = [frozenset(order[:k]) for k in range(4)]
             rises = [costs[b] - costs[a] for a, b in pairwise(before)]
             forms.append(sum(way[axis] * rise for axis, rise in zip(order, rises, strict=True)))
-        metric = Metric(INSIDE, heuristic.norm_of((x, y, z)), (0.0, 0.0, 0.0))
+        metric = heuristic.by_length((x, y, z))
         left = to_go(shape, metric, tuple(2.0 * n for n in way))
         assert left == pytest.approx(max(forms), abs=1e-12)
 
