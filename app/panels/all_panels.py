@@ -114,7 +114,7 @@ class AllPanels:
             self.stages.mesh,
             self.stages.search,
             self.stages.bases,
-            self.stages.arm.ends,
+            self.stages.arm,
             self.ends,
             self.control,
             self.obstacles,

@@ -1,4 +1,4 @@
-"""Inputs of stage 6: elbow branch, base, links, and the forces behind q4, q5, q6."""
+"""Inputs of stage 6: elbow branch, base, links, ends, and the forces behind q4, q5, q6."""
 
 from __future__ import annotations
 
@@ -9,12 +9,19 @@ import viser
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
 from app.panels.length_step import fine_step, length_step
-from app.panels.stages.arm_ends import ArmEndsPanel
 from app.panels.stages.arm_model import ArmModelPanel
+from app.panels.stages.end_box import EndBox
 from app.panels.stages.fields import Fields
 from app.panels.widgets import Choice, Wake
+from app.state.frame import Frame
 
 DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
+
+SEARCHES = {
+    "on the mesh, else in the joints": "auto",
+    "on the mesh of the tool tip": "mesh",
+    "in the space of the joints": "joints",
+}
 
 _WHICH_ARM = ("model", "urdf", "tip", "base_link")
 """Fields that say which joints there are."""
@@ -46,13 +53,21 @@ class ArmPanel:
         self.base = gui.add_vector3(
             "base [{unit}]", arm.base, step=0.1, hint="Where the arm stands: x, y, z."
         )
-        self.ends = ArmEndsPanel(gui, wake)
+        self.search = Choice(
+            gui,
+            "motion is sought",
+            SEARCHES,
+            "On a mesh of places of the tool tip, or by two trees of joint positions that grow "
+            "towards each other; without a choice there if the mesh leads to none.",
+        )
+        self.ends = {"start": EndBox(gui, "start", wake), "goal": EndBox(gui, "goal", wake)}
         self._add_papers(gui, arm)
         widgets = {
             "arm.avoid": self.avoid,
             "arm.elbow": self.elbow,
             "arm.clearance": self.clearance,
             "arm.base": self.base,
+            "arm.search": self.search,
             "arm.a1 arm.a2": self.columns,
             "arm.a3 arm.a4 arm.a5": self.links,
             "arm.q5": self.extension,
@@ -121,8 +136,18 @@ class ArmPanel:
         self._show_papers()
         # joints that were asked of another arm mean nothing to this one
         same = not self.model.is_paper and all(model[name] == self._arm[name] for name in self._arm)
-        ends = self.ends.read() if same else {"start": None, "goal": None, "search": "auto"}
-        return {"arm": {**model, **ends, **self._fields.read()["arm"]}}
+        ends: dict[str, Any] = {"start": None, "goal": None, "search": "auto"}
+        if same:
+            ends = {name: end.read() for name, end in self.ends.items()}
+        return {"arm": {**model, **self._fields.read()["arm"], **ends}}
+
+    def draw(self, frame: Frame) -> None:
+        """Show what became of the ends: one that was dragged is a point again."""
+        scene = frame.plan.scene
+        if frame.outdated or frame.refused is not None or scene.arm.model != "urdf":
+            return
+        for end in self.ends.values():
+            end.follow(scene)
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
@@ -136,9 +161,14 @@ class ArmPanel:
         )
         self._arm = {name: getattr(scene.arm, name) for name in _WHICH_ARM}
         self.model.write(scene)
-        self.ends.write(scene)
         self._show_papers()
         self._fields.write(scene)
+        is_urdf = scene.arm.model == "urdf"  # the paper's arm has no such fields
+        self.search.handle.visible = is_urdf
+        for end in self.ends.values():
+            end.handle.visible = is_urdf
+            if is_urdf:
+                end.write(scene)
 
     def _show_papers(self) -> None:
         """Show what only the paper's arm has where that is chosen."""

@@ -1,4 +1,4 @@
-"""Joints with which a URDF arm begins and ends, and where its motion is sought."""
+"""Joints with which a URDF arm begins or ends."""
 
 from __future__ import annotations
 
@@ -11,22 +11,15 @@ from abi.obstacles.pose import METRES
 from abi.robot.urdf.held_joints import planned_joints
 from abi.scene.arm_end import ArmEnd
 from abi.scene.scene import Scene
-from app.panels.stages.fields import Fields
-from app.panels.widgets import Choice, Wake
-from app.state.frame import Frame
+from app.panels.widgets import Wake
 
-SEARCHES = {
-    "on the mesh, else in the joints": "auto",
-    "on the mesh of the tool tip": "mesh",
-    "in the space of the joints": "joints",
-}
 _POSE = "a pose of the tool tip"
 
 
 class EndBox:
     """Text of the joints at one end, in degrees and lengths, or of a named state; empty for any."""
 
-    def __init__(self, gui: viser.GuiApi, end: Literal["start", "goal"]) -> None:
+    def __init__(self, gui: viser.GuiApi, end: Literal["start", "goal"], wake: Wake) -> None:
         self._end = end
         self.handle = gui.add_text(
             f"joints at {end} [°]",
@@ -34,6 +27,7 @@ class EndBox:
             hint="One number for each joint, from the base on, or a state that the SRDF names. "
             f"Empty for any that put the tool tip at the {end}, as once that is dragged.",
         )
+        self.handle.on_update(wake)
         self._shown = ""
         self._kept: ArmEnd | None = None
         self._slides: tuple[bool, ...] = ()
@@ -79,43 +73,3 @@ class EndBox:
         elif kept is not None:
             text = _POSE
         self._shown = self.handle.value = text
-
-
-class ArmEndsPanel:
-    """Fields of the ``arm`` section that say more of start and goal than a point."""
-
-    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        self.search = Choice(
-            gui,
-            "motion is sought",
-            SEARCHES,
-            "On a mesh of places of the tool tip, or by two trees of joint positions that grow "
-            "towards each other; without a choice there if the mesh leads to none.",
-        )
-        self.start, self.goal = EndBox(gui, "start"), EndBox(gui, "goal")
-        self._fields = Fields({"arm.search": self.search}, wake)
-        for box in (self.start, self.goal):
-            box.handle.on_update(wake)
-
-    def read(self) -> dict[str, Any]:
-        """Fields as typed."""
-        ends = {"start": self.start.read(), "goal": self.goal.read()}
-        return {**self._fields.read()["arm"], **ends}
-
-    def draw(self, frame: Frame) -> None:
-        """Show what became of the ends: one that was dragged is a point again."""
-        scene = frame.plan.scene
-        if frame.outdated or frame.refused is not None or scene.arm.model != "urdf":
-            return
-        for box in (self.start, self.goal):
-            box.follow(scene)
-
-    def write(self, scene: Scene) -> None:
-        """Show ``scene``; nothing of the paper's arm, which has no such fields."""
-        is_urdf = scene.arm.model == "urdf"
-        self._fields.write(scene)
-        for box in (self.start, self.goal):
-            box.handle.visible = is_urdf
-            if is_urdf:
-                box.write(scene)
-        self.search.handle.visible = is_urdf
