@@ -87,6 +87,7 @@ class Session:
         self._scene = scene
         self._planner = TabPlanner(client.client_id, self._tell)
         self._overdue: Frame | None = None  # to be drawn once the plan under way is slow
+        self._held = False  # whether a hand dragged when the panels were read last
         self._unplanned = False  # whether the plan of the scene was ended by another choice
         self._budget = TabBudget(budget, client, self)
         self._opening, self._first = opening, scene
@@ -278,6 +279,10 @@ class Session:
         if (direction := self.panels.lecture.requested_view()) is not None:
             self._view.viewpoint.look_from(direction)
         self._view.seek_leg()
+        held, self._held = self._held, self.panels.held
+        if self._held and not held and not self._demonstrated:
+            # what was changed just before a drag is a step of its own
+            self.panels.history.note(self.panels.step(self._scene))
         try:
             scene = self._read()
         except AbiError as error:
@@ -491,11 +496,12 @@ class Session:
 
     def _work_in_pause(self) -> None:
         """Complete what a drag has left incomplete; after that do idle work."""
+        if not self.panels.held:  # before what takes longer, in which there may be a hand again
+            self.panels.history.note(self.panels.step(self._scene), time.monotonic())
         if self._planner.live.partial:
             self._complete()
             return
         if not self.panels.held:
-            self.panels.history.note(self.panels.step(self._scene), time.monotonic())
             self._view.viewpoint.follow()
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))

@@ -120,6 +120,8 @@ _PIXEL = """([name, point]) => {
 
 _FREE = "([x, y]) => document.elementFromPoint(x, y) === window.__viserMutable.canvas"
 
+_COVER = "([x, y]) => document.elementFromPoint(x, y)?.outerHTML.slice(0, 300)"
+
 _PROPS = """name => {
   const node = window.__viserSceneTree.getState()[name];
   const plain = (key, value) => ArrayBuffer.isView(value) ? Array.from(value) : value;
@@ -333,7 +335,7 @@ class Page:
         ``midway`` is called after half the steps, while the mouse is down and still.
         """
         for pixel in (start, end):
-            assert self.is_free(pixel), f"{pixel} is not free canvas"
+            self._await_free(pixel)
         mouse = self.tab.mouse
         mouse.move(*start)
         self.frames(3)  # what is under the mouse is found while drawing
@@ -346,6 +348,12 @@ class Page:
             if midway is not None and 2 * step == steps:
                 midway()
         mouse.up()
+
+    def _await_free(self, pixel: Point) -> None:
+        """Wait until the canvas is at ``pixel``: a notice that lies over it goes after a while."""
+        if not self.is_free(pixel):
+            cover = self.tab.evaluate(_COVER, list(pixel))
+            self.until(lambda: self.is_free(pixel), f"free canvas at {pixel}, not {cover}")
 
     def drag_arrow(
         self, gizmo: str, axis: int, distance: float, midway: Callable[[], None] | None = None

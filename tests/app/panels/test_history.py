@@ -180,3 +180,21 @@ def test_changes_of_one_field_soon_after_each_other_are_one_step() -> None:
     before = history.requested(_step(1))
     assert before is not None
     assert before.scene.spline.degree == 3
+
+
+def test_what_was_changed_just_before_a_drag_is_a_step_of_its_own(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    panels, gizmo = session.panels, session.panels.obstacles.gizmos[0]
+    until(lambda: session.resting)
+    fake.set(panels.stages.spline.degree, 2)
+    until(lambda: session._scene.spline.degree == 2)
+    changed = session._scene
+    fake.hold(gizmo)  # not yet at rest
+    fake.drag(gizmo, [3.0, 3.0, 2.0])
+    until(lambda: session.frame.plan.scene.obstacles[0].position == (3.0, 3.0, 2.0))
+    fake.let_go(gizmo)
+    until(lambda: not panels.held and session.resting)
+    fake.set(panels.history.undo, True)
+    until(lambda: session.frame.plan.scene == changed and session.resting)
