@@ -15,8 +15,7 @@ from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
 from abi.errors import MotionError
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
 from abi.robot.bodies.always_touching import always_touch
-from abi.robot.bodies.chain_capsules import lever, meeting
-from abi.robot.bodies.convex_body import ConvexBody
+from abi.robot.bodies.chain_capsules import ChainCapsule, carried_bodies, lever, meeting
 from abi.robot.bodies.floor_contacts import on_floor
 from abi.robot.bodies.link_bodies import Fit, link_bodies
 from abi.robot.kinematics.chain import Chain
@@ -37,7 +36,7 @@ class RobotBodies(ShortRepr):
     """
 
     chain: Chain
-    bodies: tuple[ConvexBody, ...]
+    bodies: tuple[ChainCapsule, ...]
     metres: float
     floor: float = -math.inf
 
@@ -154,13 +153,10 @@ def robot_bodies(
     Raises:
         MotionError: no link has a shape.
     """
-    bodies = []
+    bodies = list[ChainCapsule]()
     for carried in chain.carried:
-        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
         fit: Fit = "close" if carried.link in closely else "quick"
-        for body in link_bodies(chain.robot.links[carried.link], fit):
-            placed = read_only(body.points @ turn.T + origin)
-            bodies.append(ConvexBody(carried.link, carried.frame, placed, body.rounding))
+        bodies += carried_bodies(carried, link_bodies(chain.robot.links[carried.link], fit))
     if not any(body.frame >= 0 for body in bodies):
         raise MotionError(
             "No link that moves has a collision shape, so nothing can be proven.",
@@ -170,7 +166,7 @@ def robot_bodies(
     return RobotBodies(chain, tuple(bodies), metres, floor)
 
 
-def _hulls(bodies: Sequence[ConvexBody], metres: float) -> Hulls:
+def _hulls(bodies: Sequence[ChainCapsule], metres: float) -> Hulls:
     """Bodies for the kernels, without levers and pairs."""
     counts = [0, *(len(body.points) for body in bodies)]
     nothing, none = read_only(np.zeros(0)), read_only(np.zeros(0, dtype=np.int32))
@@ -178,7 +174,7 @@ def _hulls(bodies: Sequence[ConvexBody], metres: float) -> Hulls:
         frames=read_only(np.array([body.frame for body in bodies], dtype=np.int32)),
         firsts=read_only(np.cumsum(counts).astype(np.int32)),
         points=flat(np.concatenate([body.points for body in bodies])),
-        radii=read_only(np.array([body.radius for body in bodies]) / metres),
+        radii=read_only(np.array([body.rounding for body in bodies]) / metres),
         levers=nothing,
         pairs=none,
         pair_levers=nothing,

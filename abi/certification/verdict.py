@@ -203,7 +203,7 @@ def _certificate(problem: MotionProblem, proof: Separation) -> dict[str, Any]:
             {
                 "link": body.link,
                 "joint": body.frame,
-                "radius": body.radius / metres,
+                "radius": body.rounding / metres,
                 "points": (body.points / metres).tolist(),
             }
             for body in problem.bodies.bodies

@@ -17,7 +17,6 @@ from abi.robot.any_arm import PlacedCapsule, RateLimits
 from abi.robot.bodies.allowed_contacts import AllowedContact, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
-from abi.robot.bodies.convex_body import ConvexBody
 from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.bodies.floor_contacts import on_floor
 from abi.robot.kinematics.chain import Chain
@@ -101,10 +100,7 @@ class UrdfArm(ShortRepr):
 
     def on_floor(self, floor: float) -> tuple[str, ...]:
         """Names of the links that may touch a floor at that height, [unit]."""
-        bodies = (
-            ConvexBody(one.link, one.frame, one.points, one.rounding) for one in self.capsules
-        )
-        return on_floor(self.chain, bodies, floor * self.metres)
+        return on_floor(self.chain, self.capsules, floor * self.metres)
 
     @property
     def reach(self) -> float:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from operator import attrgetter
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -14,33 +12,24 @@ from abi.arrays import FloatArray, read_only
 _STEPS = 60
 
 
-class BoundingCapsule(NamedTuple):
-    """All points within ``radius`` of a segment, [m].
+def smallest_capsule(points: FloatArray) -> tuple[FloatArray, float]:
+    """The smallest of the capsules around points (n, 3) along their principal axes.
 
-    Attributes:
-        low, high: ends of the segment in the link's frame, shape (3,).
-        radius: of the capsule.
+    Returns:
+        Ends of its segment (2, 3), and its radius.
     """
-
-    low: FloatArray
-    high: FloatArray
-    radius: float
-
-    @property
-    def volume(self) -> float:
-        """Volume, [m³]."""
-        length = float(np.linalg.norm(self.high - self.low))
-        return math.pi * self.radius**2 * (length + 4 / 3 * self.radius)
-
-
-def smallest_capsule(points: FloatArray) -> BoundingCapsule:
-    """The smallest of the capsules around points along their principal axes."""
     hull = _corners(points)
     capsules = (_capsule_along_axis(hull, axis) for axis in principal_axes(hull))
-    return min(capsules, key=attrgetter("volume"))
+    return min(capsules, key=lambda one: capsule_volume(*one))
 
 
-def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> BoundingCapsule:
+def capsule_volume(ends: FloatArray, radius: float) -> float:
+    """Volume of all that is within a radius of a segment with ends (2, 3)."""
+    length = float(np.linalg.norm(ends[1] - ends[0]))
+    return math.pi * radius**2 * (length + 4 / 3 * radius)
+
+
+def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> tuple[FloatArray, float]:
     """Capsule along ``axis`` around points (n, 3)."""
     across = points - np.outer(points @ axis, axis)
     centre = across.mean(axis=0)
@@ -54,8 +43,8 @@ def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> BoundingCapsule
     low, high = float((points @ axis + cap).min()), float((points @ axis - cap).max())
     if low > high:
         low = high = (low + high) / 2
-    ends = read_only(centre + low * axis), read_only(centre + high * axis)
-    return BoundingCapsule(*ends, radius * (1 + 1e-9) + 1e-12)
+    ends = read_only(np.stack([centre + low * axis, centre + high * axis]))
+    return ends, radius * (1 + 1e-9) + 1e-12
 
 
 def principal_axes(points: FloatArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray, read_only
-from abi.robot.bodies.link_bodies import Fit, link_bodies
+from abi.robot.bodies.link_bodies import Body, Fit, link_bodies
 from abi.robot.bodies.telescopes import open_bodies
-from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.chain import Carried, Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
 _THIN = 1e-3
@@ -28,7 +28,7 @@ class ChainCapsule(NamedTuple):
         ends: ends of its segment in that frame, or in the world where it stands still, shape
             (2, 3), [m].
         radius: [m].
-        points: corners of the hull in that frame, shape (k, 3), [m].
+        points: corners of the hull in that frame, or in the world, shape (k, 3), [m].
         rounding: distance from the hull that belongs to it, [m].
     """
 
@@ -47,16 +47,20 @@ def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[ChainCapsule, ..
         chain: the chain.
         fits: of the links, by their names, that are to be fitted more closely.
     """
-    capsules, beside = [], open_bodies(chain)
+    capsules, beside = list[ChainCapsule](), open_bodies(chain)
     for carried in chain.carried:
-        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
         fit = fits.get(carried.link, "quick")
         bodies = beside.get(carried.link) or link_bodies(chain.robot.links[carried.link], fit)
-        for (low, high, radius), points, rounding in bodies:
-            ends = read_only(np.stack([low, high]) @ turn.T + origin)
-            hull = read_only(points @ turn.T + origin), rounding
-            capsules.append(ChainCapsule(carried.link, carried.frame, ends, radius, *hull))
+        capsules.extend(carried_bodies(carried, bodies))
     return tuple(sorted(capsules or _skeleton(chain), key=attrgetter("frame")))
+
+
+def carried_bodies(carried: Carried, bodies: Iterable[Body]) -> Iterator[ChainCapsule]:
+    """Bodies of a link in the frame of the joint that moves it."""
+    turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
+    for body in bodies:
+        ends, points = (read_only(one @ turn.T + origin) for one in (body.ends, body.points))
+        yield ChainCapsule(carried.link, carried.frame, ends, body.radius, points, body.rounding)
 
 
 def _skeleton(chain: Chain) -> list[ChainCapsule]:

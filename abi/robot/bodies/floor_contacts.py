@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from abi.robot.bodies.convex_body import ConvexBody
+from abi.robot.bodies.chain_capsules import ChainCapsule
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
@@ -15,7 +15,7 @@ _UPRIGHT = 1e-6
 _POSES = 64
 
 
-def on_floor(chain: Chain, bodies: Iterable[ConvexBody], floor: float) -> tuple[str, ...]:
+def on_floor(chain: Chain, bodies: Iterable[ChainCapsule], floor: float) -> tuple[str, ...]:
     """Names of the links that may touch the floor.
 
     Those that stand still may, and those that the first joint moves where it turns about an upright
@@ -28,7 +28,7 @@ def on_floor(chain: Chain, bodies: Iterable[ConvexBody], floor: float) -> tuple[
         floor: height of the floor, [m].
     """
     still: dict[str, None] = {}
-    first: dict[str, list[ConvexBody]] = {}
+    first: dict[str, list[ChainCapsule]] = {}
     for body in bodies:
         if body.frame < 0:
             still[body.link] = None
@@ -43,7 +43,7 @@ def on_floor(chain: Chain, bodies: Iterable[ConvexBody], floor: float) -> tuple[
     up = chain.poses(positions)[:, 0, 2]
     found = []
     for link, of_link in first.items():
-        lowest = [(up[:, :3] @ one.points.T).min(axis=1) - one.radius for one in of_link]
+        lowest = [(up[:, :3] @ one.points.T).min(axis=1) - one.rounding for one in of_link]
         if (np.min(lowest, axis=0) + up[:, 3] <= floor).all():
             found.append(link)
     return (*still, *found)

@@ -18,7 +18,7 @@ import scipy
 
 from abi.arrays import FloatArray, read_only
 from abi.robot.bodies import body_store, bounding_capsules
-from abi.robot.bodies.bounding_capsules import BoundingCapsule, principal_axes, smallest_capsule
+from abi.robot.bodies.bounding_capsules import principal_axes, smallest_capsule
 from abi.robot.urdf.robot import Link, LinkShape
 
 if TYPE_CHECKING:
@@ -70,12 +70,14 @@ class Body(NamedTuple):
     """A piece of a link: it is in the capsule as well as in the hull, [m].
 
     Attributes:
-        capsule: around the piece.
+        ends: ends of the capsule's segment in the link's frame, shape (2, 3).
+        radius: of the capsule.
         points: corners of the hull in the link's frame, shape (k, 3).
         rounding: distance from the hull that belongs to it, too.
     """
 
-    capsule: BoundingCapsule
+    ends: FloatArray
+    radius: float
     points: FloatArray
     rounding: float
 
@@ -104,21 +106,21 @@ def link_bodies(link: Link, fit: Fit = "quick") -> tuple[Body, ...]:
 
 def _packed(body: Body) -> FloatArray:
     """A body as numbers (8 + 3 k,)."""
-    low, high, radius = body.capsule
-    return np.concatenate([low, high, [radius, body.rounding], body.points.ravel()])
+    sizes = [body.radius, body.rounding]
+    return np.concatenate([body.ends.ravel(), sizes, body.points.ravel()])
 
 
 def _unpacked(numbers: FloatArray) -> Body:
     """The body that numbers (8 + 3 k,) say."""
-    low, high, points = numbers[:3], numbers[3:6], numbers[8:].reshape(-1, 3)
-    return Body(BoundingCapsule(low, high, float(numbers[6])), points, float(numbers[7]))
+    ends, points = numbers[:6].reshape(2, 3), numbers[8:].reshape(-1, 3)
+    return Body(ends, float(numbers[6]), points, float(numbers[7]))
 
 
 def _fitted(link: Link, fit: _Fit) -> tuple[Body, ...]:
     groups = [[shape] for shape in link.shapes]
     if len(groups) > _MOST:
         groups = [list(link.shapes)]
-    return tuple(_body(piece, fit) for group in groups for piece in _pieces_of(group, fit))
+    return tuple(body for group in groups for body in _bodies_of(group, fit))
 
 
 class OpenWay(NamedTuple):
@@ -181,31 +183,20 @@ def triangles_of(link: Link) -> FloatArray:
     return np.concatenate([_triangles(shape) for shape in link.shapes])
 
 
-class _Ball(NamedTuple):
-    """A sphere as it is given."""
-
-    centre: FloatArray
-    radius: float
-
-
-_Piece = FloatArray | _Ball
-"""Points (n, 3) around which a body is made, or a ball."""
-
-
-def _pieces_of(shapes: list[LinkShape], fit: _Fit) -> list[_Piece]:
-    """Pieces of shapes that belong together."""
+def _bodies_of(shapes: list[LinkShape], fit: _Fit) -> list[Body]:
+    """Bodies around shapes that belong together; a sphere stays the ball that it is."""
     if len(shapes) == 1 and shapes[0].kind == "sphere":
-        return [_Ball(shapes[0].pose[:3, 3], shapes[0].size[0])]
-    return [*_parts(np.concatenate([_triangles(shape) for shape in shapes]), fit)]
+        centre, radius = read_only(shapes[0].pose[None, :3, 3]), shapes[0].size[0] * (1 + _PAD)
+        return [Body(centre[[0, 0]], radius + 1e-12, centre, radius)]
+    triangles = np.concatenate([_triangles(shape) for shape in shapes])
+    return [_body(part, fit) for part in _parts(triangles, fit)]
 
 
-def _body(piece: _Piece, fit: _Fit) -> Body:
-    if isinstance(piece, _Ball):
-        centre, radius = read_only(piece.centre.copy()), piece.radius * (1 + _PAD)
-        return Body(BoundingCapsule(centre, centre, radius + 1e-12), centre[None], radius)
-    corners, rounding = _corners_of(piece, fit)
+def _body(points: FloatArray, fit: _Fit) -> Body:
+    """The body around points (n, 3)."""
+    corners, rounding = _corners_of(points, fit)
     pad = _PAD * (1e-3 + float(np.abs(corners).max()))
-    return Body(smallest_capsule(piece), read_only(corners), rounding + pad)
+    return Body(*smallest_capsule(points), read_only(corners), rounding + pad)
 
 
 def _corners_of(points: FloatArray, fit: _Fit) -> tuple[FloatArray, float]:

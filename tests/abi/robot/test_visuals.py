@@ -82,7 +82,7 @@ def test_visuals_change_no_body() -> None:
     files: dict[str, str | bytes] = {"a.urdf": looking("a.dae"), "a.dae": dae(0.2)}
     (before,), (after,) = map(link_bodies, (plain, read(files)[0].links["a"]))
     assert np.array_equal(before.points, after.points)
-    assert before.capsule.radius == after.capsule.radius
+    assert before.radius == after.radius
 
 
 def test_no_dae_is_left_for_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
