@@ -126,12 +126,13 @@ class ElbowBranch:
         point = arguments.numbers("point", point, (3,))
         extensions = np.array(self.extensions)
         places, still = np.stack([point, point]), np.zeros((2, 3))
-        found = solve(self.arm, places, extensions, self.elbow, still)
-        shortfall = float(min(found.shortfall, key=abs))
+        joints, shortfalls = solve(self.arm, places, extensions, self.elbow, still)
+        shortfall = float(min(shortfalls, key=abs))
         if shortfall:
             return Unreached(shortfall)
-        row = int(np.abs(found.shortfall).argmin())
-        for number, part, angle in ((1, "shoulder", found.q2[row]), (2, "elbow", found.q3[row])):
+        nearest = joints[np.abs(shortfalls).argmin()]
+        for number, part in ((1, "shoulder"), (2, "elbow")):
+            angle = nearest[number]
             limit = math.copysign(self.arm.limits[number, 1], angle)
             if abs(angle) > abs(limit) - _SPARE:
                 return Unreached(0.0, JOINTS[number], float(angle), limit, room=_SPARE, part=part)

@@ -63,8 +63,7 @@ class PaperArmJointPath:
         lengths = np.linalg.norm(tangents, axis=1)
         tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
         q5, points = wrist_positions(self.settings, times)[:, 1], self.curve(parameters)
-        found = solve(self.arm, points, q5, self.settings.branches[0], tangents)
-        return np.stack([found.q1, found.q2, found.q3], axis=1)
+        return solve(self.arm, points, q5, self.settings.branches[0], tangents)[0]
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
         """Motion by a profile, at uniform times."""

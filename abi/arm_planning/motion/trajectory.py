@@ -256,11 +256,10 @@ def follow(
     time = np.linspace(0.0, profile.duration, samples)
     target, tangent, velocity = trajectory.sampled(time)
     wrist, elbow = wrist_positions(settings, time), settings.branches[0]
-    angles = solve(arm, target, wrist[:, 1], elbow, tangent)
-    joints = np.concatenate([[angles.q1, angles.q2, angles.q3], wrist.T])
-    positions = np.ascontiguousarray(joints.T)
+    solved, shortfall = solve(arm, target, wrist[:, 1], elbow, tangent)
+    positions = np.concatenate([solved, wrist], axis=1)
     step = profile.duration / (samples - 1)
-    largest = np.abs(np.diff(joints)).max(axis=1)
+    largest = np.abs(np.diff(positions, axis=0)).max(axis=0)
     return ArmMotion(
         curve=curve,
         elbow=elbow,
@@ -270,8 +269,8 @@ def follow(
         target=read_only(target),
         tool=read_only(forward(arm, positions)),
         tool_velocity=read_only(velocity),
-        unreachable=stretches(time, angles.shortfall),
-        limit_violations=_violations(time, joints, arm.limits),
+        unreachable=stretches(time, shortfall),
+        limit_violations=_violations(time, positions.T, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
     )
 
@@ -283,8 +282,8 @@ def rest_pose(arm: PaperArm, settings: ArmSettings, point: Vec3) -> FloatArray:
         Shape (6,), [rad], q5 [unit].
     """
     q5 = np.array([settings.q5])
-    angles = solve(arm, np.array([point]), q5, settings.branches[0], np.zeros((1, 3)))
-    return read_only(np.array([angles.q1[0], angles.q2[0], angles.q3[0], 0.0, settings.q5, 0.0]))
+    joints, _ = solve(arm, np.array([point]), q5, settings.branches[0], np.zeros((1, 3)))
+    return read_only(np.array([*joints[0], 0.0, settings.q5, 0.0]))
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:

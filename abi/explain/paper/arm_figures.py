@@ -23,8 +23,7 @@ def of_kinematics(scene: Scene) -> Iterator[PaperComparison]:
     arm = PaperArm.from_settings(scene.arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
     poses, tool = _facing_poses(arm)
     solved = np.zeros_like(poses)
-    solution = solve(arm, tool, np.zeros(_POSES), "up", np.zeros_like(tool))
-    solved[:, :3] = np.stack([solution.q1, solution.q2, solution.q3], axis=1)
+    solved[:, :3], _ = solve(arm, tool, np.zeros(_POSES), "up", np.zeros_like(tool))
     error = float(np.abs(forward(arm, solved) - tool).max())
     r = arm.a3 * np.sin(poses[:, 1]) + (arm.a4 + arm.a5) * np.sin(poses[:, 1] + poses[:, 2])
     formulas = {

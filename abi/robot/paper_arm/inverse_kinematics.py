@@ -14,7 +14,6 @@ in one quadrant only. That of URDF arms is in :mod:`abi.robot.kinematics.follow_
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -29,32 +28,13 @@ THROUGH = 1e-6
 it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Joint positions along a path.
-
-    Attributes:
-        q1: about the base axis, unwrapped along the path, shape (n,), [rad].
-        q2: shoulder, unwrapped along the path, shape (n,), [rad].
-        q3: elbow, of one sign along the path, shape (n,), [rad].
-        shortfall: distance by which the point is out of reach, shape (n,), [unit]: > 0 too far from
-            the shoulder, < 0 too near, 0 within reach. Out of reach the joints are those of the
-            stretched or folded arm that points at the point.
-    """
-
-    q1: FloatArray
-    q2: FloatArray
-    q3: FloatArray
-    shortfall: FloatArray
-
-
 def solve(
     arm: PaperArm,
     points: FloatArray,
     q5: FloatArray,
     elbow: Literal["up", "down"],
     tangents: FloatArray,
-) -> Solution:
+) -> tuple[FloatArray, FloatArray]:
     """Solve for the joint positions that lead the tool along a path, on one elbow branch.
 
     q1 is continuous: where the path goes through the base axis, r changes its sign and q1 does not
@@ -70,7 +50,11 @@ def solve(
         tangents: direction of the path at each point, shape (n, 3), unit vectors or zero.
 
     Returns:
-        The joint positions; nothing is raised for points out of reach.
+        Joint positions (n, 3), [rad]: q1 about the base axis and q2 of the shoulder, unwrapped
+        along the path, and q3 of the elbow, of one sign along it. And the distances (n,) by which
+        points are out of reach, [unit]: > 0 too far from the shoulder, < 0 too near, 0 within
+        reach. There the joints are those of the stretched or folded arm that points at the point;
+        nothing is raised.
     """
     points = arguments.points("points", points)
     q5 = arguments.numbers("q5", q5, points.shape[:1])
@@ -91,12 +75,7 @@ def solve(
     side = 1.0 if elbow == "up" else -1.0
     in_plane = across, flat(offset[:, 2]), flat(forearm)
     kernels.elbow_angles(*in_plane, float(arm.a3), side, rounding, solution[2:].reshape(-1))
-    return Solution(
-        q1=read_only(_centred(q1)),
-        q2=read_only(_centred(q2)),
-        q3=read_only(q3),
-        shortfall=read_only(shortfall),
-    )
+    return read_only(np.stack([_centred(q1), _centred(q2), q3], axis=1)), read_only(shortfall)
 
 
 def _centred(angle: FloatArray) -> FloatArray:

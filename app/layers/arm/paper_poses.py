@@ -63,8 +63,8 @@ def _poses(arm: PaperArm, tool: FloatArray, plan: Plan, other: bool = False) -> 
     if other:
         elbow = "down" if elbow == "up" else "up"
     q5, still = np.full(len(tool), plan.scene.arm.q5), np.zeros(len(tool))
-    found = solve(arm, tool, q5, elbow, np.zeros_like(tool))
-    return np.column_stack([found.q1, found.q2, found.q3, still, q5, still])
+    joints, _ = solve(arm, tool, q5, elbow, np.zeros_like(tool))
+    return np.column_stack([joints, still, q5, still])
 
 
 def _elbow_of(plan: Plan) -> Elbow:

@@ -29,9 +29,8 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
     branch = ElbowBranch(arm, elbow, collision_world, (0.0, 0.0), 0.0, _SLACK)
     points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
     points = points[branch.reached(points)]
-    found = solve(arm, points, np.zeros(len(points)), elbow, np.zeros_like(points))
     joints = np.zeros((len(points), 6))
-    joints[:, 0], joints[:, 1], joints[:, 2] = found.q1, found.q2, found.q3
+    joints[:, :3], _ = solve(arm, points, np.zeros(len(points)), elbow, np.zeros_like(points))
     ends = place(arm, joints)
     moving = [k for k, capsule in enumerate(arm.capsules) if capsule.body != COLUMN]
     shares = np.linspace(0, 1, _SAMPLES)
@@ -72,8 +71,8 @@ def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> 
             assert unreached.shortfall == pytest.approx(distance - edge, abs=1e-9)
             assert "out of reach by" in unreached.words
         else:
-            found = solve(arm, point[None], np.zeros(1), elbow, np.zeros((1, 3)))
-            value = float({"q2": found.q2, "q3": found.q3}[unreached.joint][0])
+            ((_, q2, q3),), _ = solve(arm, point[None], np.zeros(1), elbow, np.zeros((1, 3)))
+            value = float({"q2": q2, "q3": q3}[unreached.joint])
             assert unreached.value == pytest.approx(value)
             assert abs(value) > abs(unreached.limit) - 0.011
             part = {"q2": "shoulder", "q3": "elbow"}[unreached.joint]

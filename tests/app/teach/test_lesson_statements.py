@@ -168,10 +168,10 @@ def a_mirrored_y_is_the_same_only_at_0() -> bool:
     )
     y = np.linspace(-2, 2, 41)
     tool = np.column_stack([np.full(41, 4.0), y, np.full(41, 5.0)])
-    solution = solve(arm, tool, np.zeros(41), "up", np.zeros_like(tool))
+    joints, _ = solve(arm, tool, np.zeros(41), "up", np.zeros_like(tool))
     poses = np.zeros((41, 6))
     # the printed equations, sin q1 · r = x and cos q1 · r = y, where y = −cos q1 · r is right
-    poses[:, :3] = np.stack([np.arctan2(tool[:, 0], y), solution.q2, solution.q3], axis=1)
+    poses[:, :3] = np.column_stack([np.arctan2(tool[:, 0], y), joints[:, 1:]])
     reached = forward(arm, poses)
     same = np.isclose(reached[:, 1], y, atol=1e-9)
     return bool(np.allclose(reached, tool * [1, -1, 1], atol=1e-9)) and y[same].tolist() == [0.0]
