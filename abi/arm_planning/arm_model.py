@@ -35,14 +35,6 @@ class JointPath(Protocol):
         """Distance from start to goal, [unit]: usually the arc length of the tool's curve."""
 
     @property
-    def speeds(self) -> FloatArray:
-        """Largest speed of each joint that the inverse kinematics moves, (n,)."""
-
-    @property
-    def scales(self) -> FloatArray:
-        """Factor from [rad/s²] or [m/s²] to the unit of each joint, (n,)."""
-
-    @property
     def is_timed(self) -> bool:
         """Whether these joints also depend on the time, as another joint moves meanwhile."""
 
@@ -50,6 +42,13 @@ class JointPath(Protocol):
         """Positions of these joints at distances along the curve and times (k,) in order, (k, n).
 
         Without times they are those at the start.
+        """
+
+    def rate_limits(self, acceleration: float) -> tuple[FloatArray, FloatArray]:
+        """Largest speeds and accelerations of these joints, (n,) each, [rad] or [unit] by [s].
+
+        Args:
+            acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²].
         """
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
@@ -79,8 +78,12 @@ class JointPath(Protocol):
         """Clearance of the whole arm in that motion, measured and proven."""
 
 
-class NodeExclusion(Protocol):
-    """Nodes of a mesh that an arm excludes on one branch."""
+class ArmBranch(Protocol):
+    """Nodes, edges and curves that an arm allows on one branch, such as an elbow of the paper's."""
+
+    @property
+    def name(self) -> str:
+        """The branch, as the beginning of a sentence."""
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -100,14 +103,6 @@ class NodeExclusion(Protocol):
             reached: nodes to look at.
             tree: over the nodes: quicker near an obstacle of many parts.
         """
-
-
-class ArmBranch(NodeExclusion, Protocol):
-    """Edges and curves that an arm allows on one branch, such as an elbow of the paper's."""
-
-    @property
-    def name(self) -> str:
-        """The branch, as the beginning of a sentence."""
 
     @property
     def segments(self) -> ArmSegments | None:

@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
 
@@ -36,13 +35,6 @@ ROUNDING = 1.001
 _ROUNDS, _SETTLED = 5, 1e-6
 """Most times that a motion is slowed down, as q5 then slides farther, and the excess that counts as
 none."""
-
-
-class JointLimits(NamedTuple):
-    """Largest speeds and accelerations of the joints, (n,) each, [rad/s] and [rad/s²]."""
-
-    speeds: FloatArray
-    accelerations: FloatArray
 
 
 Slowed = Callable[[float], PathProfile]
@@ -82,17 +74,20 @@ def motion_law(path: JointPath, settings: MotionSettings) -> PathProfile:
     """
     law = LAWS[settings.law]
     slowed = law.slowed(path, settings)
-    factor = _slowing(slowed, path, _limits(path, settings)) if law.keeps_limits else 1.0
+    limits = path.rate_limits(settings.joint_acceleration)
+    factor = _slowing(slowed, path, *limits) if law.keeps_limits else 1.0
     if settings.time_step is None:
         return slowed(factor)
     return slowed(factor * _to_whole_steps(slowed(factor).duration, settings.time_step))
 
 
-def _slowing(slowed: Slowed, path: JointPath, limits: JointLimits) -> float:
+def _slowing(
+    slowed: Slowed, path: JointPath, speeds: FloatArray, accelerations: FloatArray
+) -> float:
     """Factor, at least 1, by which a motion takes longer so that the joints' limits hold."""
     factor = 1.0
     for _ in range(_ROUNDS if path.is_timed else 1):
-        excess = _excess(slowed(factor), path, limits)
+        excess = _excess(slowed(factor), path, speeds, accelerations)
         factor *= excess
         if excess <= 1 + _SETTLED:
             break
@@ -103,10 +98,6 @@ def _to_whole_steps(duration: float, step: float) -> float:
     """Factor, at least 1, by which a motion takes longer so that it ends with a time step."""
     steps = max(math.ceil(duration / step - 1e-9), 2)
     return steps * step / duration if duration > 0 else 1.0
-
-
-def _limits(path: JointPath, settings: MotionSettings) -> JointLimits:
-    return JointLimits(path.speeds, settings.joint_acceleration * path.scales)
 
 
 def _three_phases(path: JointPath, settings: MotionSettings) -> Slowed:
@@ -120,7 +111,7 @@ def _smooth(path: JointPath, settings: MotionSettings) -> Slowed:
 
 
 def _fastest(path: JointPath, settings: MotionSettings) -> Slowed:
-    return _time_optimal(path, _limits(path, settings)).stretched
+    return _time_optimal(path, *path.rate_limits(settings.joint_acceleration)).stretched
 
 
 def _slowed(length: float, rates: tuple[float, float, float], factor: float) -> PathProfile:
@@ -138,7 +129,9 @@ def second_derivatives(positions: FloatArray, step: float) -> FloatArray:
     return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
-def _excess(profile: PathProfile, path: JointPath, limits: JointLimits) -> float:
+def _excess(
+    profile: PathProfile, path: JointPath, speeds: FloatArray, accelerations: FloatArray
+) -> float:
     """Factor, at least 1, by which a motion is to be slowed so that the limits hold.
 
     The speeds and accelerations are differences of many samples.
@@ -146,13 +139,13 @@ def _excess(profile: PathProfile, path: JointPath, limits: JointLimits) -> float
     times = np.linspace(0.0, profile.duration, 2 * _GRID)
     positions = path.at(profile(times), times)
     step = float(times[1])
-    faster = float((np.abs(np.diff(positions, axis=0)) / step / limits.speeds).max())
+    faster = float((np.abs(np.diff(positions, axis=0)) / step / speeds).max())
     rates = np.abs(second_derivatives(positions, step))
-    harder = float((rates / limits.accelerations).max())
+    harder = float((rates / accelerations).max())
     return max(1.0, faster * ROUNDING, math.sqrt(harder * ROUNDING))
 
 
-def _time_optimal(path: JointPath, limits: JointLimits) -> CubicProfile:
+def _time_optimal(path: JointPath, speeds: FloatArray, accelerations: FloatArray) -> CubicProfile:
     """Fastest motion along the curve under the joints' limits."""
     length = path.length
     distances = np.linspace(0.0, length, _GRID)
@@ -161,7 +154,7 @@ def _time_optimal(path: JointPath, limits: JointLimits) -> CubicProfile:
     step = float(distances[1])
     first = np.gradient(joints, step, axis=0, edge_order=2)
     rates = flat(first), flat(second_derivatives(joints, step))
-    bounds = flat(limits.speeds), flat(limits.accelerations)
+    bounds = flat(speeds), flat(accelerations)
     failed = fastest_speeds(*rates, step, *bounds, sets, squared)
     assert failed < 0, "standing still is always possible"
     # rest within the path would take for ever: such points are passed slowly

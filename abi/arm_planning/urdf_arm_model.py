@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -43,13 +43,6 @@ _REMEMBERED = 16
 """Most pairs whose configurations are cached."""
 
 
-class _Spread(NamedTuple):
-    """Configurations all over the mesh, and what is known of segments with them."""
-
-    configurations: NodeConfigurations
-    memory: SegmentMemory
-
-
 class UrdfArmModel:
     """An arm that a URDF describes.
 
@@ -62,7 +55,7 @@ class UrdfArmModel:
         touches = settings.gripper, settings.allowed, settings.grasping
         self.arm = self.chain_arm = urdf_arm(robot, settings.tool, *stands, *touches)
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
-        self._configurations: dict[PosePair, _Spread] = {}
+        self._configurations: dict[PosePair, tuple[NodeConfigurations, SegmentMemory]] = {}
         self._rows, self._poses = RowTable(), SegmentMemory()
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
@@ -173,8 +166,10 @@ class UrdfArmModel:
         around = problem.collision_world, configurations, clearance, problem.slack
         return ChainBranch(self.arm, _name_of(pair), *around, memory=memory)
 
-    def _spread(self, pair: PosePair, problem: BranchProblem) -> _Spread:
-        """Configurations on the mesh from a first pose, drawn to a home."""
+    def _spread(
+        self, pair: PosePair, problem: BranchProblem
+    ) -> tuple[NodeConfigurations, SegmentMemory]:
+        """Configurations on the mesh from a first pose, drawn to a home; memory of segments."""
         if pair not in self._configurations:
             start, goal = problem.scene.start, problem.scene.goal
             first = self._poses_at(start)[pair.first]
@@ -182,7 +177,7 @@ class UrdfArmModel:
             found = spread_over(self.arm, problem.mesh, np.array(start, dtype=float), first, home)
             if len(self._configurations) >= _REMEMBERED:
                 self._configurations.pop(next(iter(self._configurations)))
-            self._configurations[pair] = _Spread(found, SegmentMemory())
+            self._configurations[pair] = found, SegmentMemory()
         return self._configurations[pair]
 
 

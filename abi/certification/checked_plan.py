@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.motion.arm_clearance import ArmClearance, Contact
-from abi.arm_planning.motion.trajectory import ArmMotion, Violation
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.certification.clearance_proof import nearest
 from abi.certification.verdict import MotionVerdict
@@ -70,7 +70,7 @@ def _motion(verdict: MotionVerdict, arm: UrdfArm) -> ArmMotion:
     tool = _tool(verdict, positions, arm)
     points, nothing = read_only(tool), read_only(np.zeros(2))
     limits = [
-        Violation(one.joint, one.time, one.value, one.limit, one.time)
+        one
         for one in verdict.limits.passed
         if one.quantity == "position" and one.joint in arm.joints
     ]

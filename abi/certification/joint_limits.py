@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from abi.arm_planning.motion.trajectory import Quantity, Violation
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.certification.robot_motion import RobotMotion
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
@@ -19,26 +20,6 @@ largest step of a joint between two of them, [rad] or [m]."""
 _MOST_ROWS = 200_000
 """Places of a motion at most, beyond those at least."""
 
-Quantity = Literal["position", "speed", "acceleration", "torque"]
-
-
-class LimitPassed(NamedTuple):
-    """A limit that a joint exceeds.
-
-    Attributes:
-        quantity: of what.
-        joint: name of the joint.
-        time: where it is farthest past it, [s].
-        value: there, [rad] or [m], with its derivatives by [s], or [N·m] or [N].
-        limit: the limit.
-    """
-
-    quantity: Quantity
-    joint: str
-    time: float
-    value: float
-    limit: float
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LimitsKept(ShortRepr):
@@ -48,17 +29,26 @@ class LimitsKept(ShortRepr):
         peaks: largest size of each joint's speed, acceleration and torque, (n,) each; None where it
             is not known: speeds without times, accelerations and torques of straight motions, whose
             speeds jump at waypoints, torques without masses or times.
-        passed: limits that are passed.
+        passed: limits that are passed, positions in [rad] or [m].
     """
 
     peaks: dict[Quantity, FloatArray | None]
-    passed: tuple[LimitPassed, ...]
+    passed: tuple[Violation, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data: peaks, what was not judged, and what is passed."""
         return {
             "within": not self.passed,
-            "passed": [one._asdict() for one in self.passed],
+            "passed": [
+                {
+                    "quantity": one.quantity,
+                    "joint": one.joint,
+                    "time": one.time,
+                    "value": one.value,
+                    "limit": one.limit,
+                }
+                for one in self.passed
+            ],
             "peaks": {
                 name: None if peak is None else peak.tolist() for name, peak in self.peaks.items()
             },
@@ -77,7 +67,7 @@ def joint_limits(motion: RobotMotion, acceleration: float | None = None) -> Limi
         motion: the motion.
         acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²]; None for none.
     """
-    chain, passed = motion.chain, list[LimitPassed]()
+    chain, passed = motion.chain, list[Violation]()
     spans = np.diff(motion.motion.times)
     low, high = chain.limits.T
     kinds = {joint.name: joint.kind for joint in chain.joints}
@@ -159,7 +149,7 @@ def _past(
     points: FloatArray,
     limits: FloatArray,
     middle: FloatArray | None = None,
-) -> list[LimitPassed]:
+) -> list[Violation]:
     """The worst place of each joint whose polynomials are larger than a limit.
 
     Args:
@@ -183,7 +173,7 @@ def _past(
             shift = 0.0 if middle is None else float(middle[joint])
             limit = math.copysign(float(limits[joint]), worst) + shift
             name = motion.chain.names[joint]
-            found.append(LimitPassed(quantity, name, time, worst + shift, limit))
+            found.append(Violation(name, time, worst + shift, limit, time, quantity))
     return found
 
 
@@ -208,7 +198,7 @@ def _values(points: FloatArray, shares: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("is,kin->ksn", weights, points))
 
 
-def _torques_past(motion: RobotMotion, torques: FloatArray) -> list[LimitPassed]:
+def _torques_past(motion: RobotMotion, torques: FloatArray) -> list[Violation]:
     """The worst place of each joint whose torque is larger than its limit."""
     found, limits = [], motion.chain.efforts
     for joint in np.flatnonzero((np.abs(torques) > limits * _ROUNDING).any(axis=(0, 1))).tolist():
@@ -217,5 +207,6 @@ def _torques_past(motion: RobotMotion, torques: FloatArray) -> list[LimitPassed]
         value = float(values[piece, sample])
         time = motion.time_at(int(piece) + int(sample) / (values.shape[1] - 1))
         limit = math.copysign(float(limits[joint]), value)
-        found.append(LimitPassed("torque", motion.chain.names[joint], time, value, limit))
+        name = motion.chain.names[joint]
+        found.append(Violation(name, time, value, limit, time, "torque"))
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from abi.certification.joint_limits import LimitPassed
+from abi.arm_planning.motion.trajectory import Violation
 from abi.certification.verdict import MotionVerdict
 from abi.robot.urdf.urdf_joints import some_of
 
@@ -78,7 +78,7 @@ def remarks(verdict: MotionVerdict) -> list[str]:
     ]
 
 
-def _limit_sentence(one: LimitPassed, verdict: MotionVerdict) -> str:
+def _limit_sentence(one: Violation, verdict: MotionVerdict) -> str:
     """Sentence on a limit that a joint passes."""
     chain = verdict.problem.motion.chain
     unit = _UNITS[one.quantity][chain.slides[chain.names.index(one.joint)]]

@@ -142,7 +142,7 @@ def _clear_poses(space: JointSpace, obstacles: ObstacleSet, scene: Scene, end: E
     if not kept:
         assert first is not None
         pose, capsule, number = first
-        pair = arm.capsules[capsule].link, named(number, arm)
+        pair = arm.capsule_links[capsule], named(number, arm)
         contact = link_contact(arm, obstacles, around, pose, pair, space.margin)
         raise NoJointMotion(end, *pair, len(poses), contact=contact)
     return np.array(kept)

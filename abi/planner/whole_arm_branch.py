@@ -221,7 +221,7 @@ def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:
     """Link and obstacle of a fault; the obstacle is None where the point is out of reach."""
     if fault.capsule < 0:
         return "", None
-    return arm.capsules[fault.capsule].link, named(fault.obstacle, arm)
+    return arm.capsule_links[fault.capsule], named(fault.obstacle, arm)
 
 
 def _note(fault: ArmRefutation, arm: AnyArm) -> str:

@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Quaternion
 from abi.robot.kinematics.chain import Chain
-
-
-class AnyCapsule(Protocol):
-    """A capsule around a link."""
-
-    @property
-    def link(self) -> str:
-        """Name of the link."""
 
 
 class PlacedCapsule(NamedTuple):
@@ -88,8 +79,8 @@ class AnyArm(Protocol):
         """Lowest and highest position of each joint, (n, 2), [rad] or [unit]."""
 
     @property
-    def capsules(self) -> Sequence[AnyCapsule]:
-        """Capsules around the links, those that stand still first."""
+    def capsule_links(self) -> tuple[str, ...]:
+        """Name of the link of each capsule, those that stand still first."""
 
     @property
     def has_elbow(self) -> bool:

@@ -114,6 +114,11 @@ class UrdfArm(ShortRepr):
         return read_only(np.where(slides, 1 / self.metres, 1.0))
 
     @cached_property
+    def capsule_links(self) -> tuple[str, ...]:
+        """Name of the link of each capsule."""
+        return tuple(one.link for one in self.capsules)
+
+    @cached_property
     def radii(self) -> FloatArray:
         """Radius of each capsule, (c,), [unit]."""
         return read_only(np.array([one.radius for one in self.capsules]) / self.metres)

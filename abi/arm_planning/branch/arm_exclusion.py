@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.arm_model import NodeExclusion
+from abi.arm_planning.arm_model import ArmBranch
 from abi.arrays import BoolArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -50,7 +50,7 @@ class ArmExclusionCache:
         )  # how many obstacles each node touches
         self._complete = self._reached  # whether all are asked about it
 
-    def __call__(self, free: FreeMesh, branch: NodeExclusion, obstacles: ObstacleSet) -> FreeMesh:
+    def __call__(self, free: FreeMesh, branch: ArmBranch, obstacles: ObstacleSet) -> FreeMesh:
         """The mesh without the nodes that the arm excludes in addition.
 
         Args:
@@ -96,7 +96,7 @@ class ArmExclusionCache:
                 self._touched -= known.touching
 
     def _ask(
-        self, mesh: TetMesh, branch: NodeExclusion, obstacles: dict[int, Obstacle], left: BoolArray
+        self, mesh: TetMesh, branch: ArmBranch, obstacles: dict[int, Obstacle], left: BoolArray
     ) -> BoolArray:
         """Test what is not known of nodes ``left`` (n,); flags of those without a contact, (n,)."""
         for number, obstacle in obstacles.items():

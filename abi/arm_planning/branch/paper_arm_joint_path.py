@@ -41,19 +41,13 @@ class PaperArmJointPath:
         return self.arc.length
 
     @property
-    def speeds(self) -> FloatArray:
-        """Largest speed of each joint, nominal, (3,), [rad/s]."""
-        return np.full(MOVED, JOINT_SPEED)
-
-    @property
-    def scales(self) -> FloatArray:
-        """Factor from [rad/s²] to the unit of each joint, (3,)."""
-        return np.ones(MOVED)
-
-    @property
     def is_timed(self) -> bool:
         """Whether q5 slides."""
         return self.settings.forces[1] != 0
+
+    def rate_limits(self, acceleration: float) -> tuple[FloatArray, FloatArray]:
+        """Nominal speeds and the accelerations of q1 to q3, (3,) each, [rad/s] and [rad/s²]."""
+        return np.full(MOVED, JOINT_SPEED), np.full(MOVED, acceleration)
 
     def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
         """Positions of q1 to q3 at distances and times (k,) in order, (k, 3), [rad]."""

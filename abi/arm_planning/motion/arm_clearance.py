@@ -181,7 +181,7 @@ def _dips(motion: ArmMotion, arm: PaperArm, floor: float) -> list[Contact]:
     low = motion.tool[:, 2]
     below = np.flatnonzero(low <= max(floor, float(low.min())))
     first, deepest, last = (motion.time[k] for k in (below[0], low.argmin(), below[-1]))
-    link = arm.capsules[-1].link
+    link = arm.capsule_links[-1]
     return [Contact(link, "floor", float(first), float(last), float(deepest), depth)]
 
 
@@ -229,7 +229,7 @@ def proven_clearance(
         required=required,
         distance=distance if proof is None else proof.margin,
         time=float(motion.time[sample]),
-        link=arm.capsules[capsule].link if obstacle >= 0 else "",
+        link=arm.capsule_links[capsule] if obstacle >= 0 else "",
         obstacle=obstacle,
         contacts=_deepest_first(contacts),
         certificate=proof,
@@ -340,7 +340,7 @@ def contacts_of(
             if touches[first, c]:
                 deepest = first + int(measured.distance[first:end, c].argmin())
                 contact = Contact(
-                    *(arm.capsules[capsules[c]].link, named(int(touched[first]), arm)),
+                    *(arm.capsule_links[capsules[c]], named(int(touched[first]), arm)),
                     *(float(time[first]), float(time[end - 1]), float(time[deepest])),
                     -float(measured.distance[deepest, c]),
                     arm.has_exact_bodies,
@@ -353,4 +353,4 @@ def named(number: int, arm: AnyArm) -> int | str:
     """Number of an obstacle, or name of another part of an arm's collision world."""
     if number >= 0:
         return number
-    return "floor" if number == FLOOR else arm.capsules[-number - 2].link
+    return "floor" if number == FLOOR else arm.capsule_links[-number - 2]

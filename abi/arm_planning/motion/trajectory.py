@@ -39,7 +39,8 @@ class Violation(NamedTuple):
         time: time at which it is farthest past the limit, [s].
         value: its value then; of a position [rad], or [unit] if the joint slides.
         limit: the limit, on the side that is passed.
-        since: time at which it passes the limit, [s].
+        since: time at which it passes the limit, [s]; of a motion that was planned elsewhere
+            ``time``.
         quantity: what is limited.
     """
 

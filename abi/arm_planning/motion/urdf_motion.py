@@ -82,16 +82,6 @@ class ChainJointPath:
     missed: FloatArray
     length: float
 
-    @property
-    def speeds(self) -> FloatArray:
-        """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
-        return np.asarray(self.arm.chain.speeds * self.arm.scales)
-
-    @property
-    def scales(self) -> FloatArray:
-        """Factors from [rad/s²] or [m/s²] to [rad/s²] or [unit/s²], (n,)."""
-        return self.arm.scales
-
     @cached_property
     def _spline(self) -> Any:
         distances = np.linspace(0.0, self.length, len(self.positions))
@@ -101,6 +91,10 @@ class ChainJointPath:
     def is_timed(self) -> bool:
         """Whether the joints depend on the time, too: False."""
         return False
+
+    def rate_limits(self, acceleration: float) -> tuple[FloatArray, FloatArray]:
+        """Largest speeds and accelerations of the joints, (n,) each, [rad] or [unit] by [s]."""
+        return self.arm.rate_limits(acceleration)[:2]
 
     def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
         """Joint positions at distances (k,), (k, n), within the limits."""

@@ -190,7 +190,7 @@ def floor_distances(arm: UrdfArm, floor: float, poses: Poses) -> FloatArray:
     """
     heights = np.asarray(poses.ends[..., 2].min(axis=2) - arm.radii - floor)
     standing = arm.on_floor(floor)
-    heights[:, [one.link in standing for one in arm.capsules]] = np.inf
+    heights[:, [link in standing for link in arm.capsule_links]] = np.inf
     for column in np.flatnonzero((heights <= 0).any(axis=0)).tolist():
         rows = np.flatnonzero(heights[:, column] <= 0)
         lowest = arm.lowest(poses.positions[rows], column) - floor

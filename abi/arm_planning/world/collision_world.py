@@ -123,11 +123,11 @@ def chain_world(
     whatever the scene says may touch.
     """
     standing = arm.on_floor(min(float(arm.base[2]), lowest))
-    moves = np.array([one.link not in standing for one in arm.capsules])[:, None]
+    moves = np.array([link not in standing for link in arm.capsule_links])[:, None]
     own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
     found = _collision_world(arm, 2 * arm.reach, own, obstacles, lowest, table)
     allowed = _allowed(arm, obstacles, standing)
-    asked, capsules = found.asked.copy(), np.array([one.link for one in arm.capsules])
+    asked, capsules = found.asked.copy(), np.array(arm.capsule_links)
     for link, other, _ in allowed:
         if isinstance(other, int):
             asked[capsules == link, found.first_row(other)] = False

@@ -44,7 +44,7 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
     if kept is None:
         compile_kernels()
         both = solids_of(one, 1.0), solids_of(other, 1.0)
-        beside = (SolidPose(turn, place) for turn, place in zip(turned, moved, strict=True))
+        beside = map(SolidPose, turned, moved)
         kept = [np.array([float(all(touch(*both, pose) for pose in beside))])]
         body_store.keep(key, kept)
     return bool(kept[0][0])

@@ -65,14 +65,13 @@ def never_touch(chain: Chain, first: str, second: str) -> bool:
     shapes = (*chain.robot.links[first].shapes, *chain.robot.links[second].shapes)
     code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
     key = body_store.key_of(shapes, code)
-    some = relative_poses(chain, first, second, _rows(chain, joints, _random(joints)))
-    for array in (joints.limits, joints.ways, some.turns, some.origins):
+    turned, moved = relative_poses(chain, first, second, _rows(chain, joints, _random(joints)))
+    for array in (joints.limits, joints.ways, turned, moved):
         key = hashlib.sha256(key.encode() + np.round(array, 9).tobytes()).hexdigest()
     kept = body_store.find(key)
     if kept is None:
         compile_kernels()
-        poses = map(SolidPose, some.turns, some.origins)
-        apart = not any(touch(one, other, pose) for pose in poses)
+        apart = not any(touch(one, other, pose) for pose in map(SolidPose, turned, moved))
         apart = apart and _proven(chain, (first, second), (one, other), joints)
         kept = [np.array([float(apart)])]
         body_store.keep(key, kept)
@@ -152,17 +151,18 @@ def _proven(
         if left < 0:
             return False
         middles, halves = (low + high) / 2, (high - low) / 2
-        poses = relative_poses(chain, *links, _rows(chain, joints, middles))
+        turned, moved = relative_poses(chain, *links, _rows(chain, joints, middles))
+        poses = [*map(SolidPose, turned, moved)]
         ways = halves * joints.ways
         near = np.array(
             [
-                touch(*solids, SolidPose(turn, origin), within=way + slack)
-                for turn, origin, way in zip(*poses, ways.sum(axis=1), strict=True)
+                touch(*solids, pose, within=way + slack)
+                for pose, way in zip(poses, ways.sum(axis=1), strict=True)
             ]
         )
         rows = np.flatnonzero(near)
         few = rows[:: len(rows) // _TRIED + 1]
-        if any(touch(*solids, SolidPose(poses.turns[k], poses.origins[k])) for k in few):
+        if any(touch(*solids, poses[k]) for k in few):
             return False
         low, high, middles, widest = low[near], high[near], middles[near], ways[near].argmax(axis=1)
         rows = np.arange(len(low))

@@ -164,6 +164,11 @@ class PaperArm(ShortRepr):
         return ArmTable(self.numbers(elbow, spare), self.capsule_rows)
 
     @cached_property
+    def capsule_links(self) -> tuple[str, ...]:
+        """Name of the link of each capsule."""
+        return tuple(one.link for one in self.capsules)
+
+    @cached_property
     def capsule_rows(self) -> FloatArray:
         """Body, ends and radius of each capsule, flat (4 c,), as the kernels take them."""
         rows = [(c.body, c.low, c.high, c.radius) for c in self.capsules]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 import pytest
 
+from abi.arm_planning.arm_model import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -48,7 +51,7 @@ def test_runs_of_excluded_nodes_leave_what_single_nodes_leave(
     count = len(mesh.points)
     by_tool, reached = random.random(count) < 0.2, random.random(count) >= share
     free = apply(FreeMesh.of(mesh), [_singly(by_tool)])
-    found = ArmExclusionCache()(free, _Reach(reached), ObstacleSet())
+    found = ArmExclusionCache()(free, cast(ArmBranch, _Reach(reached)), ObstacleSet())
     expected = apply(free, [_singly(by_tool | ~reached)])
     np.testing.assert_array_equal(found.excluded, by_tool | ~reached)
     assert found.nodes == expected.nodes == int((~found.excluded).sum())
