@@ -12,10 +12,9 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Container, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -36,9 +35,11 @@ from abi.verify.certificate import (
 from abi.verify.exact.chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact.link_corners import LinkPiece, check_corners
 from abi.verify.exact.mesh import ExactMesh
-from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, dot, sub, times_length, vector
+from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, sub, vector
+from abi.verify.exact_path import ExactPath
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_at_samples
+from abi.verify.joint_motion import JointMotion, MovedHull
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.samples import check_samples, check_tool_points
 from abi.verify.separation import check_apart
@@ -58,68 +59,8 @@ _PAST = Fraction(1, 10**9)
 """Distance by which a joint may exceed its limit, [rad] or [unit]."""
 
 
-class _Capsule(NamedTuple):
-    """A piece of a link, in the frame of a joint, -1 for the world.
-
-    It is within ``radius`` of a segment, and within ``rounding`` of the hull of ``points``.
-    """
-
-    link: str
-    frame: int
-    ends: tuple[Vec3, Vec3]
-    radius: Fraction
-    points: tuple[Vec3, ...]
-    rounding: Fraction
-
-    def corners(self, closer: bool) -> tuple[tuple[Vec3, ...], Fraction]:
-        """Points whose hull contains it with a radius: of the segment, or of the closer hull."""
-        return (self.points, self.rounding) if closer else (self.ends, self.radius)
-
-
-@dataclass(frozen=True, eq=False)
-class _JointMotion:
-    """Joints that move straight from row to row, with cached poses and displacements."""
-
-    chain: ExactChain
-    rows: list[list[Fraction]]
-    frames: dict[Fraction, list[ExactFrame]] = field(default_factory=dict)
-    ways: dict[tuple[Fraction, Fraction, Fraction], list[Fraction]] = field(default_factory=dict)
-    levers: dict[tuple[int, bool, int], list[Fraction]] = field(default_factory=dict)
-
-    def positions(self, at: Fraction) -> list[Fraction]:
-        """Coordinates at a parameter."""
-        row = min(int(at), len(self.rows) - 2)
-        share = at - row
-        pairs = zip(self.rows[row], self.rows[row + 1], strict=True)
-        return [a + share * (b - a) for a, b in pairs]
-
-    def near(self, plane: CertifiedPlane) -> tuple[list[ExactFrame], list[Fraction]]:
-        """Frames at the pose of a plane, and how far each coordinate gets from it."""
-        start, end, at = plane.start, plane.end, plane.at
-        if not 0 <= start <= at <= end <= len(self.rows) - 1:
-            raise Fault(f"a piece from {float(start):g} is not on the motion")
-        if at not in self.frames:
-            self.frames[at] = self.chain.place(self.positions(at))
-        key = start, end, at
-        if key not in self.ways:
-            middle = self.positions(at)
-            inside = self.rows[int(start) + 1 : -int(-end // 1)]
-            others = [self.positions(start), self.positions(end), *inside]
-            columns = zip(*others, strict=True)
-            self.ways[key] = [
-                max(abs(one - here) for one in column)
-                for column, here in zip(columns, middle, strict=True)
-            ]
-        return self.frames[at], self.ways[key]
-
-    def way(self, capsule: _Capsule, closer: bool, behind: int, ways: list[Fraction]) -> Fraction:
-        """Bound of the way of a capsule's corners beside the frame ``behind``, [unit]."""
-        key = id(capsule), closer, behind
-        if key not in self.levers:
-            points, _ = capsule.corners(closer)
-            self.levers[key] = self.chain.levers(points, capsule.frame, behind)
-        pairs = zip(self.levers[key], ways, strict=True)
-        return sum((lever * way for lever, way in pairs), Fraction(0))
+_Capsule = tuple[MovedHull, MovedHull]
+"""A piece of a link: it is within a radius of a segment, and in a hull that is closer."""
 
 
 def check_chain(
@@ -140,45 +81,46 @@ def check_chain(
     stands = scene.arm.base, units, scene.arm.base_wxyz, scene.arm.gripper
     chain = exact_chain(scene.robot, scene.arm.tool, *stands)
     check_samples(section, timing, chain.coordinates)
-    motion = _JointMotion(chain, _rows(certificate, section, chain))
-    _check_ends(motion, scene)
-    check_tool_points(section, partial(_tool, chain), _tolerance(chain, motion.rows))
+    rows = _rows(certificate, section, chain)
+    motion = JointMotion(chain, ExactPath(tuple(itertools.pairwise(rows))))
+    _check_ends(chain, rows, scene)
+    check_tool_points(section, partial(_tool, chain), _tolerance(chain, rows))
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
     bodies = _bodies(capsules)
     check_corners(scene.robot, chain, bodies)
-    ends = [motion.rows[k] for k in (0, len(motion.rows) // 2, -1)]
+    ends = [rows[k] for k in (0, len(rows) // 2, -1)]
     allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies, ends)
     _check_all_named(capsules, pairs, allowed)
     if section.get("allowed") != certificate.get("allowed"):
         raise Fault("the plan lists other contacts that are allowed")
-    in_hand = [capsule.frame == chain.frames[scene.arm.tool] for capsule in capsules]
+    in_hand = [hull.frame == chain.frames[scene.arm.tool] for hull, _ in capsules]
     touchable = [scene.arm.grasping and behind for behind in in_hand]
-    links = {one.link for one, touches in zip(capsules, touchable, strict=True) if touches}
+    links = {hull.link for (hull, _), touches in zip(capsules, touchable, strict=True) if touches}
     if {*section.get("apart_only", links)} != links:
         raise Fault("the plan names other links that need only be apart from obstacles")
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
-    span = Fraction(0), Fraction(len(motion.rows) - 1)
+    span = Fraction(0), Fraction(len(rows) - 1)
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     for number, capsule in enumerate(capsules):
-        least = partial(_least, motion, capsule)
+        least, link = partial(_least, motion, capsule), capsule[0].link
         distance = Fraction(0) if touchable[number] else margin
         for k, obstacle in enumerate(obstacles):
-            if (capsule.link, k) not in allowed:
-                label = f"{capsule.link} and obstacle {k + 1}"
+            if (link, k) not in allowed:
+                label = f"{link} and obstacle {k + 1}"
                 check_apart(label, planes.get((number, k), []), least, span, obstacle, distance)
-        if (capsule.link, "floor") not in allowed:
-            label = f"{capsule.link} and floor"
+        if (link, "floor") not in allowed:
+            label = f"{link} and floor"
             check_apart(label, planes.get((number, "floor"), []), least, span, floor)
     for i, j in pairs:
-        label = f"{capsules[j].link} and {capsules[i].link}"
+        label = f"{capsules[j][0].link} and {capsules[i][0].link}"
         apart = partial(_apart, motion, capsules[i], capsules[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles, allowed)
     held = scene.arm.held_axis or _claimed_axis(scene, section)
     kept = ""
     if held is not None:
-        kept = check_held_at_samples(held, chain, scene.arm.tool, motion.rows, section)
+        kept = check_held_at_samples(held, chain, scene.arm.tool, rows, section)
     count = sum(map(len, planes.values()))
     words = words_of(margin, scene.unit)
     if scene.arm.grasping:
@@ -214,9 +156,9 @@ def _bodies(capsules: Sequence[_Capsule]) -> dict[str, list[LinkPiece]]:
     """Pieces of each link, in floating point."""
     found: dict[str, list[LinkPiece]] = {}
     for capsule in capsules:
-        ends, points = (np.array(one, dtype=np.float64) for one in (capsule.ends, capsule.points))
-        body = LinkPiece(ends, float(capsule.radius), points, float(capsule.rounding))
-        found.setdefault(capsule.link, []).append(body)
+        ends, points = (np.array(hull.points, dtype=np.float64) for hull in capsule)
+        radius, rounding = (float(hull.radius) for hull in capsule)
+        found.setdefault(capsule[0].link, []).append(LinkPiece(ends, radius, points, rounding))
     return found
 
 
@@ -227,7 +169,7 @@ def _check_all_named(
 ) -> None:
     """Raise if two links are neither kept apart nor allowed to touch."""
     apart = {frozenset(pair) for pair in pairs}
-    for (i, first), (j, second) in itertools.combinations(enumerate(capsules), 2):
+    for (i, (first, _)), (j, (second, _)) in itertools.combinations(enumerate(capsules), 2):
         named = first.link == second.link or (first.link, second.link) in allowed
         if not named and frozenset((i, j)) not in apart:
             raise Fault(f"nothing keeps {first.link} and {second.link} apart")
@@ -255,12 +197,12 @@ def _rows(
     return exact
 
 
-def _check_ends(motion: _JointMotion, scene: Scene) -> None:
-    """Raise unless the arm moves from start to goal, as requested at both."""
-    chain, length = motion.chain, _length(motion.chain)
+def _check_ends(chain: ExactChain, rows: Sequence[Sequence[Fraction]], scene: Scene) -> None:
+    """Raise unless the first row is at the start and the last at the goal, as requested at both."""
+    length = _length(chain)
     metres = METRES[scene.unit]
     slides = {one.name for one in scene.robot.joints if one.kind == "prismatic"}
-    for name, row in zip(ENDS, (motion.rows[0], motion.rows[-1]), strict=True):
+    for name, row in zip(ENDS, (rows[0], rows[-1]), strict=True):
         frame, end = chain.place(row)[-1], getattr(scene.arm, name)
         place, _ = frame.place(_ORIGIN)
         allowed = _REACHED * length + Fraction(0 if end is None else end.position_tolerance)
@@ -303,55 +245,34 @@ def _turned(frame: ExactFrame, wxyz: Quaternion) -> float:
 
 
 def _check_outside(
-    motion: _JointMotion,
+    motion: JointMotion,
     capsules: Sequence[_Capsule],
     obstacles: list[ExactSolid | ExactMesh],
     allowed: Container[tuple[str, Other]],
 ) -> None:
     """Raise if a capsule, clear of all triangles, is inside a closed mesh."""
-    frames = motion.chain.place(motion.rows[0])
-    for capsule in capsules:
-        point = capsule.points[0]
-        if capsule.frame >= 0:
-            point, _ = frames[capsule.frame].place(point)
+    frames = motion.chain.place(motion.path.positions(Fraction(0)))
+    for _, hull in capsules:
+        point = hull.points[0]
+        if hull.frame >= 0:
+            point, _ = frames[hull.frame].place(point)
         for k, obstacle in enumerate(obstacles):
-            if (capsule.link, k) in allowed:
+            if (hull.link, k) in allowed:
                 continue
             if isinstance(obstacle, ExactMesh) and obstacle.inside(point):
-                raise Fault(f"{capsule.link} is inside a mesh")
+                raise Fault(f"{hull.link} is inside a mesh")
 
 
-def _range(
-    frames: list[ExactFrame], capsule: _Capsule, plane: CertifiedPlane
-) -> tuple[Fraction, Fraction]:
-    """Bounds of the products of a plane's direction with a capsule's corners at a pose."""
-    points = capsule.corners(plane.closer)[0]
-    if capsule.frame >= 0:
-        return frames[capsule.frame].products(points, plane.normal)
-    products = [dot(plane.normal, point) for point in points]
-    return min(products), max(products)
-
-
-def _least(motion: _JointMotion, capsule: _Capsule, plane: CertifiedPlane) -> Fraction:
-    """Lower bound of a plane's product with a capsule all along its piece."""
-    frames, ways = motion.near(plane)
-    way = motion.way(capsule, plane.closer, -1, ways) + capsule.corners(plane.closer)[1]
-    return _range(frames, capsule, plane)[0] - times_length(way, plane.normal)
+def _least(motion: JointMotion, capsule: _Capsule, plane: CertifiedPlane) -> Fraction:
+    """Lower bound of a plane's product with a capsule, or its closer hull, all along its piece."""
+    return motion.least(capsule[plane.closer], plane)
 
 
 def _apart(
-    motion: _JointMotion, first: _Capsule, second: _Capsule, plane: CertifiedPlane
+    motion: JointMotion, first: _Capsule, second: _Capsule, plane: CertifiedPlane
 ) -> Fraction:
     """Lower bound of a plane's product with a capsule that it must keep apart from another."""
-    frames, ways = motion.near(plane)
-    _, highest = _range(frames, first, plane)
-    least, _ = _range(frames, second, plane)
-    common = motion.chain.meeting(first.frame, second.frame)
-    way = sum(motion.way(one, plane.closer, common, ways) for one in (first, second))
-    way += first.corners(plane.closer)[1] + second.corners(plane.closer)[1]
-    if least - highest <= times_length(way, plane.normal):
-        raise Fault(f"the piece from {float(plane.start):g} is not separated")
-    return least
+    return motion.apart(first[plane.closer], second[plane.closer], plane)
 
 
 def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> list[_Capsule]:
@@ -372,8 +293,9 @@ def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> l
         if data.get("joint") != chain.frames[link]:
             raise Fault(f"{link} is moved by another joint")
         frame = chain.frames[link]
-        capsules.append(_Capsule(link, frame, (low, high), radius, (*points,), rounding))
-    held = {capsule.link for capsule in capsules}
+        segment = MovedHull(link, frame, (low, high), radius)
+        capsules.append((segment, MovedHull(link, frame, (*points,), rounding)))
+    held = {hull.link for hull, _ in capsules}
     for name, link in scene.robot.links.items():
         if link.shapes and name not in held:
             raise Fault(f"{name} has no capsule")

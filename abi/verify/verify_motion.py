@@ -10,11 +10,10 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Container, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -24,100 +23,18 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor
-from abi.verify.certificate import MOTION, CertifiedPlane, planes_of, words_of
-from abi.verify.exact.chain import Exact, ExactChain, ExactFrame, exact_joints
+from abi.verify.certificate import MOTION, planes_of, words_of
+from abi.verify.exact.chain import ExactChain, exact_joints
 from abi.verify.exact.link_corners import LinkPiece, check_corners
 from abi.verify.exact.mesh import ExactMesh
-from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, times_length
-from abi.verify.exact_path import ExactPath, exact_path
+from abi.verify.exact.solids import ExactFloor, ExactSolid
+from abi.verify.exact_path import exact_path
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_in_motion
+from abi.verify.joint_motion import JointMotion, MovedHull
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.separation import check_apart
-
-_BITS = 200
-_ONE = 1 << _BITS
-
-
-class _Body(NamedTuple):
-    """All points within ``radius`` of a hull in the frame of a joint, -1 for the world."""
-
-    number: int
-    link: str
-    frame: int
-    points: tuple[Vec3, ...]
-    radius: Fraction
-
-
-@dataclass(frozen=True, eq=False)
-class _Motion:
-    """Joints on their path, with cached poses, displacements and levers.
-
-    The chain's limits hold the whole motion; ``usual`` is the chain with those of the robot.
-    """
-
-    chain: ExactChain
-    usual: ExactChain
-    path: ExactPath
-    frames: dict[Fraction, list[ExactFrame]] = field(default_factory=dict)
-    ways: dict[tuple[Fraction, Fraction, Fraction], list[Fraction]] = field(default_factory=dict)
-    levers: dict[tuple[int, int], list[Fraction]] = field(default_factory=dict)
-    wholes: dict[int, Exact] = field(default_factory=dict)
-
-    def near(self, plane: CertifiedPlane) -> tuple[list[ExactFrame], list[Fraction]]:
-        """Frames at the pose of a plane, and how far each coordinate gets from it."""
-        start, end, at = plane.start, plane.end, plane.at
-        if not 0 <= start <= at <= end <= len(self.path.pieces):
-            raise Fault(f"a piece from {float(start):g} is not on the motion")
-        if at not in self.frames:
-            self.frames[at] = self.chain.place(self.path.positions(at))
-        key = start, end, at
-        if key not in self.ways:
-            here = self.path.positions(at)
-            columns = zip(*self.path.hull(start, end), strict=True)
-            self.ways[key] = [
-                max(abs(one - middle) for one in column)
-                for column, middle in zip(columns, here, strict=True)
-            ]
-        return self.frames[at], self.ways[key]
-
-    def way(self, body: _Body, behind: int, ways: list[Fraction]) -> Fraction:
-        """Bound of the displacement of a body's hull relative to the frame ``behind``, [unit]."""
-        key = body.number, behind
-        if key not in self.levers:
-            self.levers[key] = self.chain.levers(body.points, body.frame, behind)
-        pairs = zip(self.levers[key], ways, strict=True)
-        return sum((lever * way for lever, way in pairs), Fraction(0))
-
-    def products(
-        self, frames: list[ExactFrame], body: _Body, normal: Vec3
-    ) -> tuple[Fraction, Fraction]:
-        """Bounds of the products of a direction with a body's hull at a pose.
-
-        The direction is turned into the body's frame, so that each point takes one product.
-        """
-        if body.number not in self.wholes:
-            whole = [[_whole(part) for part in point] for point in body.points]
-            self.wholes[body.number] = np.array(whole, dtype=object)
-        points = self.wholes[body.number]
-        n = np.array([_whole(part) for part in normal], dtype=object)
-        size, length = int(abs(points).max()) + 1, int(abs(n).max()) + 1
-        if body.frame < 0:
-            turned, shift, slack = n, 0, 0
-        else:
-            turn, origin, turn_error, origin_error = frames[body.frame]
-            turned = (turn.T @ n) >> _BITS
-            shift = int((origin @ n) >> _BITS)
-            # each entry of the turned direction is wrong by the rotation's error and by rounding
-            error = 3 * (length * turn_error // _ONE + 1) + 6 + 1
-            far = int(abs(origin).max()) + 1
-            slack = 3 * (size * error // _ONE + 1) + 6
-            slack += 3 * ((length * origin_error + far) // _ONE + 1) + 6
-        products = (points @ turned) >> _BITS
-        slack += 3 * (size + length) // _ONE + 9  # rounding of the points and of the direction
-        low, high = int(products.min()) + shift, int(products.max()) + shift
-        return Fraction(low - slack, _ONE), Fraction(high + 1 + slack, _ONE)
 
 
 def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None) -> str:
@@ -139,30 +56,30 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     obstacles = obstacles_of(scene)
     certificate = mapping(MOTION, data.get("certificate"))
     margin = _margin(data, certificate, obstacles)
-    motion = _motion(mapping("motion", data.get("motion")), scene)
+    motion, usual = _motion(mapping("motion", data.get("motion")), scene)
     bodies = _bodies(certificate, motion.chain)
     pieces = _pieces(bodies, scene.robot)
     check_corners(scene.robot, motion.chain, pieces)
     few = [motion.path.positions(Fraction(k * len(motion.path.pieces), 4)) for k in range(5)]
-    allowed = contacts_of_motion(data, scene, motion.usual, pieces, few)
+    allowed = contacts_of_motion(data, scene, usual, pieces, few)
     pairs = _pairs(certificate, len(bodies))
     planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
     span = Fraction(0), Fraction(len(motion.path.pieces))
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     links = {body.link for body in bodies}
-    standing = {one for one in links if may_touch_floor(one, scene, motion.usual, pieces)}
-    for body in bodies:
-        least = partial(_least, motion, body)
+    standing = {one for one in links if may_touch_floor(one, scene, usual, pieces)}
+    for number, body in enumerate(bodies):
+        least = partial(motion.least, body)
         for k, obstacle in enumerate(obstacles if body.frame >= 0 else ()):
             label = f"{body.link} and obstacle {k + 1}"
-            group = planes.get((body.number, k), [])
+            group = planes.get((number, k), [])
             check_apart(label, group, least, span, obstacle, margin)
         if body.link not in standing:
-            group = planes.get((body.number, "floor"), [])
+            group = planes.get((number, "floor"), [])
             check_apart(f"{body.link} and floor", group, least, span, floor)
     for i, j in pairs:
         label = f"{bodies[j].link} and {bodies[i].link}"
-        apart = partial(_apart, motion, bodies[i], bodies[j])
+        apart = partial(motion.apart, bodies[i], bodies[j])
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, bodies, obstacles)
     _check_pairs(allowed, bodies, pairs)
@@ -211,8 +128,11 @@ def _margin(
     return margin
 
 
-def _motion(motion: dict[str, Any], scene: Scene) -> _Motion:
-    """The motion of the scene's robot; sliding joints go as far as it takes them."""
+def _motion(motion: dict[str, Any], scene: Scene) -> tuple[JointMotion, ExactChain]:
+    """The motion of the scene's robot, and its chain with the limits of the robot.
+
+    Those of the motion's chain hold the whole motion.
+    """
     robot, units = scene.robot, round(1 / METRES[scene.unit])
     names = list_of("motion.joints", motion.get("joints"))
     free = {one.name: one for one in robot.joints if one.kind != "fixed" and one.mimic is None}
@@ -227,14 +147,14 @@ def _motion(motion: dict[str, Any], scene: Scene) -> _Motion:
         (min(low, *column), max(high, *column))
         for (low, high), column in zip(chain.limits, columns, strict=True)
     )
-    return _Motion(chain.within(limits), chain, path)
+    return JointMotion(chain.within(limits), path), chain
 
 
-def _bodies(certificate: dict[str, Any], chain: ExactChain) -> list[_Body]:
+def _bodies(certificate: dict[str, Any], chain: ExactChain) -> list[MovedHull]:
     """Bodies as written, each of a link and moved by its joint."""
     bodies = []
     label = f"{MOTION}.bodies"
-    for number, entry in enumerate(list_of(label, certificate.get("bodies"))):
+    for entry in list_of(label, certificate.get("bodies")):
         data = mapping(label, entry)
         link, radius = data.get("link"), Fraction(finite(f"{label}.radius", data.get("radius")))
         points = [
@@ -245,11 +165,11 @@ def _bodies(certificate: dict[str, Any], chain: ExactChain) -> list[_Body]:
             raise Fault("a body has no link, or no extent")
         if data.get("joint") != chain.frames[link]:
             raise Fault(f"{link} is moved by another joint")
-        bodies.append(_Body(number, link, chain.frames[link], tuple(points), radius))
+        bodies.append(MovedHull(link, chain.frames[link], tuple(points), radius))
     return bodies
 
 
-def _pieces(bodies: Sequence[_Body], robot: Robot) -> dict[str, list[LinkPiece]]:
+def _pieces(bodies: Sequence[MovedHull], robot: Robot) -> dict[str, list[LinkPiece]]:
     """Bodies by link, in floating point."""
     by_link: dict[str, list[LinkPiece]] = {name: [] for name in robot.links}
     for body in bodies:
@@ -271,15 +191,14 @@ def _pairs(certificate: dict[str, Any], bodies: int) -> list[tuple[int, int]]:
 
 def _check_pairs(
     allowed: Container[frozenset[str]],
-    bodies: Sequence[_Body],
+    bodies: Sequence[MovedHull],
     pairs: Sequence[tuple[int, int]],
 ) -> None:
     """Raise if two links neither stay apart nor are allowed to touch."""
     kept = {frozenset(pair) for pair in pairs}
-    for first, second in itertools.combinations(bodies, 2):
+    for (i, first), (j, second) in itertools.combinations(enumerate(bodies), 2):
         links = frozenset((first.link, second.link))
-        numbers = frozenset((first.number, second.number))
-        if len(links) == 2 and links not in allowed and numbers not in kept:
+        if len(links) == 2 and links not in allowed and frozenset((i, j)) not in kept:
             names = f"{first.link} and {second.link}"
             raise Fault(f"{names} are neither kept apart nor said to be allowed")
 
@@ -293,7 +212,7 @@ def _excepted(data: dict[str, Any]) -> str:
 
 
 def _check_outside(
-    motion: _Motion, bodies: Sequence[_Body], obstacles: Sequence[ExactSolid | ExactMesh]
+    motion: JointMotion, bodies: Sequence[MovedHull], obstacles: Sequence[ExactSolid | ExactMesh]
 ) -> None:
     """Raise if a body, clear of all triangles, is inside a closed mesh."""
     frames = motion.chain.place(motion.path.positions(Fraction(0)))
@@ -303,26 +222,6 @@ def _check_outside(
             for obstacle in obstacles:
                 if isinstance(obstacle, ExactMesh) and obstacle.inside(point):
                     raise Fault(f"{body.link} is inside a mesh")
-
-
-def _least(motion: _Motion, body: _Body, plane: CertifiedPlane) -> Fraction:
-    """Lower bound of a plane's product with a body all along its piece."""
-    frames, ways = motion.near(plane)
-    way = motion.way(body, -1, ways) + body.radius
-    return motion.products(frames, body, plane.normal)[0] - times_length(way, plane.normal)
-
-
-def _apart(motion: _Motion, first: _Body, second: _Body, plane: CertifiedPlane) -> Fraction:
-    """Lower bound of a plane's product with a body that it must keep apart from another."""
-    frames, ways = motion.near(plane)
-    _, highest = motion.products(frames, first, plane.normal)
-    least, _ = motion.products(frames, second, plane.normal)
-    common = motion.chain.meeting(first.frame, second.frame)
-    way = motion.way(first, common, ways) + motion.way(second, common, ways)
-    way += first.radius + second.radius
-    if least - highest <= times_length(way, plane.normal):
-        raise Fault(f"the piece from {float(plane.start):g} is not separated")
-    return least
 
 
 def _key(bodies: int, entry: dict[str, Any]) -> tuple[int, int | str]:
@@ -335,8 +234,3 @@ def _key(bodies: int, entry: dict[str, Any]) -> tuple[int, int | str]:
     if obstacle == "floor" or (type(obstacle) is int and obstacle >= 0):
         return body, obstacle
     raise Fault("a direction belongs to no obstacle")
-
-
-def _whole(number: Fraction) -> int:
-    """Number of 2^-200 below a number, less than one away."""
-    return number.numerator * _ONE // number.denominator

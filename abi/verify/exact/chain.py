@@ -1,4 +1,4 @@
-"""A chain of joints in exact numbers, for :mod:`abi.verify.verify_chain`.
+"""A chain of joints in exact numbers, for :mod:`abi.verify.joint_motion`.
 
 Sines and cosines are not rational, so positions are multiples of 2^-200 with an error bound. The
 matrices of a URDF, read as floating-point numbers, are only nearly rotations; they are taken as
@@ -23,8 +23,8 @@ from abi.robot.urdf.robot import Joint, Robot, joints_to
 from abi.verify.exact.solids import Vec3, in_body, sqrt_bounds
 from abi.verify.fault import Fault
 
-_BITS = 200
-_ONE = 1 << _BITS
+BITS = 200
+ONE = 1 << BITS
 _LARGEST_ANGLE = 64
 _NEARLY = Fraction(1, 1 << 45)
 WIDER = 1 + Fraction(3, 1 << 38)
@@ -50,24 +50,11 @@ class ExactFrame(NamedTuple):
 
     def place(self, point: Vec3) -> tuple[Vec3, Fraction]:
         """A point of the frame in the world, and a bound of its error along each axis."""
-        ((x, y, z),), (error,) = self._placed([point])
-        return (Fraction(x, _ONE), Fraction(y, _ONE), Fraction(z, _ONE)), Fraction(error, _ONE)
-
-    def products(self, points: Sequence[Vec3], direction: Vec3) -> tuple[Fraction, Fraction]:
-        """Bounds of the products of a direction in the world with points of the frame."""
-        placed, errors = self._placed(points)
-        scale = math.lcm(*(part.denominator for part in direction))
-        along = np.array([int(part * scale) for part in direction], dtype=object)
-        products, slack = placed @ along, errors * abs(along).sum()
-        low, high = (products - slack).min(), (products + slack).max()
-        return Fraction(low, scale * _ONE), Fraction(high, scale * _ONE)
-
-    def _placed(self, points: Sequence[Vec3]) -> tuple[Exact, Exact]:
-        """Points (n, 3) of the frame in the world, and bounds of their errors (n,), in 2^-200."""
-        wholes = _wholes(np.array(points, dtype=object))
-        sizes = abs(wholes).max(axis=1) + 1
-        placed = (wholes @ self.turn.T >> _BITS) + self.origin
-        return placed, 3 * (sizes * self.turn_error // _ONE + 1) + 6 + 1 + self.origin_error
+        whole = wholes(np.array(point, dtype=object))
+        size = abs(whole).max() + 1
+        x, y, z = (self.turn @ whole >> BITS) + self.origin
+        error = 3 * (size * self.turn_error // ONE + 1) + 6 + 1 + self.origin_error
+        return (Fraction(x, ONE), Fraction(y, ONE), Fraction(z, ONE)), Fraction(error, ONE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +86,7 @@ class ExactChain:
 
     def place(self, positions: Sequence[Fraction]) -> list[ExactFrame]:
         """Frames behind each joint, and of the tip, at positions (n,), [rad] or [unit]."""
-        still, unmoved = _ONE * np.eye(3, dtype=object), np.zeros(3, dtype=object)
+        still, unmoved = ONE * np.eye(3, dtype=object), np.zeros(3, dtype=object)
         world = ExactFrame(still, unmoved, 0, 0)
         found: list[ExactFrame] = []
         for joint, before, origin in zip(self.joints, self.before, self._wholes, strict=False):
@@ -107,7 +94,7 @@ class ExactChain:
             frame = _behind(frame, *origin, 1)
             value = self.value(joint, positions)
             if joint.kind == "prismatic":
-                frame = _behind(frame, still, _wholes(_fractions(joint.axis) * value), 1)
+                frame = _behind(frame, still, wholes(_fractions(joint.axis) * value), 1)
             else:
                 turn, error = _turned(joint, value)
                 frame = _behind(frame, turn, unmoved, error)
@@ -117,7 +104,7 @@ class ExactChain:
     @cached_property
     def _wholes(self) -> list[tuple[Exact, Exact]]:
         """Rotation and origin of each pose of ``origins``, in 2^-200."""
-        return [(_wholes(turn), _wholes(origin)) for turn, origin in self.origins]
+        return [(wholes(turn), wholes(origin)) for turn, origin in self.origins]
 
     def within(self, limits: tuple[tuple[Fraction, Fraction], ...]) -> ExactChain:
         """The chain with other limits of its coordinates, [rad] or [unit]."""
@@ -335,10 +322,10 @@ def _behind(frame: ExactFrame, turn: Exact, origin: Exact, error: int) -> ExactF
     """
     size = max(abs(origin)) + error
     return ExactFrame(
-        frame.turn @ turn >> _BITS,
-        (frame.turn @ origin >> _BITS) + frame.origin,
-        6 * (frame.turn_error + error) + 3 * (frame.turn_error * error // _ONE + 1) + 1,
-        frame.origin_error + 3 * (size * frame.turn_error // _ONE + 1) + 6 * error + 1,
+        frame.turn @ turn >> BITS,
+        (frame.turn @ origin >> BITS) + frame.origin,
+        6 * (frame.turn_error + error) + 3 * (frame.turn_error * error // ONE + 1) + 1,
+        frame.origin_error + 3 * (size * frame.turn_error // ONE + 1) + 6 * error + 1,
     )
 
 
@@ -351,7 +338,7 @@ def _turned(joint: Joint, angle: Fraction) -> tuple[Exact, int]:
     scale = math.lcm(*(part.denominator for part in _fractions(joint.axis)))
     x, y, z = axis = np.array([int(part * scale) for part in _fractions(joint.axis)], dtype=object)
     across = scale * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=object)
-    turn = ((_ONE - cosine) * np.outer(axis, axis) + sine * across) // scale**2
+    turn = ((ONE - cosine) * np.outer(axis, axis) + sine * across) // scale**2
     turn[np.diag_indices(3)] += cosine
     return turn, 4 * error + 1
 
@@ -362,14 +349,14 @@ def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
     Once a term is below the last digit, so are all that follow, each at most half the one before.
     """
     x = _whole(angle)
-    sums = [_ONE, 0]  # terms of even and of odd order, without their signs
-    term, order = _ONE, 0
+    sums = [ONE, 0]  # terms of even and of odd order, without their signs
+    term, order = ONE, 0
     error, errors = 0, 2
     while term or order <= 2 * abs(angle):
         order += 1
-        term = (term * x >> _BITS) // order
+        term = (term * x >> BITS) // order
         # the term before is wrong by `error`, the angle by 1, and both divisions round
-        error = (error * (abs(x) + 1) >> _BITS) // order + abs(term) // _ONE + 4
+        error = (error * (abs(x) + 1) >> BITS) // order + abs(term) // ONE + 4
         errors += error
         sums[order % 2] += term if order % 4 < 2 else -term
     return sums[1], sums[0], errors + error
@@ -378,20 +365,20 @@ def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
 def nearly_sine_and_cosine(angle: Fraction) -> tuple[Fraction, Fraction]:
     """Sine and cosine, wrong by far less than the last digit of a floating-point number."""
     sine, cosine, _ = sine_and_cosine(angle)
-    return Fraction(sine, _ONE), Fraction(cosine, _ONE)
+    return Fraction(sine, ONE), Fraction(cosine, ONE)
 
 
 def _nearest_float(whole: int) -> Fraction:
     """The floating-point number nearest to a number of 2^-200."""
-    return Fraction(whole / _ONE)
+    return Fraction(whole / ONE)
 
 
 def _whole(number: Fraction) -> int:
     """Number of 2^-200 below it, less than one away."""
-    return number.numerator * _ONE // number.denominator
+    return number.numerator * ONE // number.denominator
 
 
-_wholes: Callable[[Exact], Exact] = np.frompyfunc(_whole, 1, 1)
+wholes: Callable[[Exact], Exact] = np.frompyfunc(_whole, 1, 1)
 _fractions: Callable[[NDArray[Any]], Exact] = np.frompyfunc(Fraction, 1, 1)
 _rounded: Callable[[Exact], Exact] = np.frompyfunc(_nearest_float, 1, 1)
 
@@ -399,4 +386,4 @@ _rounded: Callable[[Exact], Exact] = np.frompyfunc(_nearest_float, 1, 1)
 def _length(vector: Vec3 | Exact) -> Fraction:
     """Upper bound of a length, with short digits."""
     above = sqrt_bounds(sum((part * part for part in vector), Fraction(0)))[1]
-    return Fraction(_whole(above) + 1, _ONE)
+    return Fraction(_whole(above) + 1, ONE)

@@ -22,8 +22,10 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import Scene
-from abi.verify.exact.chain import exact_chain, sine_and_cosine
+from abi.verify.exact.chain import ExactChain, ExactFrame, exact_chain, sine_and_cosine
 from abi.verify.exact.solids import Vec3, dot, vector
+from abi.verify.exact_path import ExactPath
+from abi.verify.joint_motion import JointMotion, MovedHull
 from abi.verify.verify import verify
 from tests.abi.robot.robots import OWN, packed
 from tests.abi.verify.verdicts import NEAR, verdict_on
@@ -59,6 +61,23 @@ def robot_of(name: str) -> tuple[Robot, str]:
     return robot_from_archive(packed({"a.urdf": OWN[name]})), "d"
 
 
+def check_products(
+    chain: ExactChain, frames: list[ExactFrame], random: np.random.Generator
+) -> None:
+    """Bounds of products hold those of the placed points, and are hardly wider."""
+    motion, tiny = JointMotion(chain, ExactPath(())), Fraction(1, 1 << 100)
+    direction, *points = (vector(one) for one in random.normal(size=(4, 3)).tolist())
+    for number in range(-1, len(frames)):
+        placed = [(point, Fraction(0)) for point in points]
+        if number >= 0:
+            placed = [frames[number].place(point) for point in points]
+        products = [dot(direction, place) for place, _ in placed]
+        error = max(wrong for _, wrong in placed) * sum(map(abs, direction))
+        low, high = motion.products(frames, MovedHull("", number, (*points,), tiny), direction)
+        assert min(products) - tiny < low <= min(products) + error
+        assert max(products) - error <= high < max(products) + tiny
+
+
 @pytest.mark.parametrize("wxyz", [(1.0, 0.0, 0.0, 0.0), (0.1, -0.5, 0.7, 0.5)])
 @pytest.mark.parametrize("name", [*SHIPPED, *OWN])
 def test_frames_and_levers_are_those_of_the_chain(name: str, wxyz: Quaternion) -> None:
@@ -70,20 +89,13 @@ def test_frames_and_levers_are_those_of_the_chain(name: str, wxyz: Quaternion) -
         positions = random.uniform(one.limits[:, 0], one.limits[:, 1])
         poses = one.chain.poses((positions / one.scales)[None])[0]
         frames = exact.place([Fraction(number) for number in positions.tolist()])
+        check_products(exact, frames, random)
         for pose, frame in zip(poses, frames, strict=True):
             point = random.normal(size=3)
             found, error = frame.place(vector(point.tolist()))
             assert error < Fraction(1, 1 << 80)
             expected = pose[:, :3] @ point + 100 * pose[:, 3]
             np.testing.assert_allclose([float(part) for part in found], expected, atol=1e-11)
-            direction = vector(random.normal(size=3).tolist())
-            points = [vector(end.tolist()) for end in (point, -point)]
-            products = [
-                dot(direction, place) + sign * wrong * sum(map(abs, direction))
-                for place, wrong in map(frame.place, points)
-                for sign in (-1, 1)
-            ]
-            assert frame.products(points, direction) == (min(products), max(products))
     for capsule, levers in zip(one.capsules, one.levers, strict=True):
         ends: list[Vec3] = [vector(end) for end in (capsule.ends * 100).tolist()]
         of_exact = [float(lever) for lever in exact.levers(ends, capsule.frame, -1)]
