@@ -13,7 +13,8 @@ import re
 import struct
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, partial
 from typing import Any
 from urllib.parse import unquote
 
@@ -170,22 +171,14 @@ def _3mf(data: bytes) -> int:
             if one.get("Type", "").lower().endswith("/3dmodel"):
                 root = one.get("Target", "").strip().lstrip("/").lower()
                 break
-    models = _Models(files)
-    build = models[root].findall("{*}build/{*}item")
+    models = cache(partial(_3mf_model, files))
+    build = models(root).findall("{*}build/{*}item")
     return sum(_3mf_object(models, *_3mf_key(item, root), {}, 0) for item in build)
 
 
-class _Models(dict[str, ElementTree.Element]):
-    """Roots of an archive's models by their paths, each parsed when it is first asked for."""
-
-    def __init__(self, files: Mapping[str, bytes]) -> None:
-        super().__init__()
-        self._files = files
-
-    def __missing__(self, path: str) -> ElementTree.Element:
-        content = self._files[path if path in self._files else unquote(path)]
-        self[path] = ElementTree.fromstring(content)
-        return self[path]
+def _3mf_model(files: Mapping[str, bytes], path: str) -> ElementTree.Element:
+    """Root of one of an archive's models."""
+    return ElementTree.fromstring(files[path if path in files else unquote(path)])
 
 
 def _3mf_key(element: ElementTree.Element, model: str) -> tuple[str, str]:
@@ -194,7 +187,7 @@ def _3mf_key(element: ElementTree.Element, model: str) -> tuple[str, str]:
 
 
 def _3mf_object(
-    models: Mapping[str, ElementTree.Element],
+    models: Callable[[str], ElementTree.Element],
     model: str,
     number: str,
     known: dict[tuple[str, str], int],
@@ -203,7 +196,7 @@ def _3mf_object(
     if depth > _DEEPEST:
         raise ValueError
     if (model, number) not in known:
-        objects = models[model].findall("{*}resources/{*}object")
+        objects = models(model).findall("{*}resources/{*}object")
         found = next(one for one in objects if int(one.get("id", "")) == int(number))
         known[model, number] = len(found.findall("{*}mesh/{*}triangles/{*}triangle")) + sum(
             _3mf_object(models, *_3mf_key(one, model), known, depth + 1)

@@ -15,7 +15,7 @@ import numpy as np
 from lxml import etree
 
 from abi.arrays import FloatArray
-from abi.obstacles.mesh_files.dae_colours import Colours
+from abi.obstacles.mesh_files.dae_colours import bound, colours_of, painted
 from abi.obstacles.mesh_files.dae_geometry import GeometryReader
 from abi.obstacles.mesh_files.dae_pose import node_pose
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
@@ -36,7 +36,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     """
     document = _Document(parse(data, "COLLADA"))
     geometry = GeometryReader(most_faces)
-    colours = Colours(document.root)
+    colours = colours_of(document.root)
     parts: list[Parts] = []
     count = 0
     for instance, pose in document.placed():
@@ -46,12 +46,12 @@ def read(data: bytes, most_faces: int) -> MeshFile:
                 f"a DAE without skin and morph controllers, {where(instance)} is one: apply the "
                 "armature in the program that wrote it"
             )
-        bound = colours.bound(instance)
-        for one in geometry.read(document.target(instance, "geometry")):
-            count += len(one.parts.faces)
+        by_symbol = bound(instance, colours)
+        for one, symbol in geometry.read(document.target(instance, "geometry")):
+            count += len(one.faces)
             if count > most_faces:
                 check_count(count, most_faces)
-            parts.append(placed(colours.painted(one, bound), pose))
+            parts.append(placed(painted(one, by_symbol.get(symbol)), pose))
     check_count(count, most_faces)
     notes = (*geometry.left_out(), *document.left_out())
     return MeshFile(joined(parts), document.metres(), notes, document.up())

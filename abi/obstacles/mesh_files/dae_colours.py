@@ -9,8 +9,7 @@ import numpy as np
 from lxml import etree
 
 from abi.arrays import ByteArray
-from abi.obstacles.mesh_files.dae_geometry import Primitive
-from abi.obstacles.mesh_files.parts import NO_COLOURS, Parts
+from abi.obstacles.mesh_files.parts import Parts
 from abi.obstacles.mesh_files.words import float_words
 from abi.obstacles.mesh_files.xml_document import name_of
 
@@ -18,33 +17,33 @@ _WHITE = np.full((1, 3), 255, dtype=np.uint8)
 """Colour of a material with a texture, which is not read."""
 
 
-class Colours:
-    """Colours (1, 3) of the materials, found by the symbols of primitives."""
+def colours_of(root: etree._Element) -> dict[str, ByteArray]:
+    """Colours (1, 3) of a file's materials, by their urls."""
+    found: dict[str, ByteArray] = {}
+    effects = {str(one.get("id")): one for one in root.iter("{*}effect")}
+    for material in root.iter("{*}material"):
+        instance = material.find("{*}instance_effect")
+        url = "" if instance is None else str(instance.get("url", ""))
+        effect = effects.get(unquote(url.removeprefix("#")))
+        if effect is not None:
+            found[f"#{material.get('id')}"] = _diffuse(effect)
+    return found
 
-    def __init__(self, root: etree._Element) -> None:
-        self._by_material: dict[str, ByteArray] = {}
-        effects = {str(one.get("id")): one for one in root.iter("{*}effect")}
-        for material in root.iter("{*}material"):
-            instance = material.find("{*}instance_effect")
-            url = "" if instance is None else str(instance.get("url", ""))
-            effect = effects.get(unquote(url.removeprefix("#")))
-            if effect is not None:
-                self._by_material[f"#{material.get('id')}"] = _diffuse(effect)
 
-    def bound(self, instance: etree._Element) -> Mapping[str, ByteArray]:
-        """Colours by the symbols that a geometry's instance binds."""
-        return {
-            str(one.get("symbol")): self._by_material[target]
-            for one in instance.iter("{*}instance_material")
-            if (target := unquote(str(one.get("target")))) in self._by_material
-        }
+def bound(instance: etree._Element, colours: Mapping[str, ByteArray]) -> dict[str, ByteArray]:
+    """Colours by the symbols that a geometry's instance binds."""
+    return {
+        str(one.get("symbol")): colours[target]
+        for one in instance.iter("{*}instance_material")
+        if (target := unquote(str(one.get("target")))) in colours
+    }
 
-    def painted(self, primitive: Primitive, bound: Mapping[str, ByteArray]) -> Parts:
-        """The triangles in the colour of their symbol."""
-        colour = bound.get(primitive.material, NO_COLOURS)
-        if not len(colour):
-            return primitive.parts
-        return primitive.parts._replace(colours=np.repeat(colour, len(primitive.parts.faces), 0))
+
+def painted(parts: Parts, colour: ByteArray | None) -> Parts:
+    """Triangles in a colour (1, 3), if there is one."""
+    return (
+        parts if colour is None else parts._replace(colours=np.repeat(colour, len(parts.faces), 0))
+    )
 
 
 def _diffuse(effect: etree._Element) -> ByteArray:

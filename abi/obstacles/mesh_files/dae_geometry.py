@@ -26,11 +26,8 @@ _NO_SURFACE = ("source", "vertices", "extra")
 _POLYGONS = ("triangles", "trifans", "tristrips", "polylist", "polygons")
 
 
-class Primitive(NamedTuple):
-    """Triangles of one element of a geometry, and the symbol of their material."""
-
-    parts: Parts
-    material: str
+Primitive = tuple[Parts, str]
+"""Triangles of one element of a geometry, and the symbol of their material."""
 
 
 class _Input(NamedTuple):
@@ -89,7 +86,7 @@ class GeometryReader:
                 found.append(self._primitive(mesh, element, kind))
             elif kind not in (*_POLYGONS, *_NO_SURFACE):
                 self._unknown[kind] = None
-        check_count(sum(len(one.parts.faces) for one in found) or 1, self._most)
+        check_count(sum(len(parts.faces) for parts, _ in found) or 1, self._most)
         return tuple(found)
 
     def _primitive(self, mesh: etree._Element, element: etree._Element, kind: str) -> Primitive:
@@ -106,7 +103,7 @@ class GeometryReader:
             faces = self._polygons(rows, corners, element)
         else:
             faces = np.concatenate([np.empty((0, 3), np.int32), *(_run(r, kind) for r in rows)])
-        return Primitive(Parts(corners.points, faces), str(element.get("material", "")))
+        return Parts(corners.points, faces), str(element.get("material", ""))
 
     def _polylist(self, ids: IntArray, points: FloatArray, element: etree._Element) -> IntArray:
         lengths = child(element, "vcount")

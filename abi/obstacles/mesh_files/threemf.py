@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 from urllib.parse import unquote
 
 import numpy as np
@@ -48,12 +47,8 @@ _Key = tuple[str, int]
 """Path of a model part, and id of an object in it."""
 
 
-class _Placed(NamedTuple):
-    """An object with its pose (4, 4) and its depth of nesting as a component."""
-
-    key: _Key
-    pose: FloatArray
-    depth: int
+_Placed = tuple[_Key, FloatArray]
+"""An object with its pose (4, 4)."""
 
 
 def read(data: bytes, most_faces: int) -> MeshFile:
@@ -68,7 +63,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     meshes: dict[_Key, Parts] = {}
     parts: list[Parts] = []
     count, steps = 0, 0
-    waiting = list(package.items())
+    waiting = [(*one, 0) for one in package.items()]  # with depths of nesting as components
     while waiting:
         key, pose, depth = waiting.pop()
         steps += 1
@@ -82,7 +77,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
             if count > most_faces:
                 check_count(count, most_faces)
             parts.append(placed(meshes[key], pose))
-        waiting += [_Placed(one.key, pose @ one.pose, depth + 1) for one in package.components(key)]
+        waiting += [(one, pose @ inner, depth + 1) for one, inner in package.components(key)]
     check_count(count, most_faces)
     return MeshFile(joined(parts), package.metres, package.left_out())
 
@@ -196,7 +191,7 @@ class _Package:
     def _reference(self, element: etree._Element, path: str) -> _Placed:
         other = element.get(_PATH)
         key = (part_name(str(other), self._files) if other else path, integer(element, "objectid"))
-        return _Placed(key, _pose(element), 0)
+        return key, _pose(element)
 
 
 def _refuse_unknown(element: etree._Element, known: tuple[str, ...]) -> None:
