@@ -29,18 +29,17 @@ def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
         link(packed)
     packed = read_only(packed)
     if len(primitives) >= CROWD:
-        others = [one for one in _memory.crowds if len(one[0]) != len(primitives)]
+        others = [one for one in _crowds() if len(one[0]) != len(primitives)]
         _memory.crowds = ((primitives, packed), *others[:2])
     return packed
 
 
-class _Memory(threading.local):
-    """Each thread's latest crowds with their rows: primitives, the boxes of meshes, and both."""
-
-    crowds: tuple[tuple[tuple[Primitive, ...], FloatArray], ...] = ()
+_memory = threading.local()
+"""Each thread's latest crowds with their rows: primitives, the boxes of meshes, and both."""
 
 
-_memory = _Memory()
+def _crowds() -> tuple[tuple[tuple[Primitive, ...], FloatArray], ...]:
+    return getattr(_memory, "crowds", ())
 
 
 def _of_last(primitives: tuple[Primitive, ...]) -> tuple[FloatArray, list[int]]:
@@ -48,7 +47,7 @@ def _of_last(primitives: tuple[Primitive, ...]) -> tuple[FloatArray, list[int]]:
 
     By identity: to compare by value, or to hash, takes longer than all else of a drag.
     """
-    for before, packed in _memory.crowds:
+    for before, packed in _crowds():
         if len(before) == len(primitives):
             pairs = enumerate(zip(primitives, before, strict=True))
             changed = [k for k, (now, then) in pairs if now is not then]

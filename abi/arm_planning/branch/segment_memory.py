@@ -46,14 +46,6 @@ Refute = Callable[[Followed, CollisionWorld, bool], ArmRefutation | None]
 itself."""
 
 
-class _Answer(NamedTuple):
-    """An answer, and the number of the collision world for which it holds."""
-
-    followed: Followed
-    fault: ArmRefutation | None
-    world: int
-
-
 class SegmentMemory:
     """Cached results for an arm that starts from one pose.
 
@@ -64,7 +56,8 @@ class SegmentMemory:
 
     def __init__(self) -> None:
         self.joint_path: tuple[bytes, ChainJointPath] | None = None
-        self._known: dict[Key, _Answer] = {}
+        # answers, and the number of the collision world for which each holds
+        self._known: dict[Key, tuple[Followed, ArmRefutation | None, int]] = {}
         self._worlds: deque[World] = deque(maxlen=_WORLDS)
         self._latest = -1
         self._around: CollisionWorld | None = None
@@ -94,15 +87,15 @@ class SegmentMemory:
             followed = follow()
             fault = refute(followed, self._around, True)
         else:
-            followed, change = known.followed, self._since(known.world)
-            fault = known.fault
+            followed, fault, world = known
+            change = self._since(world)
             if change is None or (fault is not None and not _remains(change, fault)):
                 fault = refute(followed, self._around, True)
             elif fault is None and change.moved:
                 fault = refute(followed, change.around, False)
         if len(self._known) >= _MOST:
             del self._known[next(iter(self._known))]
-        self._known[key] = _Answer(followed, fault, self._latest)
+        self._known[key] = followed, fault, self._latest
         return followed, fault
 
     def _since(self, world: int) -> Change | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,29 +29,15 @@ _ALL = slice(None)
 """All rows."""
 
 
-class _Proof(NamedTuple):
-    """A proof, the required distance, and the collision world."""
-
-    certificate: ArmCertificate
-    margin: float
-    world: World
-
-
-class _OfItself(NamedTuple):
-    """What is proven of an arm, its floor and what may touch, without obstacles."""
-
-    found: ArmCertificate | ArmRefutation
-    positions: FloatArray
-    world: World
-
-
 class ProofMemory:
-    """Proofs for an arm, of which the last is cached."""
+    """Proofs for an arm, of which the last is cached, and that of the arm without obstacles."""
 
     def __init__(self, arm: UrdfArm) -> None:
         self._arm = arm
-        self._last: _Proof | None = None
-        self._of_itself: _OfItself | None = None
+        self._last: ArmCertificate | None = None
+        self._required, self._world = 0.0, World((), 0.0, ())  # of the last
+        self._of_itself: ArmCertificate | ArmRefutation | None = None
+        self._of: tuple[FloatArray, World] | None = None  # positions and world of that
 
     def certify(
         self,
@@ -68,40 +54,35 @@ class ProofMemory:
             around: they and the floor, in the format of the kernels.
             margin: distance to prove from obstacles, at least 0, [unit].
         """
-        world, known = World.of(obstacles, around), self._known(positions, margin)
-        change = None if known is None else world_change(known.world, world, around)
+        world, known, change = World.of(obstacles, around), self._last, None
+        if known is not None and known.positions is positions and self._required == margin:
+            change = world_change(self._world, world, around)
         if known is None or change is None:
             found = self._anew(positions, world, around, margin)
         else:
-            found = self._updated(known.certificate, change, margin)
+            found = self._updated(known, change, margin)
         if isinstance(found, ArmCertificate):
-            self._last = _Proof(found, margin, world)
+            self._last, self._required, self._world = found, margin, world
         return found
 
     def _anew(
         self, positions: FloatArray, world: World, around: CollisionWorld, margin: float
     ) -> ArmCertificate | ArmRefutation:
         """A proof at joint positions (k, n) of which at most the arm's own part is known."""
-        last = self._of_itself
+        own, of = self._of_itself, self._of
         if (
-            last is None
-            or last.positions is not positions
-            or (last.world.floor, last.world.allowed) != (world.floor, world.allowed)
+            own is None
+            or of is None
+            or of[0] is not positions
+            or (of[1].floor, of[1].allowed) != (world.floor, world.allowed)
         ):
-            alone = around.only(around.numbers < 0)
-            last = _OfItself(certify_chain(self._arm, positions, alone, 0.0), positions, world)
-            self._of_itself = last
-        if isinstance(last.found, ArmRefutation):
-            return last.found
+            own = certify_chain(self._arm, positions, around.only(around.numbers < 0), 0.0)
+            self._of_itself, self._of = own, (positions, world)
+        if isinstance(own, ArmRefutation):
+            return own
         solids = around.only(around.numbers >= 0)
         new = certify_chain(self._arm, positions, solids, margin, with_itself=False)
-        return new if isinstance(new, ArmRefutation) else _both(last.found, new, new.margin)
-
-    def _known(self, positions: FloatArray, margin: float) -> _Proof | None:
-        """The last proof, if it was for these positions and this distance."""
-        last = self._last
-        is_known = last is not None and last.certificate.positions is positions
-        return last if last is not None and is_known and last.margin == margin else None
+        return new if isinstance(new, ArmRefutation) else _both(own, new, new.margin)
 
     def _updated(
         self, known: ArmCertificate, change: Change, margin: float
