@@ -11,11 +11,18 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
-from abi.certification.posed_hulls_kernels import Hulls, hulls_touch
+from abi.certification.posed_hulls_kernels import hulls_touch
 from abi.errors import MotionError
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
 from abi.robot.bodies.always_touching import always_touch
-from abi.robot.bodies.chain_capsules import ChainCapsule, carried_bodies, lever, meeting
+from abi.robot.bodies.capsule_table import Bodies
+from abi.robot.bodies.chain_capsules import (
+    ChainCapsule,
+    carried_bodies,
+    hulls_of,
+    lever,
+    meeting,
+)
 from abi.robot.bodies.floor_contacts import on_floor
 from abi.robot.bodies.link_bodies import Fit, link_bodies
 from abi.robot.kinematics.chain import Chain
@@ -81,15 +88,17 @@ class RobotBodies(ShortRepr):
         return on_floor(self.chain, self.bodies, self.floor)
 
     @cached_property
-    def hulls(self) -> Hulls:
-        """The bodies in the format of the kernels, for coordinates in [rad] and [m]."""
+    def hulls(self) -> Bodies:
+        """Their hulls in the format of the kernels, for coordinates in [rad] and [m]."""
         apart, chain = self.pairs[0], self.chain
         one = [lever(chain, body.frame, body.points, -1) for body in self.bodies]
         both = [self._pair_lever(int(i), int(j)) for i, j in apart]
         levers = np.array(one).reshape(-1) / self.metres
         pair_levers = np.array(both).reshape(-1) / self.metres
-        return _hulls(self.bodies, self.metres)._replace(
-            levers=flat(levers), pairs=read_only(apart.reshape(-1)), pair_levers=flat(pair_levers)
+        return hulls_of(self.chain, self.bodies, self.metres)._replace(
+            pairs=read_only(apart.reshape(-1)),
+            point_levers=flat(levers),
+            point_pair_levers=flat(pair_levers),
         )
 
     def _numbers(self) -> dict[str, list[int]]:
@@ -120,7 +129,7 @@ class RobotBodies(ShortRepr):
         low, high = chain.usual_range().T
         poses = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
         few = flat(np.array(pairs, dtype=float)).astype(np.int32)
-        hulls = _hulls(self.bodies, self.metres)._replace(pairs=read_only(few))
+        hulls = hulls_of(self.chain, self.bodies, self.metres)._replace(pairs=read_only(few))
         touching = hulls_touch(chain.table, hulls, flat(poses), len(low))
         overlap = touching >= _ALWAYS * _SAMPLES
         return "always" if overlap and always_touch(chain, first, second) else None
@@ -164,19 +173,3 @@ def robot_bodies(
         )
     bodies.sort(key=lambda body: body.frame)
     return RobotBodies(chain, tuple(bodies), metres, floor)
-
-
-def _hulls(bodies: Sequence[ChainCapsule], metres: float) -> Hulls:
-    """Bodies for the kernels, without levers and pairs."""
-    counts = [0, *(len(body.points) for body in bodies)]
-    nothing, none = read_only(np.zeros(0)), read_only(np.zeros(0, dtype=np.int32))
-    return Hulls(
-        frames=read_only(np.array([body.frame for body in bodies], dtype=np.int32)),
-        firsts=read_only(np.cumsum(counts).astype(np.int32)),
-        points=flat(np.concatenate([body.points for body in bodies])),
-        radii=read_only(np.array([body.rounding for body in bodies]) / metres),
-        levers=nothing,
-        pairs=none,
-        pair_levers=nothing,
-        scale=1 / metres,
-    )

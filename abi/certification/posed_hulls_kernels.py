@@ -17,9 +17,9 @@ from abi.arm_planning.world.collision_world_kernels import (
     Obstacles,
     open_box,
 )
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
-from abi.compiled import FLOATS, IDS, compiled
+from abi.compiled import FLOATS, compiled
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
     REFUTED,
@@ -28,6 +28,7 @@ from abi.curves.clearance.separation_kernels import (
 from abi.obstacles.primitive_kernels import BOUNDS, axes_of, centre_of, core_of, in_body, in_world
 from abi.obstacles.primitive_kernels import WIDTH as ROW
 from abi.obstacles.vector_kernels import Vec3, axpy, sub, vec3_at
+from abi.robot.bodies.capsule_table import BODIES, Bodies
 from abi.robot.bodies.hull_kernels import APART, OVERLAP, separation
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, place_chain
 
@@ -79,34 +80,6 @@ def from_hull(pair: tuple[Points, Points], way: Vec3) -> Vec3:
     return sub(lowest_of(hull, way), lowest_of(other, (-way[0], -way[1], -way[2])))
 
 
-class Hulls(NamedTuple):
-    """Convex bodies of a robot with n coordinates.
-
-    Attributes:
-        frames: joint that moves each, -1 where it stands still, (b,).
-        firsts: first point of each, and the number of points, (b + 1,).
-        points: in the frame of that joint, or in the world where it stands still, flat, [m].
-        radii: around the hulls, (b,), [unit].
-        levers: bound of each one's motion for one of each coordinate, flat (b n,), [unit].
-        pairs: bodies that are to keep apart, flat (2 p,).
-        pair_levers: the same of both motions beside each other, flat (p n,), [unit].
-        scale: one metre in [unit].
-    """
-
-    frames: IntArray
-    firsts: IntArray
-    points: FloatArray
-    radii: FloatArray
-    levers: FloatArray
-    pairs: IntArray
-    pair_levers: FloatArray
-    scale: float
-
-
-HULLS = Hulls(IDS, IDS, FLOATS, FLOATS, FLOATS, IDS, FLOATS, 1.0)
-"""Example of bodies."""
-
-
 class HullPose(NamedTuple):
     """Joint positions in the middle of a piece of a motion, and arrays for the hulls there.
 
@@ -128,7 +101,7 @@ class HullPose(NamedTuple):
 
 
 @jitable
-def place_hulls(chain: ChainTable, hulls: Hulls, pose: HullPose) -> None:
+def place_hulls(chain: ChainTable, hulls: Bodies, pose: HullPose) -> None:
     """Write the points of all bodies and their bounds at the joints of a pose."""
     place_chain(chain, pose.joints, 0, pose.poses)
     poses, points, bounds = pose.poses, pose.points, pose.bounds
@@ -136,7 +109,7 @@ def place_hulls(chain: ChainTable, hulls: Hulls, pose: HullPose) -> None:
         frame = hulls.frames[b]
         for r in range(3):
             low, high = math.inf, -math.inf
-            for k in range(hulls.firsts[b], hulls.firsts[b + 1]):
+            for k in range(hulls.first[b], hulls.first[b + 1]):
                 x, y, z = vec3_at(hulls.points, 3 * k)
                 if frame < 0:
                     value = x if r == 0 else y if r == 1 else z
@@ -176,20 +149,20 @@ def outcome_of(found: int) -> int:
 
 @jitable
 def from_body(
-    hulls: Hulls, pose: HullPose, pair: int, moves: float, allowance: float
+    hulls: Bodies, pose: HullPose, pair: int, moves: float, allowance: float
 ) -> tuple[int, Vec3]:
     """Check whether a direction keeps two bodies apart near a pose."""
     i, j = hulls.pairs[2 * pair], hulls.pairs[2 * pair + 1]
-    radii = hulls.radii[i] + hulls.radii[j]
-    first = pose.points, hulls.firsts[i], hulls.firsts[i + 1]
-    second = pose.points, hulls.firsts[j], hulls.firsts[j + 1]
+    radii = hulls.roundings[i] + hulls.roundings[j]
+    first = pose.points, hulls.first[i], hulls.first[i + 1]
+    second = pose.points, hulls.first[j], hulls.first[j + 1]
     near, far = max(radii - 2 * allowance, 0.0), radii + moves + 2 * allowance
     found, _, way = separation(from_hull, (second, first), (0.0, 0.0, 1.0), near, far, False)
     return outcome_of(found), way
 
 
 @jitable
-def new_pose(chain: ChainTable, hulls: Hulls, count: int, width: int) -> HullPose:
+def new_pose(chain: ChainTable, hulls: Bodies, count: int, width: int) -> HullPose:
     """Arrays for one pose, not yet filled."""
     poses, points = np.empty(POSE * (len(chain.source) + 1)), np.empty(len(hulls.points))
     return HullPose(
@@ -198,8 +171,8 @@ def new_pose(chain: ChainTable, hulls: Hulls, count: int, width: int) -> HullPos
     )
 
 
-@compiled(example=(TABLE, HULLS, FLOATS, 1), fallback=False)
-def hulls_touch(chain: ChainTable, hulls: Hulls, joints: FloatArray, count: int) -> int:
+@compiled(example=(TABLE, BODIES, FLOATS, 1), fallback=False)
+def hulls_touch(chain: ChainTable, hulls: Bodies, joints: FloatArray, count: int) -> int:
     """Number of poses in which a pair of bodies overlaps.
 
     Args:
@@ -224,9 +197,9 @@ NearestPair = tuple[float, int, int]
 """Distance [unit], pair and number of the pose at which a body is nearest to an obstacle."""
 
 
-@compiled(example=(TABLE, HULLS, FLOATS, 1, NO_OBSTACLES), fallback=False)
+@compiled(example=(TABLE, BODIES, FLOATS, 1, NO_OBSTACLES), fallback=False)
 def nearest_obstacle(
-    chain: ChainTable, hulls: Hulls, joints: FloatArray, count: int, around: Obstacles
+    chain: ChainTable, hulls: Bodies, joints: FloatArray, count: int, around: Obstacles
 ) -> NearestPair:
     """Least distance of a robot's bodies to an obstacle over some poses.
 
@@ -255,15 +228,15 @@ def nearest_obstacle(
                 if s < rows - 1 and around.asked[b * rows + s]:
                     work.append(b * rows + s)
             segment = vec3_at(pose.bounds, 6 * b), vec3_at(pose.bounds, 6 * b + 3)
-            hull = pose.points, hulls.firsts[b], hulls.firsts[b + 1]
+            hull = pose.points, hulls.first[b], hulls.first[b + 1]
             while len(work) > 0:
                 pair = work.pop()
                 s = pair % rows
-                if box_gap(pose.bounds, b, around.primitives, s)[0] - hulls.radii[b] >= best:
+                if box_gap(pose.bounds, b, around.primitives, s)[0] - hulls.roundings[b] >= best:
                     continue
                 if open_box(around, pair, 0.0, segment, work):
                     continue
-                radii = hulls.radii[b] + radius_of(around.primitives, s)
+                radii = hulls.roundings[b] + radius_of(around.primitives, s)
                 pairing = hull, around.primitives, s
                 up, far = (0.0, 0.0, 1.0), best + radii
                 _, away, _ = separation(from_row, pairing, up, radii, far, True)

@@ -21,9 +21,7 @@ from abi.arm_planning.world.collision_world_kernels import (
 )
 from abi.arrays import FloatArray
 from abi.certification.posed_hulls_kernels import (
-    HULLS,
     HullPose,
-    Hulls,
     box_gap,
     from_body,
     from_row,
@@ -51,6 +49,7 @@ from abi.curves.clearance.separation_kernels import (
     whole_motion,
 )
 from abi.obstacles.vector_kernels import Vec3, vec3_at
+from abi.robot.bodies.capsule_table import BODIES, Bodies
 from abi.robot.bodies.hull_kernels import separation
 from abi.robot.kinematics.chain_kernels import TABLE, ChainTable
 
@@ -125,12 +124,12 @@ def _moves(levers: FloatArray, row: int, ways: FloatArray) -> float:
 
 @jitable
 def _from_row(
-    around: Obstacles, hulls: Hulls, pose: HullPose, pair: int, moves: float, allowance: float
+    around: Obstacles, hulls: Bodies, pose: HullPose, pair: int, moves: float, allowance: float
 ) -> tuple[int, Vec3]:
     """Check whether a direction keeps a body clear of a row, or of the floor, near a pose."""
     count = len(around.margins)
     b, s = pair // count, pair % count
-    radius = hulls.radii[b]
+    radius = hulls.roundings[b]
     if s == count - 1:
         gap = pose.bounds[6 * b + 2] - around.floor - radius
         outcome = CERTIFIED if gap > moves + allowance else UNDECIDED
@@ -140,7 +139,7 @@ def _from_row(
     if gap > near + moves + allowance:  # the bounds of a row hold its radius
         return CERTIFIED, way
     near += radius_of(around.primitives, s)
-    hull = pose.points, hulls.firsts[b], hulls.firsts[b + 1]
+    hull = pose.points, hulls.first[b], hulls.first[b + 1]
     far = near + moves + allowance
     pairing = hull, around.primitives, s
     found, _, way = separation(from_row, pairing, way, max(near - allowance, 0.0), far, False)
@@ -148,7 +147,7 @@ def _from_row(
 
 
 @jitable
-def _add_pairs(around: Obstacles, hulls: Hulls, pairs: list[int]) -> None:
+def _add_pairs(around: Obstacles, hulls: Bodies, pairs: list[int]) -> None:
     """Add all pairs: of a body and an outer row that it is to keep clear of, and of two bodies."""
     count, bodies = len(around.margins), len(hulls.frames)
     for b in range(bodies):
@@ -159,7 +158,7 @@ def _add_pairs(around: Obstacles, hulls: Hulls, pairs: list[int]) -> None:
         pairs.append(bodies * count + own)
 
 
-_AlongPath = tuple[ChainTable, Hulls, Path, Obstacles, HullPose]
+_AlongPath = tuple[ChainTable, Bodies, Path, Obstacles, HullPose]
 """A chain, the bodies that it moves, its motion, what to keep clear of, and room for a pose."""
 
 
@@ -185,11 +184,11 @@ def _along_path(
         pair = work.pop()
         tries += 1
         if pair >= solid_pairs:
-            moves = _moves(hulls.pair_levers, pair - solid_pairs, pose.ways)
+            moves = _moves(hulls.point_pair_levers, pair - solid_pairs, pose.ways)
             outcome, way = from_body(hulls, pose, pair - solid_pairs, moves, allowance)
         else:
             b = pair // len(around.margins)
-            moves = _moves(hulls.levers, b, pose.ways)
+            moves = _moves(hulls.point_levers, b, pose.ways)
             outcome, way = _from_row(around, hulls, pose, pair, moves, allowance)
             if outcome != CERTIFIED:
                 segment = vec3_at(pose.bounds, 6 * b), vec3_at(pose.bounds, 6 * b + 3)
@@ -209,10 +208,10 @@ def _along_path(
     return Attempt(UNDECIDED, left, 0.0, tries, farthest)
 
 
-@compiled(example=(TABLE, HULLS, PATH, NO_OBSTACLES, 1.0, 9, True), fallback=False)
+@compiled(example=(TABLE, BODIES, PATH, NO_OBSTACLES, 1.0, 9, True), fallback=False)
 def separate_motion(
     chain: ChainTable,
-    hulls: Hulls,
+    hulls: Bodies,
     path: Path,
     around: Obstacles,
     finest: float,

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, flat, read_only
+from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.link_bodies import Body, Fit, link_bodies
 from abi.robot.bodies.telescopes import open_bodies
 from abi.robot.kinematics.chain import Carried, Chain
@@ -98,6 +99,32 @@ def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
             points = (turned + pose[..., 3:]).swapaxes(1, 2)
         ends[:, of_frame] = points.reshape(-1, len(of_frame), 2, 3)
     return ends
+
+
+def hulls_of(chain: Chain, bodies: Sequence[ChainCapsule], metres: float) -> Bodies:
+    """Hulls of bodies for the kernels, without capsules, levers and pairs.
+
+    Args:
+        chain: the chain that moves them.
+        bodies: pieces of its links.
+        metres: one [unit] in metres.
+    """
+    corners, none = [one.points for one in bodies], read_only(np.zeros(0))
+    return Bodies(
+        moving=len(chain.joints),
+        frames=read_only(np.array([one.frame for one in bodies], dtype=np.int32)),
+        ends=none,
+        radii=none,
+        levers=none,
+        pairs=read_only(np.zeros(0, dtype=np.int32)),
+        pair_levers=none,
+        points=flat(np.concatenate(corners)),
+        first=read_only(np.cumsum([0, *map(len, corners)], dtype=np.int32)),
+        roundings=read_only(np.array([one.rounding for one in bodies]) / metres),
+        point_levers=none,
+        point_pair_levers=none,
+        scale=1 / metres,
+    )
 
 
 def lever(chain: Chain, frame: int, points: FloatArray, behind: int) -> FloatArray:

@@ -8,9 +8,8 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from abi import arguments
-from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
-from abi.robot.bodies.capsule_table import Bodies
-from abi.robot.bodies.chain_capsules import ChainCapsule, place, segment_distances
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.robot.bodies.chain_capsules import ChainCapsule, hulls_of, place, segment_distances
 from abi.robot.bodies.hull_kernels import hull_distances
 from abi.robot.kinematics.chain import Chain
 
@@ -60,21 +59,8 @@ class SampledBodies(NamedTuple):
     def _distances(self, pairs: IntArray, poses: IntArray, numbers: IntArray) -> FloatArray:
         """Distances (m,) of bodies in poses, each by its number and that of the pair, [m]."""
         packed = self.chain.packed_poses(self.positions)
-        hulls, none = [one.points for one in self.capsules], read_only(np.zeros(0))
-        bodies = Bodies(
-            moving=len(self.chain.joints),
-            frames=read_only(np.array([one.frame for one in self.capsules], dtype=np.int32)),
-            ends=none,
-            radii=none,
-            levers=none,
-            pairs=read_only(pairs.reshape(-1)),
-            pair_levers=none,
-            points=flat(np.concatenate(hulls)),
-            first=read_only(np.cumsum([0, *map(len, hulls)], dtype=np.int32)),
-            roundings=read_only(np.array([one.rounding for one in self.capsules])),
-            point_levers=none,
-            point_pair_levers=none,
-            scale=1.0,
+        bodies = hulls_of(self.chain, self.capsules, 1.0)._replace(
+            pairs=read_only(pairs.reshape(-1))
         )
         asked = np.stack([poses, numbers], axis=1).astype(np.int32)
         distances = np.empty(len(asked))
