@@ -6,7 +6,6 @@ The formats: http://wiki.ros.org/urdf/XML/joint and http://wiki.ros.org/pr2_cont
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from abi.robot.urdf.strict_xml import XmlElement
 
@@ -20,27 +19,8 @@ _MOST_RATE = 1e9
 _RATES = ("velocity", "effort")
 
 
-class UrdfLimits(NamedTuple):
-    """Limits of a joint.
-
-    Attributes:
-        low, high: of its position, [rad] or [m].
-        speed: largest, [rad/s] or [m/s]; inf for none.
-        effort: largest torque or force, [N·m] or [N]; inf for none.
-    """
-
-    low: float
-    high: float
-    speed: float
-    effort: float
-
-
-def read_limits(joint: XmlElement, kind: str) -> UrdfLimits:
-    """Limits of a joint that moves, with a note if they differ from its ``<limit>``.
-
-    Args:
-        joint: its element.
-        kind: ``revolute``, ``continuous`` or ``prismatic``.
+def read_rates(joint: XmlElement) -> tuple[float, float]:
+    """Largest speed, [rad/s] or [m/s], and effort, [N·m] or [N], of a joint; inf for none.
 
     Raises:
         SceneError: one is NaN or no number.
@@ -52,8 +32,24 @@ def read_limits(joint: XmlElement, kind: str) -> UrdfLimits:
     for name, rate in zip(_RATES, rates, strict=True):
         if rate < 0 or math.isinf(rate):
             joint.tell(f"Without limit of {name}, as that is negative or beyond sense:")
+    return speed, effort
+
+
+def read_range(joint: XmlElement, kind: str) -> tuple[float, float]:
+    """Lowest and highest position of a joint that moves, [rad] or [m].
+
+    There is a note if they differ from its ``<limit>``.
+
+    Args:
+        joint: its element.
+        kind: ``revolute``, ``continuous`` or ``prismatic``.
+
+    Raises:
+        SceneError: one is NaN or no number.
+    """
     if kind == "continuous":
-        return UrdfLimits(-TURN, TURN, speed, effort)
+        return -TURN, TURN
+    limit = joint.child("limit")
     sides = [None if limit is None else limit.bound(name, _MOST) for name in ("lower", "upper")]
     if sides == [None, None] and joint.child("mimic") is None:
         joint.tell("Stands still, as its <limit> has no lower and upper:")
@@ -68,8 +64,8 @@ def read_limits(joint: XmlElement, kind: str) -> UrdfLimits:
         high = max(most, low + most) if high == math.inf else high
     if not low <= high or math.isinf(low) or math.isinf(high):
         joint.tell("Stands still at 0, as its lower limit is above the upper:")
-        return UrdfLimits(0.0, 0.0, speed, effort)
-    return UrdfLimits(*_softened(joint, low, high), speed, effort)
+        return 0.0, 0.0
+    return _softened(joint, low, high)
 
 
 def _softened(joint: XmlElement, low: float, high: float) -> tuple[float, float]:

@@ -13,14 +13,13 @@ from pathlib import PurePosixPath
 from abi import assets
 from abi.archive_members import members_of
 from abi.errors import SceneError
-from abi.obstacles.mesh_files.words import counted, shown
 from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.link_names import names_anew
 from abi.robot.urdf.mesh_lookup import MeshLookup, is_plain
 from abi.robot.urdf.mesh_places import PACKAGE_FILE, guesses, package_of, packages, places
 from abi.robot.urdf.robot import Robot, require_motion
-from abi.robot.urdf.srdf import read_srdf
+from abi.robot.urdf.srdf import with_srdf
 from abi.robot.urdf.strict_xml import parse
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.urdf_meshes import mesh_names
@@ -294,23 +293,7 @@ def _with_srdf(robot: Robot, files: Mapping[str, bytes], urdf: str) -> Robot:
     if not found:
         return robot
     renamed = names_anew(parse(files[urdf], PurePosixPath(urdf).name))
-    srdf = read_srdf(files[found[0]], PurePosixPath(found[0]).name, robot, renamed)
-    notes = [*robot.notes]
-    if srdf.name != robot.name:
-        notes.append(f"Its SRDF is that of a robot {shown(srdf.name)}, and counts all the same.")
-    if srdf.may_touch:
-        pairs = counted(len(srdf.may_touch), "pair of links", "pairs of links")
-        notes.append(f"{pairs} not checked against each other: its SRDF says so.")
-    if srdf.states:
-        names = some_of([one.name for one in srdf.states], 6)
-        notes.append(f"Named states of its SRDF: {names}.")
-    return replace(
-        robot,
-        may_touch=srdf.may_touch,
-        groups=srdf.groups,
-        states=srdf.states,
-        notes=(*notes, *srdf.notes),
-    )
+    return with_srdf(robot, files[found[0]], PurePosixPath(found[0]).name, renamed)
 
 
 @lru_cache(maxsize=8)

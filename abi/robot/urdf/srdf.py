@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
-from typing import NamedTuple
 
+from abi.obstacles.mesh_files.words import counted, shown
 from abi.robot.urdf.link_names import rename_links
 from abi.robot.urdf.robot import NamedState, Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
@@ -27,32 +28,15 @@ _UNUSED = "Not used of its SRDF:"
 _BEYOND = "The limit counts where a state of its SRDF is beyond:"
 
 
-class Srdf(NamedTuple):
-    """Content of an SRDF.
+def with_srdf(robot: Robot, content: bytes, name: str, renamed: Mapping[str, str]) -> Robot:
+    """A robot with the groups, named states and pairs that may touch of its SRDF.
 
-    Attributes:
-        name: of the robot that it is of.
-        may_touch: pairs of links that are excluded from collision checks.
-        groups: names of the joints that move in each group, by its name.
-        states: positions of a group's joints that have a name; where several groups have one of a
-            name, it is called ``GROUP/NAME``.
-        notes: sentences on positions that are not as the file gives them.
-    """
-
-    name: str
-    may_touch: frozenset[frozenset[str]]
-    groups: Mapping[str, tuple[str, ...]]
-    states: tuple[NamedState, ...]
-    notes: tuple[str, ...] = ()
-
-
-def read_srdf(content: bytes, name: str, robot: Robot, renamed: Mapping[str, str]) -> Srdf:
-    """Read an SRDF of a robot.
+    Where several groups have a state of a name, it is called ``GROUP/NAME``.
 
     Args:
+        robot: the robot.
         content: of the file.
         name: of the file, for the sentences.
-        robot: the robot.
         renamed: new names of its links, by those that the file has.
 
     Raises:
@@ -72,8 +56,17 @@ def read_srdf(content: bytes, name: str, robot: Robot, renamed: Mapping[str, str
     others = dict.fromkeys(str(one.tag) for one in root.xml if one.tag not in _ELEMENTS)
     if others:
         root.told[_UNUSED] = [*others]
-    notes = tuple(f"{note} {some_of(named)}." for note, named in root.told.items())
-    return Srdf(root.text("name"), touching, groups, states, notes)
+    notes = [*robot.notes]
+    if root.text("name") != robot.name:
+        of = shown(root.text("name"))
+        notes.append(f"Its SRDF is that of a robot {of}, and counts all the same.")
+    if touching:
+        pairs = counted(len(touching), "pair of links", "pairs of links")
+        notes.append(f"{pairs} not checked against each other: its SRDF says so.")
+    if states:
+        notes.append(f"Named states of its SRDF: {some_of([one.name for one in states], 6)}.")
+    notes += [f"{note} {some_of(named)}." for note, named in root.told.items()]
+    return replace(robot, may_touch=touching, groups=groups, states=states, notes=tuple(notes))
 
 
 def _may_touch(root: XmlElement, robot: Robot) -> frozenset[frozenset[str]]:

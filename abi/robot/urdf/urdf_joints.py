@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
-from abi.robot.urdf.joint_limits import UrdfLimits, read_limits
+from abi.robot.urdf.joint_limits import read_range, read_rates
 from abi.robot.urdf.robot import Joint, JointKind, Mimic
 from abi.robot.urdf.strict_xml import XmlElement
 
@@ -32,7 +32,8 @@ def read_joint(element: XmlElement) -> Joint:
     if kind not in (*_MOVING, "fixed", *_HELD):
         raise element.refuse("type", kind, f"one of {', '.join((*_MOVING, 'fixed', *_HELD))}")
     moves = kind in _MOVING
-    limits = read_limits(element, kind) if moves else UrdfLimits(0.0, 0.0, math.inf, math.inf)
+    speed, effort = read_rates(element) if moves else (math.inf, math.inf)
+    low, high = read_range(element, kind) if moves else (0.0, 0.0)
     if kind in _HELD:
         element.tell(f"Held at the origin, as its kind is {kind}:")
     return Joint(
@@ -42,10 +43,10 @@ def read_joint(element: XmlElement) -> Joint:
         child=element.needed("child").text("link"),
         origin=element.origin(),
         axis=_axis(element) if moves else _X,
-        low=limits.low,
-        high=limits.high,
-        speed=limits.speed,
-        effort=limits.effort,
+        low=low,
+        high=high,
+        speed=speed,
+        effort=effort,
         mimic=_mimic(element) if moves else None,
     )
 
