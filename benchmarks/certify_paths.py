@@ -134,8 +134,8 @@ def confirmed(oracle: MeshOracle, verdict: MotionVerdict) -> dict[str, int]:
     """How many contacts are told, and of how many coal finds time, depth, and none before."""
     motion = verdict.problem.motion
     touches = verdict.touches
-    at = [motion.positions_at(np.array([one.time, one.deepest])) for one in touches]
-    before = np.linspace(0, max(touches[0].time - len(motion.points) / PARTS, 0), _BEFORE)
+    at = [motion.positions_at(np.array([one.first, one.time])) for one in touches]
+    before = np.linspace(0, max(touches[0].first - len(motion.points) / PARTS, 0), _BEFORE)
     return {
         "contacts": len(touches),
         "confirmed": sum(map(oracle.confirms, [one[0] for one in at], touches)),

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import coal
 import numpy as np
 
+from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import FloatArray
 from abi.certification.clearance_proof import MotionProblem
-from abi.certification.verdict import Touch
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Cylinder, Sphere
@@ -75,12 +75,12 @@ class MeshOracle:
             for first in range(0, len(positions), _TOGETHER)
         )
 
-    def confirms(self, positions: FloatArray, touch: Touch) -> bool:
+    def confirms(self, positions: FloatArray, touch: Contact) -> bool:
         """Whether a link touches what it is said to touch, at a pose (n,), to within rounding."""
         self._put(self._chain.poses(positions[None])[0])
         return self._meet(touch, _TOUCHING)
 
-    def confirms_depth(self, positions: FloatArray, touch: Touch) -> bool:
+    def confirms_depth(self, positions: FloatArray, touch: Contact) -> bool:
         """Whether a link is still in contact when moved by less than its depth, in any of 26 ways.
 
         Args:
@@ -92,7 +92,7 @@ class MeshOracle:
         moved /= np.linalg.norm(_DIRECTIONS, axis=1)[:, None]
         return all(self._meet_moved(poses, touch, way) for way in moved)
 
-    def _meet_moved(self, poses: FloatArray, touch: Touch, way: FloatArray) -> bool:
+    def _meet_moved(self, poses: FloatArray, touch: Contact, way: FloatArray) -> bool:
         """Whether a link moved by ``way`` (3,) touches what it is said to touch."""
         self._put(poses)
         for number in self._links[touch.link]:
@@ -100,7 +100,7 @@ class MeshOracle:
             solid.setTranslation(solid.getTranslation() + way)
         return self._meet(touch, 0.0)
 
-    def _meet(self, touch: Touch, margin: float) -> bool:
+    def _meet(self, touch: Contact, margin: float) -> bool:
         """Whether a link, where it is now, is nearer than a margin to what it is said to touch."""
         self._request.security_margin = margin
         other = touch.obstacle

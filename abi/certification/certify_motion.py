@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi import arguments
+from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.certification.clearance_proof import (
     MOST_TRIES,
@@ -25,7 +26,7 @@ from abi.certification.joint_limits import LimitsKept, joint_limits
 from abi.certification.kept_direction import KeptDirection, kept_direction
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
-from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch, Touch, named
+from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch, named
 from abi.scene.scene import Scene
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
@@ -204,7 +205,7 @@ def _pairs(problem: MotionProblem, proof: Separation) -> list[_Pair]:
 
 def _decided(
     problem: MotionProblem, proof: Separation, inside: Iterable[tuple[str, int]], clearance: float
-) -> tuple[tuple[Touch, ...], tuple[Doubt, ...], tuple[TimeStretch, ...]]:
+) -> tuple[tuple[Contact, ...], tuple[Doubt, ...], tuple[TimeStretch, ...]]:
     """Contacts, doubts, and stretches of time."""
     finder = ContactFinder(problem)
     touches, doubts = [], []
@@ -212,7 +213,7 @@ def _decided(
     for link, obstacle in inside:
         first, last = _times(problem, 0.0, float(len(problem.motion.points)))
         deep = finder.depth(0.0, link, obstacle)
-        touches.append(Touch(first, last, link, obstacle, deep, first))
+        touches.append(Contact(link, obstacle, first, last, first, deep))
         touching = np.array([[0.0, float(len(problem.motion.points))]])
     for number, pair in enumerate(_pairs(problem, proof)):
         step = max(1, math.ceil(len(pair.left) / _POSES))
@@ -223,21 +224,21 @@ def _decided(
             found = _touches(problem, finder, pair, rows, hit)
             touches += found
             nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(rows) - 1)
-            spans = np.array([(one.time, one.last) for one in found])
+            spans = np.array([(one.first, one.last) for one in found])
             spans = np.interp(
                 spans, problem.motion.motion.times, np.arange(len(problem.motion.points) + 1)
             )
             touching = np.concatenate([touching, pair.left[hit[nearest_tested], :2], spans])
         else:
             doubts.append(_doubt(problem, proof, pair, finder, clearance))
-    touches.sort(key=attrgetter("time"))
+    touches.sort(key=attrgetter("first"))
     doubts.sort(key=attrgetter("first"))
     return tuple(touches), tuple(doubts), _stretches(problem, proof, touching)
 
 
 def _touches(
     problem: MotionProblem, finder: ContactFinder, pair: _Pair, rows: IntArray, hit: BoolArray
-) -> list[Touch]:
+) -> list[Contact]:
     """Contacts of a pair in order, each from its first time, found by bisection.
 
     Args:
@@ -262,8 +263,8 @@ def _touches(
         depths = [finder.depth(pose, pair.link, pair.other) for pose in poses]
         deepest = int(np.argmax(depths))
         times = (at, float(ends[rows[of_one[-1]]]), poses[deepest])
-        time, last, deep = (problem.motion.time_at(one) for one in times)
-        found.append(Touch(time, last, pair.link, pair.other, depths[deepest], deep))
+        first_time, last, deep = (problem.motion.time_at(one) for one in times)
+        found.append(Contact(pair.link, pair.other, first_time, last, deep, depths[deepest]))
     return found
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
-from abi.arm_planning.motion.arm_clearance import ArmClearance, Contact
+from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.certification.clearance_proof import nearest
@@ -120,10 +120,6 @@ def _clearance(verdict: MotionVerdict, motion: ArmMotion) -> ArmClearance:
     few = [nearest(verdict.problem, at[k : k + 1]).distance for k in range(len(at))]
     distances = np.interp(motion.time, motion.time[::_MEASURED], few)
     link, obstacle, time = verdict.nearest or ("", -1, 0.0)
-    contacts = [
-        Contact(one.link, one.obstacle, one.time, one.last, one.deepest, one.depth)
-        for one in verdict.touches
-    ]
     return ArmClearance(
         distances=read_only(distances),
         required=0.0,
@@ -131,7 +127,7 @@ def _clearance(verdict: MotionVerdict, motion: ArmMotion) -> ArmClearance:
         time=time,
         link=link,
         obstacle=obstacle,
-        contacts=tuple(sorted(contacts, key=lambda one: -one.depth)),
+        contacts=tuple(sorted(verdict.touches, key=lambda one: -one.depth)),
         certificate=None,
         has_verdict=verdict.state == "clear",
     )

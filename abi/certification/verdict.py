@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
+from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import ShortRepr
 from abi.certification.clearance_proof import MotionProblem, Separation
@@ -30,26 +31,6 @@ class TimeStretch(NamedTuple):
     first: float
     last: float
     state: State
-
-
-class Touch(NamedTuple):
-    """A contact of a link, decided on the exact shapes.
-
-    Attributes:
-        time: first time at which it touches, [s].
-        last: end of the stretch on which it does, [s], to a thousandth of the motion.
-        link: name of the link.
-        obstacle: number of an obstacle from 0, name of another link, or ``floor``.
-        depth: largest depth found, at least, [unit].
-        deepest: time of that, [s].
-    """
-
-    time: float
-    last: float
-    link: str
-    obstacle: int | str
-    depth: float
-    deepest: float
 
 
 class Doubt(NamedTuple):
@@ -83,7 +64,8 @@ class MotionVerdict(ShortRepr):
             that was found, [unit]; inf without obstacles.
         nearest: link, obstacle and time [s] of the least distance that was found; None without
             obstacles.
-        touches: contacts, the first one first.
+        touches: contacts, decided on the exact shapes, the first one first; they end where they do
+            to a thousandth of the motion.
         doubts: what is not decided.
         stretches: the whole motion in the order of time.
         limits: limits of the joints.
@@ -96,7 +78,7 @@ class MotionVerdict(ShortRepr):
     problem: MotionProblem
     clearance: float
     nearest: tuple[str, int, float] | None
-    touches: tuple[Touch, ...]
+    touches: tuple[Contact, ...]
     doubts: tuple[Doubt, ...]
     stretches: tuple[TimeStretch, ...]
     limits: LimitsKept
@@ -125,7 +107,7 @@ class MotionVerdict(ShortRepr):
             one = self.touches[0]
             depth = f", up to {one.depth:.3g} {unit} deep" if one.depth > 0 else ""
             return (
-                f"Touches: {one.link} meets {_words(one.obstacle)} from {self.at(one.time)} on"
+                f"Touches: {one.link} meets {_words(one.obstacle)} from {self.at(one.first)} on"
                 f"{depth}."
             )
         doubt = self.doubts[0]
@@ -143,7 +125,7 @@ class MotionVerdict(ShortRepr):
     def _where(self) -> tuple[str | None, int | str | None, float | None]:
         """Link, obstacle and time of the first contact, the first doubt, or the least distance."""
         if self.touches:
-            return self.touches[0].link, self.touches[0].obstacle, self.touches[0].time
+            return self.touches[0].link, self.touches[0].obstacle, self.touches[0].first
         if self.doubts:
             return self.doubts[0].link, self.doubts[0].obstacle, self.doubts[0].first
         return self.nearest or (None, None, None)
@@ -162,7 +144,7 @@ class MotionVerdict(ShortRepr):
             "obstacle": obstacle,
             "depth": first.depth if first else None,
             "interpolation": motion.interpolation,
-            "touches": [one._asdict() for one in self.touches],
+            "touches": [_touch(one) for one in self.touches],
             "undecided": [one._asdict() for one in self.doubts],
             "stretches": [one._asdict() for one in self.stretches],
             "limits": self.limits.to_dict(),
@@ -173,6 +155,18 @@ class MotionVerdict(ShortRepr):
             "scene": self.scene.to_dict(),
             "certificate": None if self.proof is None else _certificate(self.problem, self.proof),
         }
+
+
+def _touch(contact: Contact) -> dict[str, Any]:
+    """A contact as plain data: when it begins and ends, of what, and where it is deepest."""
+    return {
+        "time": contact.first,
+        "last": contact.last,
+        "link": contact.link,
+        "obstacle": contact.obstacle,
+        "depth": contact.depth,
+        "deepest": contact.time,
+    }
 
 
 def named(problem: MotionProblem, number: int) -> int | str:

@@ -43,7 +43,7 @@ def test_a_motion_is_checked_repaired_and_saved(page: Page, session: Session) ->
     assert marks.count() > 0
     page.reads("touching")
     assert page.tab.locator("canvas").count() > 1, "no plot"
-    page.set_time(found.touches[0].time)
+    page.set_time(found.touches[0].first)
 
     page.click("Repair")
     _verdict(page, session, "clear")

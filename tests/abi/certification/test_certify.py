@@ -76,14 +76,14 @@ def test_a_plate_that_a_thousand_samples_miss_is_found(degree: int) -> None:
     assert verdict.state == "touches"
     first = verdict.touches[0]
     assert first.obstacle == 0
-    assert 0 < first.time < 2
+    assert 0 < first.first < 2
     states = [one.state for one in verdict.stretches]
     assert "touches" in states
     assert states[0] == states[-1] == "clear"
     finder = ContactFinder(verdict.problem)
-    just, before = verdict.problem.motion, first.time - 1e-4
+    just, before = verdict.problem.motion, first.first - 1e-4
     assert just.time_at(0.5) == 1.0
-    assert finder.touches(first.time / 2 + 1e-7, first.link, 0)
+    assert finder.touches(first.first / 2 + 1e-7, first.link, 0)
     assert not finder.touches(before / 2, first.link, 0)
 
 
@@ -199,7 +199,7 @@ def test_a_link_inside_a_mesh_from_the_first_waypoint_on_is_told(tmp_path: Any) 
     still["positions"] = np.repeat(still["positions"][:1], 2, axis=0)
     verdict = verdict_of(scene, still)
     assert verdict.state == "touches"
-    assert verdict.touches[0].time == 0.0
+    assert verdict.touches[0].first == 0.0
 
 
 def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:

@@ -62,13 +62,13 @@ def test_samples_agree_with_the_verdict(seed: int) -> None:
         assert verify(verdict.to_dict())[0].proven
         return
     for one in verdict.touches:
-        at = np.interp(one.time, motion.times, np.arange(len(motion.times)))
+        at = np.interp(one.first, motion.times, np.arange(len(motion.times)))
         assert finder.touches(
-            float(at) + 1e-7 * (one.time < motion.times[-1]), one.link, one.obstacle
+            float(at) + 1e-7 * (one.first < motion.times[-1]), one.link, one.obstacle
         )
     if verdict.touches:
         first = next(one.first for one in verdict.stretches if one.state == "touches")
-        assert first <= verdict.touches[0].time + 1e-9
+        assert first <= verdict.touches[0].first + 1e-9
     # what is called proven does not touch: at samples inside, the exact shapes are apart
     touched = {(one.link, one.obstacle) for one in verdict.touches}
     for stretch in verdict.stretches:
@@ -120,7 +120,7 @@ def test_two_arms_move_together_and_meet(tmp_path: object) -> None:
     assert verdict.state == "touches"
     one = verdict.touches[0]
     assert {one.link[0], str(one.obstacle)[0]} == {"l", "r"}
-    assert 0 < one.time < 1
+    assert 0 < one.first < 1
     only_one = meeting.copy()
     only_one[1, names.index("jr1")] = 0.9
     clear = certify_motion(Motion(names, np.array([0.0, 1.0]), only_one), scene)

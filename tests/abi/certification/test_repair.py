@@ -52,7 +52,7 @@ def test_a_repaired_motion_is_proven_and_as_before_elsewhere(degree: int) -> Non
     assert checked_plan(found.verdict).is_arm_clear
     old, new = swing(degree), found.verdict.problem.motion.motion
     ((first, last),) = found.stretches
-    assert first < before.touches[0].time < last
+    assert first < before.touches[0].first < last
     assert np.ptp(new.times) == pytest.approx(np.ptp(old.times) + found.longer)
     assert found.farther > 0
     head, tail = old.times <= first, old.times >= last
