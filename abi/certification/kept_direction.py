@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.joint_search.held_part import EXACTLY
+from abi.arm_planning.joint_search.held_span import EXACTLY
 from abi.arrays import FloatArray
 from abi.certification.robot_motion import RobotMotion, on_curves
 from abi.robot.kinematics.chain import Chain

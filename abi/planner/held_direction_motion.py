@@ -14,8 +14,8 @@ from functools import partial
 import numpy as np
 
 from abi.arm_planning.arm_errors import DirectionNotHeld, NoJointMotion
-from abi.arm_planning.joint_search.held_part import HeldPart
-from abi.arm_planning.joint_search.held_path import HeldPath, path_holding
+from abi.arm_planning.joint_search.held_direction import HeldDirection
+from abi.arm_planning.joint_search.held_path import path_holding
 from abi.arm_planning.joint_search.held_search import HeldSearch
 from abi.arm_planning.joint_search.joint_motion import (
     SlowPart,
@@ -49,7 +49,7 @@ _SAMPLES = 401
 
 
 def move_holding(
-    part: HeldPart,
+    hold: HeldDirection,
     space: JointSpace,
     scene: Scene,
     obstacles: ObstacleSet,
@@ -59,7 +59,7 @@ def move_holding(
     """Find a motion that keeps a direction during a part of it, all of it proven clear.
 
     Args:
-        part: the direction, and when it is kept.
+        hold: the direction, and when it is kept.
         space: the arm and what it keeps clear of.
         scene: the scene.
         obstacles: its obstacles.
@@ -70,21 +70,21 @@ def move_holding(
         DirectionNotHeld: none was found.
         NoJointMotion: the joints are at the goal already.
     """
-    held, (starts, goals) = HeldSearch(space, part.hold), ends
-    starts = _aligned(part, "start", starts) if part.begin == 0 else starts
-    goals = _aligned(part, "goal", goals) if part.end == 1 else goals
+    held, (starts, goals) = HeldSearch(space, hold), ends
+    starts = _aligned(hold, "start", starts) if hold.begin == 0 else starts
+    goals = _aligned(hold, "goal", goals) if hold.end == 1 else goals
     nearest = _nearest_pairs(space, starts, goals)
     for pair in nearest:
         tries = range(effort.seed, effort.seed + _TRIES // len(nearest))
         efforts = [replace(effort, seed=seed) for seed in tries]
-        found = _between(part, held, scene, obstacles, pair, efforts)
+        found = _between(hold, held, scene, obstacles, pair, efforts)
         if found is not None:
             return found
-    raise DirectionNotHeld("path", part.hold.tolerance, (part.begin, part.end))
+    raise DirectionNotHeld("path", hold.tolerance, (hold.begin, hold.end))
 
 
 def _between(
-    part: HeldPart,
+    hold: HeldDirection,
     held: HeldSearch,
     scene: Scene,
     obstacles: ObstacleSet,
@@ -92,25 +92,26 @@ def _between(
     efforts: Sequence[JointSearchEffort],
 ) -> tuple[JointSearch, TimedMotion] | None:
     """A motion between a start and a goal, (1, n) each; None where no effort leads to one."""
-    asked, space = (part.begin, part.end), held.space
+    asked, space = (hold.begin, hold.end), held.space
     for effort in efforts:
         found = path_holding(held, asked, *pair, effort)
         if found is None:
             continue
-        if found.search.length == 0:
+        search, inner = found
+        if search.length == 0:
             raise NoJointMotion("same")
-        assert found.search.path is not None
-        spline = spline_near(space, found.search.path)
+        assert search.path is not None
+        spline = spline_near(space, search.path)
         if spline is None:
             continue
         short = (0.0, 0.0)
         for factor in _FACTORS:
-            passage = _passage(found, space.arm, factor, spline)
-            lacks = _shorter_by(part, _part_of(found, passage, scene.motion))
+            passage = _passage(inner, space.arm, factor, spline)
+            lacks = _shorter_by(hold, _part_of(inner, passage, scene.motion))
             if lacks is None:
-                moved = _moved(part, space, scene, obstacles, found, factor)
+                moved = _moved(hold, space, scene, obstacles, (search.path, inner), factor)
                 if moved is not None:
-                    return found.search, moved
+                    return search, moved
                 break
             if lacks == short:  # the law is as fast as the joints' limits let it, whatever the way
                 break
@@ -129,43 +130,39 @@ def _nearest_pairs(
     return [(starts[i : i + 1], goals[j : j + 1]) for i, j in rows]
 
 
-def _aligned(part: HeldPart, end: str, poses: FloatArray) -> FloatArray:
+def _aligned(hold: HeldDirection, end: str, poses: FloatArray) -> FloatArray:
     """Those joint positions (k, n) that keep the direction.
 
     Raises:
         DirectionNotHeld: there are none.
     """
-    angles, tolerance = part.hold.angles(poses), part.hold.tolerance
+    angles, tolerance = hold.angles(poses), hold.tolerance
     if angles.min() > tolerance:
-        raise DirectionNotHeld(end, tolerance, (part.begin, part.end), float(angles.min()))
+        raise DirectionNotHeld(end, tolerance, (hold.begin, hold.end), float(angles.min()))
     return np.asarray(poses[angles <= tolerance])
 
 
-def _passage(found: HeldPath, arm: UrdfArm, factor: float, spline: JointSpline) -> ChainJointPath:
-    """The way along a curve near a path, so many times as slow in the part of the path."""
-    assert found.search.path is not None
+def _passage(inner: FloatArray, arm: UrdfArm, factor: float, spline: JointSpline) -> ChainJointPath:
+    """The way along a curve, so many times as slow between its places nearest to two poses."""
     places = np.linspace(0.0, 1.0, _PLACES)
     positions = spline(places)
-    rows = found.search.path[[found.first, found.last]]
-    begin, end = (float(places[np.abs(positions - row).sum(axis=1).argmin()]) for row in rows)
+    begin, end = (float(places[np.abs(positions - row).sum(axis=1).argmin()]) for row in inner)
     return passage_of(spline, arm, SlowPart(begin, end, factor) if end > begin else None)
 
 
 def _part_of(
-    found: HeldPath, passage: ChainJointPath, settings: MotionSettings
+    inner: FloatArray, passage: ChainJointPath, settings: MotionSettings
 ) -> tuple[float, float]:
-    """Shares of a motion's time at which it passes the ends of the part of its path."""
+    """Shares of a motion's time at which it is nearest to two poses (2, n)."""
     positions = _timed(passage, settings)
-    assert found.search.path is not None
-    rows = found.search.path[[found.first, found.last]]
-    begin, end = (int(np.abs(positions - row).sum(axis=1).argmin()) for row in rows)
+    begin, end = (int(np.abs(positions - row).sum(axis=1).argmin()) for row in inner)
     return begin / (_SAMPLES - 1), end / (_SAMPLES - 1)
 
 
-def _shorter_by(part: HeldPart, at: tuple[float, float]) -> tuple[float, float] | None:
+def _shorter_by(hold: HeldDirection, at: tuple[float, float]) -> tuple[float, float] | None:
     """Shares of time by which a part is too short at both ends; None where it is long enough."""
-    late = at[0] - part.begin if part.begin > 0 else 0.0
-    early = part.end - at[1] if part.end < 1 else 0.0
+    late = at[0] - hold.begin if hold.begin > 0 else 0.0
+    early = hold.end - at[1] if hold.end < 1 else 0.0
     return (max(late, 0.0), max(early, 0.0)) if max(late, early) > 0 else None
 
 
@@ -177,18 +174,21 @@ def _longer(part: tuple[float, float], by: tuple[float, float]) -> tuple[float, 
 
 
 def _moved(
-    part: HeldPart,
+    hold: HeldDirection,
     space: JointSpace,
     scene: Scene,
     obstacles: ObstacleSet,
-    found: HeldPath,
+    found: tuple[FloatArray, FloatArray],
     factor: float,
 ) -> TimedMotion | None:
-    """A motion along a smooth curve near a path; None if none is clear and keeps the direction."""
-    assert found.search.path is not None
-    way = partial(_passage, found, space.arm, factor)
-    lack = partial(_lack, part, scene.motion, way)
-    spline = spline_near(space, found.search.path, lack=lack)
+    """A motion along a smooth curve near a path; None if none is clear and keeps the direction.
+
+    ``found`` is the path (k, n), and the joints where the part of it begins and ends (2, n).
+    """
+    path, inner = found
+    way = partial(_passage, inner, space.arm, factor)
+    lack = partial(_lack, hold, scene.motion, way)
+    spline = spline_near(space, path, lack=lack)
     if spline is None:
         return None
     passage = way(spline)
@@ -196,19 +196,19 @@ def _moved(
     count = sample_count(profile, scene.motion)
     around = obstacles, space.collision_world, space.margin
     moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
-    holds = part.fault(moved.motion.positions) is None
+    holds = hold.fault(moved.motion.positions) is None
     return moved if moved.is_clear and holds else None
 
 
 def _lack(
-    part: HeldPart,
+    hold: HeldDirection,
     settings: MotionSettings,
     way: Callable[[JointSpline], ChainJointPath],
     spline: JointSpline,
 ) -> float | None:
     """Parameter at which a motion along a curve keeps the direction least; None if it is kept."""
     positions = _timed(way(spline), settings)
-    row = part.fault(positions)
+    row = hold.fault(positions)
     if row is None:
         return None
     places = np.linspace(0.0, 1.0, _PLACES)

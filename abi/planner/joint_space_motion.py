@@ -14,7 +14,7 @@ import numpy as np
 from abi import progress
 from abi.arm_planning.arm_errors import NoJointMotion
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.joint_search.held_part import HeldPart
+from abi.arm_planning.joint_search.held_direction import HeldDirection
 from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import spline_near
@@ -92,7 +92,7 @@ def move_joints(
     space = JointSpace(arm, collision_world, scene.arm.clearance)
     starts, goals = (_clear_poses(space, obstacles, scene, end) for end in ENDS)
     if scene.arm.held_axis is not None:
-        part = HeldPart.of(arm, scene.arm.held_axis)
+        part = HeldDirection.of(arm, scene.arm.held_axis)
         return move_holding(part, space, scene, obstacles, (starts, goals), effort)
     search = search_joints(space, starts, goals, effort)
     if search.path is None:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates, joint_rates, passed_limits
-from abi.arm_planning.joint_search.held_part import HeldPart, HeldSpan, exact_span
+from abi.arm_planning.joint_search.held_direction import HeldDirection
+from abi.arm_planning.joint_search.held_span import HeldSpan, exact_span, held_span
 from abi.arm_planning.motion.liquid import largest_tilt
 from abi.arm_planning.motion.trajectory import Violation
 from abi.arrays import ShortRepr
@@ -102,7 +103,7 @@ class Plan(StageResults, ShortRepr):
             return (exact_span(arm, settings.exact_axis, motion),)
         if settings.held_axis is None or self.joint_search is None:
             return ()
-        return (HeldPart.of(arm, settings.held_axis).span(motion),)
+        return (held_span(HeldDirection.of(arm, settings.held_axis), motion),)
 
     def for_arm(self) -> Plan:
         """The plan to begin with on an arm's branch, of that of the tool alone."""

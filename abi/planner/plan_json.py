@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm_planning.joint_rates import JointRates
-from abi.arm_planning.joint_search.held_part import HeldSpan
+from abi.arm_planning.joint_search.held_span import HeldSpan
 from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.links_clearance import links_clearance

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import viser
 
-from abi.arm_planning.joint_search.held_part import HeldSpan
+from abi.arm_planning.joint_search.held_span import HeldSpan
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.certification.verdict import TimeStretch
 from app.panels.widgets import Wake, hidden_button

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import math
 
-from abi.arm_planning.joint_search.held_part import HeldSpan
+from abi.arm_planning.joint_search.held_span import HeldSpan
 from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.arm_planning.motion_law import LAWS
 from abi.curves.cubic_profile import CubicProfile

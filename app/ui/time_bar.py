@@ -9,7 +9,7 @@ import bisect
 from collections.abc import Sequence
 from typing import NamedTuple, Self
 
-from abi.arm_planning.joint_search.held_part import HeldSpan
+from abi.arm_planning.joint_search.held_span import HeldSpan
 from abi.certification.verdict import State, TimeStretch
 from app.ui import style
 

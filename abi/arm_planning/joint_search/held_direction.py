@@ -11,12 +11,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.robot.any_arm import AnyArm
+from abi.scene.held_axis import HeldAxis
 
 _ROUNDS = 12
 _DAMPING = 1e-6
@@ -35,25 +37,37 @@ AT_RISK = 0.98
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HeldDirection(ShortRepr):
-    """A direction that the z axis of an arm's tip is held to.
+    """A direction that the z axis of an arm's tip is held to during a part of a motion.
 
     Attributes:
         arm: the arm.
         direction: the direction, (3,), of any length but zero, world; kept as a unit vector.
         tolerance: largest angle between the two, above 0, [rad].
+        begin: where the part begins, as a share of the motion's time.
+        end: where it ends, above that.
     """
 
     arm: AnyArm
     direction: FloatArray
     tolerance: float
+    begin: float = 0.0
+    end: float = 1.0
 
     def __post_init__(self) -> None:
         direction = arguments.numbers("direction", self.direction, (3,))
+        begin = arguments.number("begin", self.begin, 0.0, 1.0)
         arguments.keep(
             self,
             direction=direction / np.linalg.norm(direction),
             tolerance=arguments.number("tolerance", self.tolerance, 0.0, np.pi / 2),
+            begin=begin,
+            end=arguments.number("end", self.end, begin, 1.0),
         )
+
+    @classmethod
+    def of(cls, arm: AnyArm, axis: HeldAxis) -> Self:
+        """The direction that a scene asks for."""
+        return cls(arm, np.array(axis.direction), axis.tolerance, axis.begin, axis.end)
 
     def angles(self, positions: FloatArray) -> FloatArray:
         """Angles (k,) between the direction and the tip's z axis at joint positions (k, n)."""
@@ -79,6 +93,24 @@ class HeldDirection(ShortRepr):
             part: of the tolerance that may be used up.
         """
         return np.asarray(self.largest_angles(positions) > part * self.tolerance)
+
+    def rows(self, samples: int) -> slice:
+        """Uniform samples of a motion that are in the part, or next to it."""
+        last = samples - 1
+        return slice(math.floor(self.begin * last), math.ceil(self.end * last) + 1)
+
+    def fault(self, positions: FloatArray) -> int | None:
+        """Sample of joint positions (k, n) at uniform times after which it is held least.
+
+        None where the direction is proven to be held throughout the part.
+        """
+        rows = self.rows(len(positions))
+        inside = positions[rows]
+        if not self.excess(inside).any():
+            return None
+        worst = int(self.largest_angles(inside).argmax())
+        at = self.angles(inside[worst : worst + 2])
+        return int(rows.start) + worst + int(at.argmax())
 
     def holds_way(self, start: FloatArray, end: FloatArray) -> bool:
         """Check whether a short straight joint motion, (n,) to (n,), holds it with a margin."""

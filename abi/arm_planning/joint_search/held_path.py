@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,27 +29,13 @@ _GUIDED = 4
 """Points of the unconstrained path towards which the search grows first."""
 
 
-class HeldPath(NamedTuple):
-    """A path of the joints, and the part of it that holds a direction.
-
-    Attributes:
-        search: the path, and what was searched for it.
-        first: number of its first row in the part.
-        last: number of the last one.
-    """
-
-    search: JointSearch
-    first: int
-    last: int
-
-
 def path_holding(
     held: HeldSearch,
     part: tuple[float, float],
     starts: FloatArray,
     goals: FloatArray,
     effort: JointSearchEffort,
-) -> HeldPath | None:
+) -> tuple[JointSearch, FloatArray] | None:
     """Find a joint path that holds a direction about between two fractions of its length.
 
     Args:
@@ -62,12 +47,13 @@ def path_holding(
         effort: how long to search.
 
     Returns:
-        The path, or None if none was found.
+        The path with what was searched for it, and the joints where the part of it begins and ends,
+        (2, n); None if none was found.
     """
     space, (begin, end) = held.space, part
     if begin <= 0 and end >= 1:
         found = held.search(starts, goals, effort)
-        return None if found.path is None else HeldPath(found, 0, len(found.path) - 1)
+        return None if found.path is None else (found, found.path[[0, -1]])
     guide = search_joints(space, starts, goals, effort)
     if guide.path is None:
         return None
@@ -95,8 +81,7 @@ def path_holding(
         proofs=guide.proofs + middle.proofs,
         refused=guide.refused + middle.refused,
     )
-    first_row = len(before) - 1
-    return HeldPath(found, first_row, first_row + len(middle.path) - 1)
+    return found, middle.path[[0, -1]]
 
 
 def _near(

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from abi.arm_planning.joint_search.held_part import HeldSpan
+from abi.arm_planning.joint_search.held_span import HeldSpan
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.held_axis import HeldAxis
 from app.panels.stages.tool_direction import ToolDirectionPanel
