@@ -7,7 +7,6 @@ lightweight approach to repairing digitized polygon meshes, The Visual Computer 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -69,7 +68,8 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
     if size == 0 or not areas_of(vertices, faces).any():
         raise SceneError("file", name, "a mesh, but none of its triangles has an area")
-    vertices, shells, notes, moved = _split(vertices, faces, size)
+    vertices, shells, moved = _split(vertices, faces, size)
+    notes = shells.notes
     if lines:
         notes = (
             *notes,
@@ -106,53 +106,44 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     return Surface(read_only(vertices), read_only(faces), parts > 0, notes)
 
 
-class _Split(NamedTuple):
-    """A mesh in shells, notes on its repair, and triangles as they were before corners moved."""
-
-    vertices: FloatArray
-    shells: Shells
-    notes: tuple[str, ...]
-    moved: IntArray
-
-
-def _split(vertices: FloatArray, faces: IntArray, size: float) -> _Split:
+def _split(
+    vertices: FloatArray, faces: IntArray, size: float
+) -> tuple[FloatArray, Shells, IntArray]:
     """Split a mesh into shells, closing small gaps if more of it bounds solids then.
 
     Nearby corners are joined, and edges split at corners that lie on them. Corners of what bounds a
     solid already stay where they are. Triangles whose corners moved are there as they were, too, so
     that nothing of the surface is lost, be it thinner than the gap.
+
+    Returns:
+        Its vertices, its shells, and the triangles as they were before corners moved.
     """
-    split = _split_as_it_is(vertices, faces)
-    solid = split.shells.is_solid
+    shells = _split_as_it_is(vertices, faces)
+    split, solid, kept = (vertices, shells, faces[:0]), shells.is_solid, shells.faces
     if solid.all():
         return split
-    kept = split.shells.faces
     # sheets, as this repair leaves them, have both sides, and stay sheets when they are read again
     both = np.sort(without_duplicates(faces)[1], axis=1)
     stays = solid | in_rows(np.sort(kept, axis=1), both)
     if stays.all():
         return split
-    near = weld_nearby(vertices, kept[~stays], _WELD * size)
-    count = np.int32(len(near.vertices))
-    faces, beside = split_at_corners(near.vertices, near.faces, _WELD * size)
-    corners, ids = np.concatenate([near.vertices, vertices]), kept[stays] + count
-    joined = _split_as_it_is(*weld(corners, np.concatenate([ids, faces])))
-    if joined.shells.is_solid.sum() <= solid.sum():
+    near, near_faces, moved = weld_nearby(vertices, kept[~stays], _WELD * size)
+    pieces, beside = split_at_corners(near, near_faces, _WELD * size)
+    corners, ids = np.concatenate([near, vertices]), kept[stays] + np.int32(len(near))
+    corners, faces = weld(corners, np.concatenate([ids, pieces]))
+    joined = _split_as_it_is(corners, faces)
+    if joined.is_solid.sum() <= solid.sum():
         return split
-    is_split, before = len(faces) > len(near.faces), np.concatenate([near.moved, beside])
-    told = [(_CLOSED_GAPS, not is_split or len(near.moved) > 0), (_SPLIT, is_split)]
+    is_split, before = len(pieces) > len(near_faces), np.concatenate([moved, beside])
+    told = [(_CLOSED_GAPS, not is_split or len(moved) > 0), (_SPLIT, is_split)]
     notes = [sentence for sentence, holds in (*told, (_AS_THEY_WERE, len(before) > 0)) if holds]
-    every = np.concatenate([joined.vertices, near.vertices]) + 0.0
+    every = np.concatenate([corners, near]) + 0.0
     first, ids = distinct_rows(every)
-    return _Split(
-        vertices=every[first],
-        shells=replace(joined.shells, faces=ids[joined.shells.faces]),
-        notes=(" ".join(notes), *joined.notes),
-        moved=ids[before + np.int32(len(joined.vertices))],
-    )
+    joined = replace(joined, faces=ids[joined.faces], notes=(" ".join(notes), *joined.notes))
+    return every[first], joined, ids[before + np.int32(len(corners))]
 
 
-def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> _Split:
+def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
     """Split a mesh into shells without joining nearby corners.
 
     Solids that touch in a face have its triangles twice, once from each side, as surfaces have
@@ -169,4 +160,4 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> _Split:
         shells = replace(ordered, notes=turned.notes)
     dropped = len(faces) - len(kept)
     twice = (f"{dropped} triangles were there twice and count once.",) if dropped else ()
-    return _Split(vertices, shells, (*twice, *shells.notes), faces[:0])
+    return replace(shells, notes=(*twice, *shells.notes))

@@ -23,7 +23,7 @@ class Shells:
         label: (m,) shell of each face.
         closed: (k,) whether each shell bounds a solid.
         has_border: (m,) whether each face is of a patch with a free border, which bounds nothing.
-        notes: sentences about what was turned.
+        notes: sentences about what was turned or otherwise repaired.
     """
 
     faces: IntArray

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy
 from numpy.typing import NDArray
@@ -16,25 +14,19 @@ _MOST = 5_000_000
 """Most pairs of an edge and a corner near it that are looked at."""
 
 
-class SplitAtCorners(NamedTuple):
-    """Triangles of which no free edge has a free corner of another within.
-
-    Attributes:
-        faces: (m, 3) ids of the corners.
-        before: (k, 3) faces as they were, whose pieces lie a little beside them.
-    """
-
-    faces: IntArray
-    before: IntArray
-
-
-def split_at_corners(vertices: FloatArray, faces: IntArray, size: float) -> SplitAtCorners:
+def split_at_corners(
+    vertices: FloatArray, faces: IntArray, size: float
+) -> tuple[IntArray, IntArray]:
     """Split triangles whose free edges run past corners, so that these edges have two sides.
 
     Args:
         vertices: (n, 3) coordinates.
         faces: (m, 3) ids of the corners.
         size: distance from an edge within which a corner lies on it.
+
+    Returns:
+        Faces (m, 3) of which no free edge has a free corner of another within, and faces (k, 3) as
+        they were, whose pieces lie a little beside them.
     """
     before = [faces[:0]]
     for _ in range(_ROUNDS):
@@ -43,7 +35,7 @@ def split_at_corners(vertices: FloatArray, faces: IntArray, size: float) -> Spli
             break
         before.append(faces[split[beside]])
         faces = np.concatenate([np.delete(faces, split, axis=0), pieces])
-    return SplitAtCorners(faces, np.concatenate(before))
+    return faces, np.concatenate(before)
 
 
 def _split_once(

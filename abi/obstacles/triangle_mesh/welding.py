@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy
 
@@ -30,22 +28,15 @@ def _joined(
     return compact(vertices[first], welded.astype(np.int32))
 
 
-class NearbyWelded(NamedTuple):
-    """A surface whose nearby corners are joined.
+def weld_nearby(
+    vertices: FloatArray, faces: IntArray, size: float
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """Join vertices that are near, but not those of faces that would vanish untraceably.
 
-    Attributes:
-        vertices: (n, 3), those of the surface before behind its own.
-        faces: (m, 3) of the surface.
-        moved: (k, 3) faces as they were before a corner of theirs moved.
+    Returns:
+        Vertices (n, 3), those of the surface before behind its own; its faces (m, 3); and faces
+        (k, 3) as they were before a corner of theirs moved.
     """
-
-    vertices: FloatArray
-    faces: IntArray
-    moved: IntArray
-
-
-def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> NearbyWelded:
-    """Join vertices that are near, but not those of faces that would vanish untraceably."""
     first, ids = _near_rows(vertices, size)
     moved = (vertices[first][ids] != vertices).any(axis=1)[faces].any(axis=1)
     corners = ids[faces].astype(np.int64)
@@ -61,7 +52,7 @@ def weld_nearby(vertices: FloatArray, faces: IntArray, size: float) -> NearbyWel
     both = np.concatenate([kept, faces[lost] + np.int32(len(welded))])
     welded, both = weld(np.concatenate([welded, vertices]), both)
     before = faces[moved & ~lost] + np.int32(len(welded))
-    return NearbyWelded(np.concatenate([welded, vertices]), both, before)
+    return np.concatenate([welded, vertices]), both, before
 
 
 def _near_rows(vertices: FloatArray, size: float) -> tuple[IntArray, IntArray]:

@@ -376,8 +376,8 @@ def test_a_chain_of_near_corners_is_not_drawn_together() -> None:
     chain = np.stack([along * 0.9e-6, zero, zero], axis=1)
     far = np.stack([along, zero + 1, zero], axis=1), np.stack([along, zero + 2, zero], axis=1)
     faces = np.arange(180, dtype=np.int32).reshape(3, 60).T.copy()
-    near = weld_nearby(np.concatenate([chain, *far]), faces, 1e-6)
-    moved = near.vertices[near.faces[:, 0]] - chain
+    near, near_faces, _ = weld_nearby(np.concatenate([chain, *far]), faces, 1e-6)
+    moved = near[near_faces[:, 0]] - chain
     assert np.abs(moved).max() < 2e-6
 
 
