@@ -20,10 +20,10 @@ import numpy as np
 
 from abi import compiling
 from abi.arm_planning.exclusion.paper_arm_regions import shadow
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
-from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from benchmarks.arm_campaign import Record, figures, record
 from benchmarks.quality import is_ompl_installed
@@ -100,7 +100,7 @@ def shadow_drag(pitch: float, nodes: int, scenes: int) -> Row:
     times: list[float] = []
     for seed in range(scenes):
         scene = arm_scene(seed, pitch, boxes=True)
-        arm, box = PaperArm.from_settings(scene.arm), scene.workspace
+        arm, box = paper_arm(scene.arm), scene.workspace
         for step in range(_STEPS):
             moved = _moved(scene, _SWING * np.sin(2 * np.pi * step / _STEPS))
             begin = time.thread_time()

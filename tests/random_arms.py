@@ -9,6 +9,7 @@ import numpy as np
 
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -59,7 +60,7 @@ def free_branches(scene: Scene, ends: FloatArray) -> Sequence[str]:
     obstacles = ObstacleSet(scene.obstacles)
     if obstacles.signed_distance(ends).min() < scene.spline.clearance + 0.02:
         return []
-    arm = PaperArm.from_settings(scene.arm)
+    arm = paper_arm(scene.arm)
     collision_world = paper_arm_world(arm, obstacles, scene.workspace.min[2])
     branches = []
     for elbow in scene.arm.branches:

@@ -23,11 +23,17 @@ _LONGER = 1.5
 """Longest path, over the straight line, whose duration bounds the slide in advance."""
 
 
+def paper_arm(settings: ArmSettings, unit: Literal["m", "cm", "mm"] = "cm") -> PaperArm:
+    """The paper's arm that a scene's settings describe; lengths in the scene's unit."""
+    lengths = settings.a1, settings.a2, settings.a3, settings.a4, settings.a5
+    return PaperArm.of(settings.base, lengths, unit)
+
+
 class PaperArmModel:
     """The paper's arm for the planner; caches the rows of the last obstacles."""
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
-        self.arm = PaperArm.from_settings(settings, unit)
+        self.arm = paper_arm(settings, unit)
         self.chain_arm = None
         self._rows = RowTable()
 

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import abi
 from abi import arguments
 from abi.arm_planning.motion.liquid import tilts
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.clear_quadratic import Target
 from abi.curves.clearance.bezier import Bezier
@@ -169,8 +170,8 @@ def of_capsule(field: str) -> Entry:
 
 
 @cache
-def paper_arm() -> PaperArm:
-    return PaperArm.from_settings(ArmSettings(), "cm")
+def usual_arm() -> PaperArm:
+    return paper_arm(ArmSettings(), "cm")
 
 
 def spline() -> BSpline:
@@ -325,8 +326,8 @@ def entries() -> dict[str, Entry]:
         "UrdfArm: limits": Entry(lambda at: of_arm(limits=at), ur5e().limits),
         "ChainCapsule: ends": of_capsule("ends"),
         "ChainCapsule: points": of_capsule("points"),
-        "forward": Entry(lambda at: forward(paper_arm(), at), ANGLES),
-        "place": Entry(lambda at: place(paper_arm(), at), ANGLES),
+        "forward": Entry(lambda at: forward(usual_arm(), at), ANGLES),
+        "place": Entry(lambda at: place(usual_arm(), at), ANGLES),
         "joint_torques: positions": Entry(
             lambda at: joint_torques(chain(), at, ANGLES, ANGLES), ANGLES
         ),

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import interpolate
 
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arrays import FloatArray
 from abi.curves import curve
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.clearance.curve_clearance import Clearance, curve_clearance
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.robot.paper_arm import inverse_kinematics as ik
-from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import ArmSettings
 from tests.abi.shape_distances import gradient, segment_distance
 from tests.kernel_forms import compiled, plain
@@ -138,7 +138,7 @@ def test_arc_lengths_are_inverted_compiled_and_plain(seed: int) -> None:
 @given(seeds, st.sampled_from(["beside", "through", "along"]))
 def test_joints_are_the_same_compiled_and_plain(seed: int, how: str) -> None:
     random = np.random.default_rng(seed)
-    arm = PaperArm.from_settings(ArmSettings())
+    arm = paper_arm(ArmSettings())
     ends = random.uniform(-3, 3, (2, 3))
     if how == "through":
         ends[1, :2] = -ends[0, :2]

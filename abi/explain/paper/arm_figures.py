@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.explain.paper import printed
@@ -20,7 +21,7 @@ _POSES = 10_000
 def of_kinematics(scene: Scene) -> Iterator[PaperComparison]:
     """Forward and inverse kinematics: the printed formulas in random poses, and ours."""
     section = "stage 6, arm"
-    arm = PaperArm.from_settings(scene.arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
+    arm = paper_arm(scene.arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
     poses, tool = _facing_poses(arm)
     solved = np.zeros_like(poses)
     solved[:, :3], _ = solve(arm, tool, np.zeros(_POSES), "up", np.zeros_like(tool))

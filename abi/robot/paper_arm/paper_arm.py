@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any, Literal, Protocol, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,34 +47,6 @@ MOVED = 3
 
 STROKE = 0.8
 """Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
-
-
-class ArmLengths(Protocol):
-    """Position and link lengths of the paper's arm, as in a scene's settings."""
-
-    @property
-    def base(self) -> Vec3:
-        """Centre of its foot, [unit], world."""
-
-    @property
-    def a1(self) -> float:
-        """Height of q1 above the base, [unit]."""
-
-    @property
-    def a2(self) -> float:
-        """Height of the shoulder above q1, [unit]."""
-
-    @property
-    def a3(self) -> float:
-        """Length of the upper arm, [unit]."""
-
-    @property
-    def a4(self) -> float:
-        """Length of the forearm, [unit]."""
-
-    @property
-    def a5(self) -> float:
-        """Length from the forearm's end to the tool at q5 = 0, [unit]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,15 +84,21 @@ class PaperArm(ShortRepr):
         )
 
     @classmethod
-    def from_settings(cls, settings: ArmLengths, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
-        """The arm that a scene's settings describe; lengths in the scene's unit."""
+    def of(cls, base: Vec3, lengths: Sequence[float], unit: Literal["m", "cm", "mm"]) -> Self:
+        """The arm with limits and capsules that follow from its lengths.
+
+        Args:
+            base: foot of its base on the floor, [unit], world.
+            lengths: a1 to a5, as of :class:`PaperArm`, [unit].
+            unit: that of all lengths.
+        """
         roll = (-2 * math.pi, 2 * math.pi)
-        lengths = settings.a1, settings.a2, settings.a3, settings.a4, settings.a5
-        capsules = link_capsules(*lengths)
-        bend = min(2.9, steepest_bend(capsules, settings.a4))
-        limits = [roll, (-2.8, 2.8), (-bend, bend), roll, (0.0, STROKE * settings.a4), roll]
-        base = read_only(np.array(settings.base, dtype=float))
-        return cls(base, *lengths, read_only(np.array(limits)), capsules, unit)
+        a1, a2, a3, a4, a5 = lengths
+        capsules = link_capsules(a1, a2, a3, a4, a5)
+        bend = min(2.9, steepest_bend(capsules, a4))
+        limits = [roll, (-2.8, 2.8), (-bend, bend), roll, (0.0, STROKE * a4), roll]
+        foot = read_only(np.array(base, dtype=float))
+        return cls(foot, a1, a2, a3, a4, a5, read_only(np.array(limits)), capsules, unit)
 
     @property
     def root(self) -> str:

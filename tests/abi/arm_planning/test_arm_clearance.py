@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion, follow
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arm_planning.world.paper_arm_distance_kernels import (
     capsule_clearances,
@@ -58,7 +59,7 @@ class Case:
 
 
 def case(settings: ArmSettings, points: FloatArray, obstacles: Obstacles, samples: int) -> Case:
-    arm, curve = PaperArm.from_settings(settings), clamped(points, min(3, len(points) - 1))
+    arm, curve = paper_arm(settings), clamped(points, min(3, len(points) - 1))
     arc = arc_length(curve)
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
     motion = follow(curve, arc, profile, arm, settings, samples)
@@ -212,7 +213,7 @@ def test_a_box_on_the_column_is_seen() -> None:
 def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int) -> None:
     random = np.random.default_rng(seed)
     obstacles = ObstacleSet(tuple(random_obstacle(random) for _ in range(3)))
-    arm, far = PaperArm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0))), np.inf
+    arm, far = paper_arm(ArmSettings(base=(3.0, -3.0, 0.0))), np.inf
     collision_world = paper_arm_world(arm, obstacles, 0.0)
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
@@ -255,7 +256,7 @@ def test_the_nearest_capsule_and_those_that_touch_a_mesh_are_measured(seed: int)
             for name in random.choice(list(source.files), 5)
         )
     )
-    arm = PaperArm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0)))
+    arm = paper_arm(ArmSettings(base=(3.0, -3.0, 0.0)))
     positions = np.zeros((40, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 40)
@@ -285,7 +286,7 @@ def test_what_is_told_of_a_contact_with_a_mesh_is_the_deepest_of_all_its_poses(s
         for mesh in (meshes.room(5), meshes.sphere(2), meshes.knot(500), meshes.soup(50))
     ]
     obstacles = ObstacleSet(tuple(shapes[: random.integers(1, 5)]))
-    arm = PaperArm.from_settings(ArmSettings(base=(3.0, -1.0, 0.0)))
+    arm = paper_arm(ArmSettings(base=(3.0, -1.0, 0.0)))
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 60)

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.link_capsules import COLUMN
-from abi.robot.paper_arm.paper_arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import place
 from abi.scene.arm_settings import Elbow
 from tests.random_arms import arm_scene
 
@@ -24,7 +25,7 @@ _SAMPLES = 60
 @pytest.mark.parametrize("seed", range(4))
 def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow) -> None:
     scene = arm_scene(seed)
-    arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    arm, obstacles = paper_arm(scene.arm), ObstacleSet(scene.obstacles)
     collision_world = paper_arm_world(arm, obstacles, scene.workspace.min[2])
     branch = ElbowBranch(arm, elbow, collision_world, (0.0, 0.0), 0.0, _SLACK)
     points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
@@ -50,7 +51,7 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
 @pytest.mark.parametrize("elbow", ["up", "down"])
 def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> None:
     scene = arm_scene(1)
-    arm = PaperArm.from_settings(scene.arm)
+    arm = paper_arm(scene.arm)
     collision_world = paper_arm_world(arm, ObstacleSet(()), scene.workspace.min[2])
     branch = ElbowBranch(arm, elbow, collision_world, (0.0, 0.0), 0.0, _SLACK)
     reach = arm.a3 + arm.a4 + arm.a5

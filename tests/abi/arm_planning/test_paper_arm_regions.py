@@ -10,11 +10,11 @@ from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.exclusion.paper_arm_mask_kernels import reached_places
 from abi.arm_planning.exclusion.paper_arm_region_kernels import arm_gaps
 from abi.arm_planning.exclusion.paper_arm_regions import reachable, shadow
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
-from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.paper_arm.pose_kernels import CAPSULE, capsule_ends, pose_of
 from abi.scene.arm_settings import Elbow
 from abi.scene.scene import Scene
@@ -32,7 +32,7 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     box = {"shape": "box", "size": [1.5, 1, 1], "position": [3, 2, 3.5]}
     ball = {"shape": "sphere", "radius": 0.6, "position": [1.5, 4, 2]}
     scene = Scene.from_dict({"version": 1, "obstacles": [box, ball]})
-    arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    arm, obstacles = paper_arm(scene.arm), ObstacleSet(scene.obstacles)
     collision_world = paper_arm_world(arm, obstacles, 0.0)
     triangles = shadow(arm, elbow, 0.0, collision_world, (scene.workspace.min, scene.workspace.max))
     assert len(triangles) > 100
@@ -56,7 +56,7 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
     scene = arm_scene(seed)
-    arm, most = PaperArm.from_settings(scene.arm), 0.3
+    arm, most = paper_arm(scene.arm), 0.3
     elbow: Elbow = "up" if seed % 2 else "down"
     collision_world = paper_arm_world(arm, ObstacleSet(scene.obstacles), 0.0)
     solids = collision_world.only(collision_world.numbers >= 0).beyond(0.0)
@@ -86,7 +86,7 @@ def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
 
 @pytest.mark.slow
 def test_the_reach_is_where_inverse_kinematics_keeps_the_limits() -> None:
-    arm = PaperArm.from_settings(Scene.from_dict({"version": 1}).arm)
+    arm = paper_arm(Scene.from_dict({"version": 1}).arm)
     triangles = reachable(arm, "up", 0.0, 0.0)
     collision_world = paper_arm_world(arm, ObstacleSet(()), -100.0)
     branch = ElbowBranch(

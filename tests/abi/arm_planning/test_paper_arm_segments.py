@@ -7,6 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
@@ -27,7 +28,7 @@ SEED = st.integers(0, 2**32 - 1)
 def random_arm(random: np.random.Generator) -> PaperArm:
     base = (float(random.uniform(1, 5)), float(random.uniform(-4, -1)), 0.0)
     lengths = dict(zip(("a3", "a4", "a5"), random.uniform(2, 6, 3).tolist(), strict=True))
-    return PaperArm.from_settings(ArmSettings(base=base, **lengths))
+    return paper_arm(ArmSettings(base=base, **lengths))
 
 
 @settings(max_examples=examples(20), deadline=None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
 from abi.arm_planning.world.solid_rows import RowTable
 from abi.obstacles.mesh_shape import MeshShape
@@ -13,7 +14,6 @@ from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import ArmSettings
 from tests.abi import meshes
 
@@ -24,7 +24,7 @@ _SURFACES = clean(*meshes.sphere(1, 0.4)), clean(*meshes.soup(40))
 def test_rows_that_stay_are_those_made_anew(seed: int) -> None:
     random, arm, table = (
         np.random.default_rng(seed),
-        PaperArm.from_settings(ArmSettings(), "cm"),
+        paper_arm(ArmSettings(), "cm"),
         RowTable(),
     )
     obstacles = [_obstacle(random) for _ in range(6)]

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 from abi.arm_planning.arm_errors import OutOfReach
 from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, follow
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.curves.clearance.bezier import Bezier
@@ -20,7 +21,7 @@ from abi.curves.curve import arc_length
 from abi.curves.three_phase_profile import three_phase
 from abi.errors import ArgumentError
 from abi.explain.paper import printed
-from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
+from abi.robot.paper_arm.paper_arm import JOINTS
 from abi.scene.arm_settings import ArmSettings
 from tests.abi.bezier import interpolated
 from tests.thorough import examples
@@ -66,7 +67,7 @@ def run(
     arm = ArmSettings() if arm is None else arm
     arc = arc_length(curve)
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
-    return follow(curve, arc, profile, PaperArm.from_settings(arm), arm, samples)
+    return follow(curve, arc, profile, paper_arm(arm), arm, samples)
 
 
 def random_curve(seed: int) -> Polynomial:
@@ -265,7 +266,7 @@ def test_several_stretches_are_told_apart() -> None:
 def test_joints_past_their_limits_are_named() -> None:
     arm = ArmSettings(forces=(100.0, 2.0, 0.0))
     motion = run(printed_quadratic(), arm)
-    limits = PaperArm.from_settings(arm).limits
+    limits = paper_arm(arm).limits
     past = (motion.positions < limits[:, 0]) | (motion.positions > limits[:, 1])
     expected = [name for name, column in zip(JOINTS, past.T, strict=True) if column.any()]
     assert {"q4", "q5"} <= set(expected)

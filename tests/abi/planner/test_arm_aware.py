@@ -14,6 +14,7 @@ from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.explain.arm_diagnosis import _bases
 from abi.explain.diagnosis import explain
@@ -34,7 +35,7 @@ _ON_WALL = (0.5**0.5, 0.0, 0.5**0.5, 0.0)
 
 
 def elbow_branch_of(scene: Scene, elbow: Elbow = "up", slack: float = 0.0) -> ElbowBranch:
-    arm, obstacles = PaperArm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    arm, obstacles = paper_arm(scene.arm), ObstacleSet(scene.obstacles)
     surroundings = paper_arm_world(arm, obstacles, scene.workspace.min[2])
     return ElbowBranch(arm, elbow, surroundings, (0.0, 0.0), scene.arm.clearance, slack)
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arrays import FloatArray
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import PaperArm, forward
@@ -24,11 +25,11 @@ SEED = st.integers(0, 2**32 - 1)
 def arms(draw: st.DrawFn) -> PaperArm:
     lengths = {name: draw(LENGTH) for name in ("a1", "a2", "a3", "a4", "a5")}
     base = tuple(draw(st.floats(-20, 20)) for _ in range(3))
-    return PaperArm.from_settings(ArmSettings(base=base, **lengths))
+    return paper_arm(ArmSettings(base=base, **lengths))
 
 
 def default_arm(**changes: float) -> PaperArm:
-    return PaperArm.from_settings(ArmSettings(base=(0.0, 0.0, 0.0), **changes))
+    return paper_arm(ArmSettings(base=(0.0, 0.0, 0.0), **changes))
 
 
 def tool(arm: PaperArm, found: FloatArray, q5: FloatArray) -> FloatArray:

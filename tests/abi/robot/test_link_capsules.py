@@ -11,6 +11,7 @@ import yourdfpy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arrays import FloatArray
 from abi.robot.paper_arm.link_capsules import FOREARM, SLIDE, UPPER_ARM
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm, forward, place, urdf
@@ -22,7 +23,7 @@ LENGTH = st.floats(-0.7, 0.7).map(lambda power: 3 * 10.0**power)
 @st.composite
 def arms(draw: st.DrawFn) -> PaperArm:
     lengths = {name: draw(LENGTH) for name in ("a1", "a2", "a3", "a4", "a5")}
-    return PaperArm.from_settings(ArmSettings(base=(1.0, -2.0, 0.5), **lengths))
+    return paper_arm(ArmSettings(base=(1.0, -2.0, 0.5), **lengths))
 
 
 def from_segment(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from abi import assets
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arrays import FloatArray
 from abi.robot.bodies.link_solid import LinkSolid
 from abi.robot.bodies.urdf_writer import DENSITY, inertia
@@ -32,9 +33,7 @@ METRES: dict[Unit, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 def arms(draw: st.DrawFn) -> PaperArm:
     lengths = {name: draw(LENGTH) for name in ("a1", "a2", "a3", "a4", "a5")}
     base = (draw(COORDINATE), draw(COORDINATE), draw(COORDINATE))
-    return PaperArm.from_settings(
-        ArmSettings(base=base, **lengths), draw(st.sampled_from(list(METRES)))
-    )
+    return paper_arm(ArmSettings(base=base, **lengths), draw(st.sampled_from(list(METRES))))
 
 
 def load(text: str) -> yourdfpy.URDF:
@@ -120,7 +119,7 @@ def test_the_urdf_is_sound(arm: PaperArm) -> None:
 
 
 def test_the_urdf_can_be_written_in_the_scenes_unit() -> None:
-    arm = PaperArm.from_settings(ArmSettings(), "cm")
+    arm = paper_arm(ArmSettings(), "cm")
     robot = load(urdf(arm, 1.0))
     positions = np.array([[0.4, 0.3, 1.1, 0.2, 1.5, 0.5]])
     robot.update_cfg(positions[0])
@@ -130,25 +129,25 @@ def test_the_urdf_can_be_written_in_the_scenes_unit() -> None:
 
 def test_the_tool_can_reach_its_limits_in_every_unit() -> None:
     for unit, metres in METRES.items():
-        arm = PaperArm.from_settings(ArmSettings(a4=3.0), unit)
+        arm = paper_arm(ArmSettings(a4=3.0), unit)
         slide = load(urdf(arm)).joint_map["q5"].limit
         assert slide.upper == pytest.approx(STROKE * 3.0 * metres, rel=1e-12)
 
 
 def test_equal_link_lengths_give_equal_text_wherever_the_arm_stands() -> None:
-    here = PaperArm.from_settings(ArmSettings(base=(0.0, 0.0, 0.0)))
-    there = PaperArm.from_settings(ArmSettings(base=(1.0, 2.0, 3.0), elbow="down", q5=1.0))
+    here = paper_arm(ArmSettings(base=(0.0, 0.0, 0.0)))
+    there = paper_arm(ArmSettings(base=(1.0, 2.0, 3.0), elbow="down", q5=1.0))
     assert urdf(here) == urdf(there)
-    assert urdf(here) != urdf(PaperArm.from_settings(ArmSettings(a3=6.5)))
+    assert urdf(here) != urdf(paper_arm(ArmSettings(a3=6.5)))
 
 
 def test_the_shipped_file_is_the_generators() -> None:
     shipped = assets.path("urdf", "abi.urdf").read_text(encoding="utf-8")
-    assert shipped == urdf(PaperArm.from_settings(ArmSettings(), "cm"))
+    assert shipped == urdf(paper_arm(ArmSettings(), "cm"))
 
 
 def test_the_text_has_no_rounding_noise() -> None:
-    text = urdf(PaperArm.from_settings(ArmSettings(), "m"))
+    text = urdf(paper_arm(ArmSettings(), "m"))
     for number in re.findall(r"[\d.]+e-\d+", text):
         assert float(number) > 1e-9
 

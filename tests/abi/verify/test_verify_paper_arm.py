@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 
 from abi import Scene, load_scene, plan
 from abi.arm_planning.motion import arm_clearance
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.curves.bspline import clamped
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import ArmSettings
 from abi.verify.arm_capsules import capsules_of
 from abi.verify.exact.paper_arm import ExactArm
@@ -215,7 +215,7 @@ def test_no_capsule_may_be_less_than_its_link(
 @given(st.lists(st.floats(0.05, 20.0), min_size=5, max_size=5))
 def test_capsules_of_every_arm_leave_no_gap(lengths: list[float]) -> None:
     names = ("a1", "a2", "a3", "a4", "a5")
-    arm = PaperArm.from_settings(ArmSettings(**dict(zip(names, lengths, strict=True))), "cm")
+    arm = paper_arm(ArmSettings(**dict(zip(names, lengths, strict=True))), "cm")
     a1, a2, a3, a4, a5 = map(Fraction, lengths)
     exact = ExactArm((Fraction(0),) * 3, a1 + a2, a3, a4 + a5, 1)
     written = json.loads(json.dumps(arm.proof_data()))
@@ -311,7 +311,7 @@ def test_how_deep_the_tool_dips_is_found_between_the_samples(
     motion: Any = SimpleNamespace(
         curve=curve, tool=curve(np.linspace(0.0, 1.0, 5)), time=np.linspace(0.0, 1.0, 5)
     )
-    found = arm_clearance._dips(motion, PaperArm.from_settings(ArmSettings()), floor)
+    found = arm_clearance._dips(motion, paper_arm(ArmSettings()), floor)
     assert bool(found) == (lowest < floor)
     if found:
         assert found[0].depth == pytest.approx(floor - lowest, abs=1e-5)

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 import scipy.spatial
 
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.curves.bspline import clamped
 from abi.explain.paper import printed
 from abi.planner.planner import Planner
 from abi.robot.paper_arm.inverse_kinematics import solve
-from abi.robot.paper_arm.paper_arm import PaperArm, forward
+from abi.robot.paper_arm.paper_arm import forward
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import load_scene
 from abi.search.search import SEARCHES
@@ -163,9 +164,7 @@ def the_force_gives_the_acceleration_q_by_i() -> bool:
 
 
 def a_mirrored_y_is_the_same_only_at_0() -> bool:
-    arm = PaperArm.from_settings(
-        load_scene("paper").arm.model_copy(update={"base": (0.0, 0.0, 0.0)})
-    )
+    arm = paper_arm(load_scene("paper").arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
     y = np.linspace(-2, 2, 41)
     tool = np.column_stack([np.full(41, 4.0), y, np.full(41, 5.0)])
     joints, _ = solve(arm, tool, np.zeros(41), "up", np.zeros_like(tool))

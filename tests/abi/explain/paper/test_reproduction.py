@@ -8,11 +8,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi import assets
+from abi.arm_planning.paper_arm_model import paper_arm
 from abi.curves.curve import arc_length
 from abi.explain.paper import printed
 from abi.explain.paper.comparison import PaperComparison
 from abi.explain.paper.reproduction import compare
-from abi.robot.paper_arm.paper_arm import PaperArm, forward
+from abi.robot.paper_arm.paper_arm import forward
 from abi.scene.scene import Scene
 from tests.thorough import examples
 
@@ -97,7 +98,7 @@ def test_the_printed_quadratic_is_as_long_as_printed_and_ends_where_it_should() 
 @given(st.floats(-np.pi, np.pi), st.floats(0.1, 1.5), st.floats(0.1, 1.5))
 def test_printed_q1_is_right_in_one_quadrant(q1: float, q2: float, q3: float) -> None:
     assume(min(abs(q1), abs(q1 - np.pi / 2)) > 1e-5)
-    arm = PaperArm.from_settings(Scene(version=1).arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
+    arm = paper_arm(Scene(version=1).arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
     tool = forward(arm, np.array([[q1, q2, q3, 0, 0, 0]]))
     (found,) = printed.q1(tool)
     assert (abs(found - q1) < 1e-6) == (0 < q1 < np.pi / 2)
