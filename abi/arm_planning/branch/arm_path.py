@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -51,20 +50,13 @@ def search_clear(
     return None
 
 
-@dataclass(frozen=True, eq=False)
-class _Segments:
-    """Segments of the tool with an arm that the kernels do not support."""
-
-    obstacles: ObstacleSet
-    margin: float
-    branch: ArmBranch
-
-    def clear(self, points: tuple[Vec3, ...]) -> bool:
-        """Check whether the segments between points are clear for tool and arm."""
-        polyline = np.array(points)
-        if self.obstacles.polyline_clearance(polyline) < self.margin:
-            return False
-        return self.branch.polyline_refutation(polyline) is None
+def _is_clear(around: tuple[ObstacleSet, float, ArmBranch], points: tuple[Vec3, ...]) -> bool:
+    """Check whether segments are clear for the tool and an arm that the kernels do not support."""
+    obstacles, margin, branch = around
+    polyline = np.array(points)
+    if obstacles.polyline_clearance(polyline) < margin:
+        return False
+    return branch.polyline_refutation(polyline) is None
 
 
 def pull_clear(
@@ -95,8 +87,7 @@ def pull_clear(
     margin = min(margin, float(ends) - _ROUNDING)
     if branch.segments is None:
         vertices = [(x, y, z) for x, y, z in path.points.tolist()]
-        around = _Segments(obstacles, margin, branch)
-        points = np.array(pull(vertices, around, _Segments.clear, rounds))
+        points = np.array(pull(vertices, (obstacles, margin, branch), _is_clear, rounds))
     else:
         points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), branch.segments))
         points = points.reshape(-1, 3)
