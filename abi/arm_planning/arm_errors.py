@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from abi.errors import StageError, format_length
@@ -84,7 +84,13 @@ class ArmNotClear(StageError):
         has_elbow: whether the branches are the two sides of an elbow.
         why: why start or goal cannot be taken, with joint, limit or distance, as a predicate.
         contact: whether the link itself touches that; None where it is not known.
+
+    Attributes:
+        explain: makes the error that tells what the link itself does, which takes a while; None
+            where this one does.
     """
+
+    explain: Callable[[], ArmNotClear] | None = None
 
     def __init__(
         self,

@@ -96,7 +96,7 @@ class ArmAware:
         others = problem.model.other_branches(asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others.branches))
         of_name = {one.arm_branch.name: one for one in every}
-        why = [of_name[name].explained(fault) for name, fault in faults.items()]
+        why = [(of_name[name], fault) for name, fault in faults.items()]
         return _first_motion(branches, tool, why, others.note)
 
     def _branch(
@@ -111,6 +111,10 @@ class ArmAware:
         assert tool.free is not None
         exclude = self._exclude.setdefault(memory, ArmExclusionCache())
         return WholeArmBranch(problem, collision_world, tool.free, tool.taut, arm_branch, exclude)
+
+
+_Fault = tuple[WholeArmBranch, ArmNotClear]
+"""A branch, and why it leads to no motion."""
 
 
 def _shortest_motion(
@@ -159,7 +163,7 @@ def _shortest_motion(
 def _first_motion(
     branches: Iterable[WholeArmBranch],
     tool: Plan,
-    faults: Sequence[ArmNotClear],
+    faults: Sequence[_Fault],
     note: str,
 ) -> Plan:
     """The plan on the first of the further branches that leads to a motion.
@@ -173,16 +177,25 @@ def _first_motion(
     Raises:
         ArmNotClear: there is none.
     """
-    found = []
+    found: list[_Fault] = []
     for branch in branches:
         run = BranchRun(branch, tool.for_arm())
         try:
             run.move_arm(run.fit_curves(run.find_path()))
         except ArmNotClear as fault:
-            found.append(branch.explained(fault))
+            found.append((branch, fault))
         else:
             return run.plan
-    raise ArmNotClear.of_all(faults, found, note)
+    first, others = ([fault for _, fault in some] for some in (faults, found))
+    error = ArmNotClear.of_all(first, others, note)
+    error.explain = partial(_explained, faults, found, note)
+    raise error
+
+
+def _explained(faults: Sequence[_Fault], others: Sequence[_Fault], note: str) -> ArmNotClear:
+    """The error of all branches with what the links themselves do."""
+    first, rest = ([one.explained(fault) for one, fault in some] for some in (faults, others))
+    return ArmNotClear.of_all(first, rest, note)
 
 
 def _order(candidate: _Candidate) -> tuple[float, int]:

@@ -168,16 +168,21 @@ class Planner:
         try:
             return self._avoid(tool, run.plan)
         except ArmNotClear as fault:
-            moved = run.move_arm(curve)
-            on_mesh = moved.motion.error or _with_contact(fault, moved, scene)
-        if not may_search_joints(scene.arm):
-            raise on_mesh
-        try:
-            return self._through_joints(tool, run.plan)
-        except NoJointMotion as fault:
-            if isinstance(on_mesh, ArmNotClear) and fault.where not in ENDS:
-                on_mesh = on_mesh.nor_in_joints(fault)
-            raise on_mesh from None
+            on_mesh = fault
+        in_joints: NoJointMotion | None = None
+        if may_search_joints(scene.arm):
+            try:
+                return self._through_joints(tool, run.plan)
+            except NoJointMotion as fault:
+                in_joints = fault
+        # what is shown and told where there is no motion at all takes a while
+        moved = run.move_arm(curve)
+        if on_mesh.explain is not None:
+            on_mesh = on_mesh.explain()
+        why: StageError = moved.motion.error or _with_contact(on_mesh, moved, scene)
+        if in_joints is not None and isinstance(why, ArmNotClear) and in_joints.where not in ENDS:
+            why = why.nor_in_joints(in_joints)
+        raise why
 
     def _curve(self, tool: ToolBranch, run: BranchRun) -> AnyFit:
         """The curve of the tool alone that the arm is to follow.

@@ -41,11 +41,7 @@ def link_contact(
     """
     pose = arguments.numbers("pose", pose, arm.scales.shape)
     link, other = pair
-    links = arm.chain.robot.links
-    named = [links[name] for name in pair if isinstance(name, str) and name != "floor"]
-    if not all(one.shapes for one in named):
-        return None
-    if max(sum(len(shape.faces) for shape in one.shapes) for one in named) > _MOST:
+    if not _is_decided(arm, *(name for name in pair if isinstance(name, str) and name != "floor")):
         return None
     compile_kernels()
     placed, solids = _placed(arm, link, pose), _solids(arm, link)
@@ -58,11 +54,39 @@ def link_contact(
     else:
         clearance = 0.0
         beside, base = _solids(arm, other), _placed(arm, other, pose)
-    there = SolidPose(base.turn.T @ placed.turn, base.turn.T @ (placed.origin - base.origin))
-    both = beside, solids, there
+    both = beside, solids, _from(base, placed)
     if touch(*both):
         return LinkContact(True, depth(*both), 0.0, clearance)
     return LinkContact(False, 0.0, distance(*both), clearance)
+
+
+def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
+    """Whether two links are known to be apart, as :func:`link_contact` decides it.
+
+    Args:
+        arm: the arm.
+        pose: joint positions, (n,), [rad] or [unit].
+        link: name of the one.
+        other: name of the other.
+    """
+    if not _is_decided(arm, link, other):
+        return False
+    compile_kernels()
+    placed, base = _placed(arm, link, pose), _placed(arm, other, pose)
+    return not touch(_solids(arm, other), _solids(arm, link), _from(base, placed))
+
+
+def _is_decided(arm: UrdfArm, *names: str) -> bool:
+    """Whether all of some links have shapes, and not too many triangles."""
+    links = [arm.chain.robot.links[name] for name in names]
+    if not all(one.shapes for one in links):
+        return False
+    return max(sum(len(shape.faces) for shape in one.shapes) for one in links) <= _MOST
+
+
+def _from(base: SolidPose, placed: SolidPose) -> SolidPose:
+    """A pose in the frame of another."""
+    return SolidPose(base.turn.T @ placed.turn, base.turn.T @ (placed.origin - base.origin))
 
 
 def _solids(arm: UrdfArm, link: str) -> LinkSolids:
