@@ -85,6 +85,14 @@ class Remaining:
     seconds: float | None
 
 
+_TOLD = 2.0
+"""Seconds between two sentences on how far the compilation is."""
+_SURE = 0.1
+"""Share of the kernels from which the time that is left can be told."""
+_MINUTES = 90.0
+"""Seconds from which a time is told in minutes."""
+
+
 class _Compilation:
     """The one background compilation of a process.
 
@@ -322,7 +330,20 @@ def compile(spare: int = 0) -> None:
     if not isinstance(spare, int) or spare < 0:
         raise AbiError(f"spare is {spare!r}; expected a whole number of processors, at least 0.")
     begin(spare)
-    progress.wait(_compilation.done)
+    while not is_done():
+        progress.tell(_words(remaining()))
+        progress.wait(_compilation.done, _TOLD)
+
+
+def _words(left: Remaining | None) -> str:
+    """What is told of the compilation while somebody waits for it."""
+    words = "compiling the program, once on this machine"
+    if left is None or left.seconds is None or left.share < _SURE:
+        return words
+    time = f"{math.ceil(left.seconds / 10) * 10} s"
+    if left.seconds > _MINUTES:
+        time = f"{left.seconds / 60:.0f} minutes"
+    return f"{words}: {left.share:.0%} done, about {time} left"
 
 
 def begin(spare: int | None = None) -> None:

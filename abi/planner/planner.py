@@ -249,7 +249,6 @@ def _wait_for_compiler(scene: Scene) -> None:
         return
     many = scene.mesh.node_count(scene.workspace) > _MANY_NODES
     if many or len(scene.obstacles) > _MANY_OBSTACLES:
-        progress.tell("compiling inner loops, once on this machine")
         compiling.compile()
 
 

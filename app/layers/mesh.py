@@ -167,7 +167,7 @@ def _divides(plan: Plan) -> str:
     """Reason why the spacing is not the one asked for; empty where it is."""
     assert plan.mesh is not None
     asked, made = format_setting(plan.scene.mesh.pitch), format_setting(plan.mesh.pitch)
-    return "" if asked == made else " (so that it divides the box)"
+    return "" if asked == made else " (so that it divides the workspace)"
 
 
 def _crossing_note(count: int) -> str:

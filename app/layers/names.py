@@ -97,6 +97,7 @@ class NamesLayer(Layer):
             shown = name in named and _switch(plan, name) in frame.shown
             label.visible = on and shown and name in self._places
         measured = on and self._measured and plan.followed in frame.shown and not large
+        measured = measured and not frame.asks  # it would give the answer away
         self._line.visible = self._distance.visible = measured
 
     def _draw(self, plan: Plan, interactive: bool, view: _View) -> None:

@@ -310,15 +310,28 @@ def _with_buttons(content: str, buttons: str) -> str:
 
 def _puzzle(message: str, hint: str) -> str:
     """Message and hint of a scene that is shipped with a fault, as HTML."""
+    first, more = _first_sentence(message)
     return (
         '<div class="abi-card" role="status"><b>This scene asks for a change.</b> '
-        f"{html.escape(message)} {html.escape(hint)}</div>"
+        f"{html.escape(first)} {html.escape(hint)}{more}</div>"
     )
 
 
 def _error(message: str, hint: str) -> str:
-    """Message and hint as HTML; escaped, since both can quote what a user typed."""
+    """Message and hint as HTML; escaped, since both can quote what a user typed.
+
+    Of a message of several sentences the first is seen at once, and the others on demand.
+    """
+    first, more = _first_sentence(message)
     return (
         '<div class="abi-card abi-error" role="alert">'
-        f"<b>✗ {html.escape(message)}</b> {html.escape(hint)}</div>"
+        f"<b>✗ {html.escape(first)}</b> {html.escape(hint)}{more}</div>"
     )
+
+
+def _first_sentence(message: str) -> tuple[str, str]:
+    """The first sentence of a message, and the others folded, as HTML; empty for none."""
+    first, stop, others = message.partition(". ")
+    if not stop:
+        return message, ""
+    return f"{first}.", f"<details><summary>More</summary>{html.escape(others)}</details>"

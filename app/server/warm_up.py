@@ -144,13 +144,18 @@ class WarmUp:
         )
 
 
+_SURE = 0.1
+"""Share of the kernels from which the time that is left can be told."""
+
+
 def _words(remaining: compiling.Remaining | None) -> tuple[str, str]:
     """Title and text of the notice."""
     share = "" if remaining is None else f": {remaining.share:.0%} are done"
+    sure = remaining is not None and remaining.share >= _SURE
     return (
-        f"First start: {_faster(None if remaining is None else remaining.seconds)}",
-        f"The inner loops are being compiled, once on this machine{share}. What this scene needs "
-        "comes first. Everything works meanwhile; fine meshes are slower.",
+        f"First start: {_faster(remaining.seconds if remaining is not None and sure else None)}",
+        f"The program is being compiled, once on this machine{share}. What this scene needs comes "
+        "first. Meanwhile everything works but fine meshes, which wait for it.",
     )
 
 

@@ -193,6 +193,8 @@ def text(name: str, frame: Frame) -> str:
     if last in _SETTINGS:
         return format_setting(number) + unit
     is_bound = last == "clearance" or name in _LOWER_BOUNDS
+    if name == "arm.clearance" and number < 0:  # a depth, as the message over the scene tells it
+        is_bound = False
     return (format_lower_bound if is_bound else format_length)(number) + unit
 
 

@@ -92,7 +92,9 @@ def _coefficients(plan: Plan) -> str:
     if len(pieces) > _PIECES_SHOWN:
         lines.append(f"… {len(pieces)} pieces in all")
     if len(pieces) == 1 and plan.quadratic.holds and not note:  # else there is no room
-        lines.insert(0, f"t from {pieces[0][0]:.3g} to {pieces[0][1]:.3g}, which is no time:")
+        lines.insert(
+            0, f"t runs from {pieces[0][0]:.3g} to {pieces[0][1]:.3g}, and is not the time:"
+        )
     css = "margin:0 12px 3px;font:12px/1.12 ui-monospace,monospace"
     first, last = plan.quadratic.curve.interval
     hint = (

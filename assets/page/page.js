@@ -661,6 +661,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   border: 1px solid rgba(128, 128, 128, .55); border-radius: 5px;
 }
 #abi-overlay [data-part=tools] button { padding-inline: 7px; }
+#abi-overlay summary { pointer-events: auto; cursor: pointer; width: fit-content; }
 #abi-overlay button:hover { border-color: currentColor; }
 #abi-overlay button:disabled {
   color: color-mix(in srgb, currentColor 40%, var(--mantine-color-body)); border-color: rgba(128, 128, 128, .22);

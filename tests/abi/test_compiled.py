@@ -502,3 +502,10 @@ def test_a_compiling_process_outlives_its_parent_by_the_kernels_it_was_told(
     child.wait()
     assert list(tmp_path.rglob("*mark*.nbi"))
     assert list(tmp_path.rglob("*nearest*.nbi"))
+
+
+def test_who_waits_for_the_compiler_hears_how_long_once_that_can_be_said() -> None:
+    for unsure in (None, compiling.Remaining(0.05, 900.0), compiling.Remaining(0.5, None)):
+        assert "left" not in compiling._words(unsure)
+    assert "30% done, about 2 minutes left" in compiling._words(compiling.Remaining(0.3, 125.0))
+    assert "about 50 s left" in compiling._words(compiling.Remaining(0.8, 44.0))

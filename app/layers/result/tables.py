@@ -163,7 +163,8 @@ def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
         if fit is None:
             rows.append((title, *_NO_STAGE))
             continue
-        executed = "<b> ▸</b>" if name == plan.followed else ""
+        follows = name == plan.followed and not lacks_motion(plan)
+        executed = "<b> ▸</b>" if follows else ""
         shown, certified = distance_to_show(fit.clearance), fit.clearance.certified
         clearance = _clearance(
             shown, plan.scene.spline.clearance, certified, alarming=name == plan.followed

@@ -399,7 +399,6 @@ class LessonPanel:
         if self._is_last and self._following:
             self.next_lesson.visible = True
             self.next_lesson.disabled = not passed
-            self.next_lesson.label = f"Next lesson: {self._title(self._following)}"
         self.back.disabled = self._number == 0
 
     def _label(self, choice: AnswerChoice, number: int) -> str:

@@ -3,7 +3,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from abi import load_scene, plan
-from app.panels.messages import _longer_on_finer
+from app.panels.messages import _error, _longer_on_finer
 
 
 def test_a_finer_grid_is_remarked_just_where_its_path_is_longer() -> None:
@@ -19,3 +19,11 @@ def test_a_finer_grid_is_remarked_just_where_its_path_is_longer() -> None:
     assert set(told) == {False, True}
     moved = plan(plans[2].scene.replace(goal=(5.5, 3.5, 3.9)))
     assert not _longer_on_finer(plans[0], moved)
+
+
+def test_of_a_long_message_the_first_sentence_is_seen_and_the_others_on_demand() -> None:
+    told = _error("The gripper goes 0.9 cm into <it>. With 1.5 cm it does not. Nor with 2.", "Go.")
+    first, _, more = told.partition("<details>")
+    assert "The gripper goes 0.9 cm into &lt;it&gt;.</b> Go." in first
+    assert "With 1.5 cm it does not. Nor with 2." in more
+    assert "details" not in _error("One sentence of 0.5 cm.", "")
