@@ -17,6 +17,8 @@ from abi.scene.scene import Scene
 
 State = Literal["clear", "touches", "undecided"]
 
+SMALLER = ", the object then a millimetre smaller on each side"
+"""End of a sentence where what the gripper takes or sets down may stand on an obstacle."""
 _ASSUMED = {
     "linear": "straight in the joints between waypoints, as the file gives positions alone",
     "cubic": "cubic polynomials between waypoints, from their positions and velocities",
@@ -100,9 +102,10 @@ class MotionVerdict(ShortRepr):
             kept = (
                 f"its moving links keep {format_proven(self.clearance)} {unit} from every obstacle"
             )
-            return (
-                f"Proven clear: {kept if self.clearance > 0 else 'its moving links touch nothing'}."
-            )
+            kept = kept if self.clearance > 0 else "its moving links touch nothing"
+            arm = self.scene.arm
+            smaller = SMALLER if arm.grasping and arm.attached is not None else ""
+            return f"Proven clear: {kept}{smaller}."
         if self.state == "touches":
             one = self.touches[0]
             depth = f", up to {one.depth:.3g} {unit} deep" if one.depth > 0 else ""

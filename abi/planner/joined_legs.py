@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from abi.arm_planning.motion.arm_clearance import ArmClearance
-from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arm_planning.motion.trajectory import ArmMotion, Violation
 from abi.arrays import FloatArray, read_only
 
 
@@ -20,10 +20,10 @@ def joined_motion(motions: Sequence[ArmMotion]) -> ArmMotion:
     Args:
         motions: at least one, all of the same joints.
     """
-    begins = _begins([float(motion.time[-1]) for motion in motions])
+    starts = begins([float(motion.time[-1]) for motion in motions])
     skips = [0, *[1] * (len(motions) - 1)]
     times = [
-        motion.time[skip:] + at for motion, at, skip in zip(motions, begins, skips, strict=True)
+        motion.time[skip:] + at for motion, at, skip in zip(motions, starts, skips, strict=True)
     ]
     return replace(
         motions[0],
@@ -34,14 +34,10 @@ def joined_motion(motions: Sequence[ArmMotion]) -> ArmMotion:
         tool_velocity=_joined([one.tool_velocity for one in motions]),
         unreachable=tuple(
             one._replace(first=one.first + at, last=one.last + at)
-            for motion, at in zip(motions, begins, strict=True)
+            for motion, at in zip(motions, starts, strict=True)
             for one in motion.unreachable
         ),
-        limit_violations=tuple(
-            one._replace(time=one.time + at, since=one.since + at)
-            for motion, at in zip(motions, begins, strict=True)
-            for one in motion.limit_violations
-        ),
+        limit_violations=joined_violations([one.limit_violations for one in motions], starts),
         peak_joint_speed=read_only(np.max([one.peak_joint_speed for one in motions], axis=0)),
         rates=(
             _joined([one.joint_velocities for one in motions]),
@@ -64,25 +60,45 @@ def joined_clearance(
     """
     if not clearances:
         return None
-    begins = _begins(durations)
+    starts = begins(durations)
     number = int(np.argmin([one.distance for one in clearances]))
     nearest = clearances[number]
     contacts = [
         one._replace(first=one.first + at, last=one.last + at, time=one.time + at)
-        for clearance, at in zip(clearances, begins, strict=False)
+        for clearance, at in zip(clearances, starts, strict=False)
         for one in clearance.contacts
     ]
     return replace(
         nearest,
         distances=_joined([one.distances for one in clearances]),
-        time=nearest.time + begins[number],
+        time=nearest.time + starts[number],
         contacts=tuple(sorted(contacts, key=lambda one: -one.depth)),
         certificate=nearest.certificate if all(one.certified for one in clearances) else None,
         allowed=tuple(dict.fromkeys(one for each in clearances for one in each.allowed)),
+        apart_only=tuple(dict.fromkeys(one for each in clearances for one in each.apart_only)),
     )
 
 
-def _begins(durations: Sequence[float]) -> list[float]:
+def joined_violations(
+    of_legs: Sequence[Sequence[Violation]], starts: Sequence[float]
+) -> tuple[Violation, ...]:
+    """Limits that motions one after the other pass, each where a joint is farthest past it.
+
+    Args:
+        of_legs: limits that each motion passes, at times from its own begin.
+        starts: when each begins, [s].
+    """
+    found: dict[tuple[str, str], Violation] = {}
+    for passed, at in zip(of_legs, starts, strict=True):
+        for one in passed:
+            later = one._replace(time=one.time + at, since=one.since + at)
+            before = found.setdefault((one.joint, one.quantity), later)
+            worst = max(before, later, key=lambda each: abs(each.value - each.limit))
+            found[one.joint, one.quantity] = worst._replace(since=before.since)
+    return tuple(found.values())
+
+
+def begins(durations: Sequence[float]) -> list[float]:
     """When each of several motions begins, [s]."""
     return [0.0, *np.cumsum(durations)[:-1].tolist()]
 

@@ -17,6 +17,7 @@ from abi.arm_planning.motion.trajectory import Violation
 from abi.arrays import ShortRepr
 from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
+from abi.planner.joined_legs import begins, joined_violations
 from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
@@ -80,22 +81,29 @@ class Plan(StageResults, ShortRepr):
     def limits_passed(self) -> tuple[Violation, ...]:
         """Joints past a limit of position, speed, acceleration or torque, each where it is worst.
 
-        The paper's arm has limits of position alone.
+        The paper's arm has limits of position alone. Of several legs that pass the same limit,
+        the one is told that is farthest past it.
         """
+        if self.legs:
+            return joined_violations([leg.limits_passed for leg in self.legs], self._begins)
         if self.arm is None or self.motion is None or self.joint_rates is None:
             return ()
         rates = passed_limits(self.motion, self.joint_rates)
         return (*self.motion.limit_violations, *rates)
 
+    @property
+    def _begins(self) -> list[float]:
+        """When each leg begins, [s]."""
+        return begins(
+            [0.0 if one.motion is None else float(one.motion.time[-1]) for one in self.legs]
+        )
+
     @cached_property
     def held_spans(self) -> tuple[HeldSpan, ...]:
         """When the direction of the tool is kept, and how well; one for each leg that keeps one."""
         if self.legs:
-            spans, begin = [], 0.0
-            for leg in self.legs:
-                spans += [span.later(begin) for span in leg.held_spans]
-                begin += 0.0 if leg.motion is None else float(leg.motion.time[-1])
-            return tuple(spans)
+            legs = zip(self.legs, self._begins, strict=True)
+            return tuple(span.later(begin) for leg, begin in legs for span in leg.held_spans)
         settings, arm, motion = self.scene.arm, self.arm, self.motion
         if arm is None or motion is None or not motion.reachable:
             return ()

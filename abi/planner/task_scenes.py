@@ -20,7 +20,7 @@ from abi.scene.without_obstacles import without_obstacles
 
 def first_scene(scene: Scene) -> Scene:
     """Scene of the first leg: the scene itself, without its tasks."""
-    return scene.replace(tasks=[])
+    return scene.replace(tasks=[], arm={"grasping": scene.arm.grasping})
 
 
 def next_scene(scene: Scene, number: int, last: Plan) -> Scene:

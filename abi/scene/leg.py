@@ -46,7 +46,10 @@ class Leg(Settings):
 
 
 def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
-    """A scene's fields with goal, gripper and axis of its first leg, if it has legs."""
+    """A scene's fields with those of its first leg, if it has legs.
+
+    They are its goal, gripper and axis, and whether it takes an object or sets one down.
+    """
     tasks = data.get("tasks")
     if not isinstance(tasks, list | tuple) or not tasks or not isinstance(tasks[0], dict):
         return data
@@ -58,9 +61,10 @@ def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
     arm = data.get("arm", {})
     given = ((name, first.pop(name, None)) for name in ("gripper", "axis"))
     of_arm = {name: value for name, value in given if value is not None}
-    if first.get("attach") is not None or first.get("release"):
-        of_arm["grasping"] = True
+    grasps = first.get("attach") is not None or bool(first.get("release"))
+    fields = vars(arm) if isinstance(arm, Settings) else arm
+    if isinstance(fields, dict) and grasps is not fields.get("grasping", False):
+        of_arm["grasping"] = grasps
     if of_arm:
-        fields = vars(arm) if isinstance(arm, Settings) else arm
         found["arm"] = {**fields, **of_arm}
     return found

@@ -34,6 +34,7 @@ from abi.scene.scene_changes import (
     changed_value,
     with_files,
     without_stale_arm,
+    without_stale_grasp,
     without_stale_meshes,
 )
 from abi.scene.scene_file import ENDINGS, parse, read_file, write
@@ -303,6 +304,7 @@ class Scene(Settings):
         data: dict[str, Any] = dict(vars(self))
         for name, change in changes.items():
             data[name] = changed_value(data.get(name), plain(name, change))
+        data["arm"] = without_stale_grasp(data, changes, self.tasks)
         data = without_stale_ends(data, vars(self))
         data["obstacles"] = without_stale_meshes(data["obstacles"], given)
         if given.files:

@@ -7,6 +7,8 @@ differ are checked again.
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -14,6 +16,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot_files import file_of
 from abi.scene.arm_settings import ArmSettings
+from abi.scene.leg import Leg
 
 
 def changed_value(current: object, change: object) -> object:
@@ -49,6 +52,25 @@ def without_stale_meshes(obstacles: object, files: MeshSource) -> object:
         obstacle.model_dump() if is_stale else obstacle
         for obstacle, is_stale in zip(obstacles, stale, strict=True)
     ]
+
+
+def without_stale_grasp(
+    data: Mapping[str, Any], changes: Mapping[str, Any], tasks: Sequence[object]
+) -> object:
+    """The arm, which takes or sets down nothing more where tasks that asked for it are changed.
+
+    Args:
+        data: a changed scene's fields.
+        changes: those that were given.
+        tasks: those of the scene that is changed.
+    """
+    arm, given = data["arm"], changes.get("arm")
+    asked = isinstance(given, Mapping) and "grasping" in given
+    if not tasks or data["tasks"] is tasks or asked:
+        return arm
+    first = data["tasks"][0] if isinstance(data["tasks"], list | tuple) and data["tasks"] else None
+    grasps = {"grasping": isinstance(first, Leg) and first.grasps}  # of plain data it is seen later
+    return {**arm, **grasps} if isinstance(arm, dict) else changed_value(arm, grasps)
 
 
 def without_stale_arm(arm: object, files: MeshSource, source: MeshSource) -> object:

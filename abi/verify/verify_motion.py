@@ -87,6 +87,8 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     direction = check_held_in_motion(data, scene, motion.chain, motion.path)
     count = sum(map(len, planes.values()))
     kept = words_of(margin, scene.unit, "its moving links")
+    if scene.arm.grasping and scene.arm.attached is not None:
+        kept += ", the object then a millimetre smaller on each side"
     return (
         f"{kept}, and clear of the floor and each other "
         f"({len(pairs)} pairs), by {count} directions{direction}; {_excepted(data)}"

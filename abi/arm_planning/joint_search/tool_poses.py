@@ -57,7 +57,9 @@ def tool_poses(
         normal = slopes.swapaxes(1, 2) @ slopes + _DAMPING * np.eye(len(low))
         step = np.linalg.solve(normal, slopes.swapaxes(1, 2) @ missed[..., None])[..., 0]
         size = np.abs(step).max(axis=1, keepdims=True)
-        joints = np.clip(joints - step * np.minimum(1, _LARGEST_STEP / np.maximum(size, _EXACT)), low, high)
+        joints = np.clip(
+            joints - step * np.minimum(1, _LARGEST_STEP / np.maximum(size, _EXACT)), low, high
+        )
     missed = _missed(arm, joints, *target)
     allowed = tolerances[0] / arm.reach + _EXACT, tolerances[1] + _EXACT
     near = np.linalg.norm(missed[:, :3], axis=1) <= allowed[0]

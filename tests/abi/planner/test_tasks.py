@@ -230,6 +230,8 @@ def test_what_is_held_is_proven_against_a_thin_plate_from_the_first_to_the_last_
 
         verdict = certify(None, motion.joints, motion.time, motion.positions, scene)
         assert verdict.state == ("touches" if gaps.min() < -STANDING else "clear")
+        told = "object then a millimetre smaller" in verdict.sentence
+        assert told == (verdict.state == "clear" and leg.scene.arm.grasping)
 
 
 def jump(plan: dict[str, Any]) -> None:
@@ -470,3 +472,24 @@ def test_what_a_leg_states_of_its_curve_and_of_what_need_only_be_apart_is_checke
     verdicts = verify(plan, planned().scene.meshes)
     wrong = {one.curve for one in verdicts if not one.proven}
     assert wrong == {f"leg {number}, bspline", "leg 2, arm"}
+
+
+def test_all_legs_together_pass_the_limits_that_each_of_them_passes() -> None:
+    legs, late = planned().legs, planned().legs[2]
+    assert late.motion is not None
+    assert late.joint_rates is not None
+    # a joint that sets off too hard: the sample before is the last one of the leg before
+    rates = [
+        array.copy() for array in (late.motion.joint_velocities, late.motion.joint_accelerations)
+    ]
+    limit = float(late.joint_rates.acceleration_limits[1])
+    rates[1][0, 1] = 1.5 * limit
+    name = late.motion.joints[1]
+    late = replace(late, motion=replace(late.motion, rates=(rates[0], rates[1])))
+    whole = replace(planned(), legs=(*legs[:2], late, *legs[3:])).joined
+    (one,) = (one for one in whole.limits_passed if one.quantity == "acceleration")
+    begin = sum(float(leg.motion.time[-1]) for leg in legs[:2] if leg.motion is not None)
+    assert (one.joint, one.value) == (name, 1.5 * limit)
+    assert one.time == one.since == pytest.approx(begin)
+    others = [p for leg in legs for p in leg.limits_passed]
+    assert len(whole.limits_passed) == 1 + len({(p.joint, p.quantity) for p in others})

@@ -179,3 +179,19 @@ def test_contacts_stay_with_their_obstacles(
 def meant(scene: Scene, other: str | int) -> object:
     """The link or obstacle that a contact is with."""
     return other if isinstance(other, str) else scene.obstacles[other]
+
+
+def test_what_the_first_task_takes_or_sets_down_is_as_its_plain_data_would_have_it() -> None:
+    scene = load_scene("pick-and-place")
+    tasks = scene.to_dict()["tasks"]
+    taken = scene.replace(tasks=tasks[1:5])
+    assert taken.arm.grasping
+    assert taken.replace(tasks=[taken.tasks[0], *tasks[4:5]]).arm.grasping
+    assert taken.replace(obstacles=list(taken.obstacles)).arm.grasping
+    elsewhere = {**taken.to_dict()["tasks"][0], "attach": None}
+    for changed in ([{"goal": [0.5, 0, 0.5]}], [elsewhere]):
+        assert not taken.replace(tasks=changed).arm.grasping
+        assert not Scene.from_dict({**taken.to_dict(), "tasks": changed}).arm.grasping
+    assert not taken.replace(tasks=[]).arm.grasping
+    alone = taken.replace(tasks=[], arm={"grasping": True})
+    assert alone.arm.grasping
