@@ -8,9 +8,10 @@ import mujoco
 import numpy as np
 import scipy
 
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.obstacles.primitives import Box
-from abi.planner.task_plan import TaskPlan, TaskTrajectory
+from abi.planner.task_plan import TaskPlan
 from abi.robot.urdf_arm import UrdfArm
 
 STEP, PAUSE = 0.001, 0.3
@@ -71,7 +72,7 @@ class _Simulation:
         arm: UrdfArm,
         model: mujoco.MjModel,
         data: mujoco.MjData,
-        whole: TaskTrajectory,
+        whole: ArmMotion,
         fingers: tuple[str, ...],
     ) -> None:
         self._plan, self._arm, self._model, self._data = plan, arm, model, data
@@ -115,7 +116,7 @@ class _Simulation:
             for k in (number - 1, number)
         ]
         place = self._whole.positions[
-            int(np.abs(self._whole.time - self._whole.begins[number]).argmin())
+            int(np.abs(self._whole.time - self._plan.begins[number]).argmin())
         ]
         for k in range(round(PAUSE / STEP)):
             share = min(2 * k * STEP / PAUSE, 1.0)

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
+from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.errors import StageError
 from abi.planner import plan_json
 from abi.planner.joined_legs import joined_clearance, joined_motion
@@ -21,25 +22,6 @@ from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.planner.task_scenes import first_scene, next_scene
 from abi.scene.scene import Scene, require_scene
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class TaskTrajectory(ShortRepr):
-    """The motion of all legs on one time bar; at the ends of each the arm rests.
-
-    Attributes:
-        joints: names of the n joints.
-        time: shape (m,), [s], from 0; the last of a leg and the first of the next are one sample.
-        positions: shape (m, n), [rad] or [unit].
-        leg: number of the leg that each sample belongs to, from 0, (m,).
-        begins: when each leg begins, and when the last one ends, (legs + 1,), [s].
-    """
-
-    joints: tuple[str, ...]
-    time: FloatArray
-    positions: FloatArray
-    leg: IntArray
-    begins: FloatArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,20 +44,22 @@ class TaskPlan(ShortRepr):
         return self.legs[-1].error
 
     @property
-    def trajectory(self) -> TaskTrajectory | None:
-        """The motion of all legs; None where one of them has none."""
-        motions = [leg.motion for leg in self.legs if leg.motion is not None]
-        if self.error is not None or len(motions) < len(self.legs):
-            return None
-        whole = joined_motion(motions)
-        counts = [len(motion.time) - (number > 0) for number, motion in enumerate(motions)]
-        return TaskTrajectory(
-            joints=whole.joints,
-            time=whole.time,
-            positions=whole.positions,
-            leg=read_only(np.repeat(np.arange(len(motions), dtype=np.int32), counts)),
-            begins=read_only(np.cumsum([0.0, *(motion.time[-1] for motion in motions)])),
-        )
+    def trajectory(self) -> ArmMotion | None:
+        """The motion of all legs on one time bar; None where one of them has none.
+
+        At the ends of each leg the arm rests; its last sample and the first of the next are one.
+        """
+        is_whole = self.error is None and len(self._motions) == len(self.legs)
+        return joined_motion(self._motions) if is_whole else None
+
+    @property
+    def begins(self) -> FloatArray:
+        """When each leg that has a motion begins, and when the last one ends, (legs + 1,), [s]."""
+        return read_only(np.cumsum([0.0, *(motion.time[-1] for motion in self._motions)]))
+
+    @property
+    def _motions(self) -> list[ArmMotion]:
+        return [leg.motion for leg in self.legs if leg.motion is not None]
 
     @property
     def joined(self) -> Plan:
@@ -87,15 +71,14 @@ class TaskPlan(ShortRepr):
         first = self.legs[0]
         if not legs:
             return replace(first, scene=self.scene)
-        motions = [leg.motion for leg in legs if leg.motion is not None]
         return replace(
             first,
             scene=self.scene,
             profile=None,
-            motion=joined_motion(motions),
+            motion=joined_motion(self._motions),
             arm_clearance=joined_clearance(
                 [leg.arm_clearance for leg in legs if leg.arm_clearance is not None],
-                [float(motion.time[-1]) for motion in motions],
+                [float(motion.time[-1]) for motion in self._motions],
             ),
             legs=legs,
             error=self.error,
@@ -119,6 +102,7 @@ class TaskPlan(ShortRepr):
             full: whether each leg has all of its samples, and the nodes of its mesh.
         """
         whole = self.trajectory
+        counts = [len(motion.time) - (k > 0) for k, motion in enumerate(self._motions)]
         return {
             "version": 1,
             "scene": self.scene.to_dict(),
@@ -129,8 +113,8 @@ class TaskPlan(ShortRepr):
                 "joints": list(whole.joints),
                 "time": whole.time.tolist(),
                 "positions": whole.positions.tolist(),
-                "leg": whole.leg.tolist(),
-                "begins": whole.begins.tolist(),
+                "leg": np.repeat(np.arange(len(counts)), counts).tolist(),
+                "begins": self.begins.tolist(),
             },
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),

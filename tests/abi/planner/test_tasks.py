@@ -122,7 +122,7 @@ def test_each_leg_begins_in_the_joints_in_which_the_last_one_ended() -> None:
         np.testing.assert_allclose(after.positions[0], before.positions[-1], rtol=0, atol=1e-9)
     assert (np.diff(whole.time) > 0).all()
     assert np.abs(np.diff(whole.positions, axis=0)).max() < 0.05
-    for joints, at in zip(JOINTS, whole.begins, strict=True):
+    for joints, at in zip(JOINTS, planned().begins, strict=True):
         sample = int(np.abs(whole.time - at).argmin())
         np.testing.assert_allclose(whole.positions[sample], joints, atol=1e-9)
 
@@ -405,7 +405,7 @@ def test_files_of_a_motion_have_all_legs(tmp_path: Path) -> None:
     first = planned().legs[0].arm
     assert first is not None
     own = dict(zip(first.chain.names, first.chain.slides, strict=True))
-    taken, left = whole.begins[[1, 3]]
+    taken, left = planned().begins[[1, 3]]
     holds = f"From {taken:.4g} to {left:.4g} s its tool holds obstacle 1, as a part of the arm."
     limits = [bool(limits_warning(leg)) for leg in planned().legs]
     assert any(limits) == bool(limits_warning(planned().joined))
@@ -434,15 +434,14 @@ def test_what_the_tool_holds_on_a_single_way_is_said_too(tmp_path: Path) -> None
 
 
 def test_recording_and_page_carry_the_object_with_the_tool(tmp_path: Path) -> None:
-    whole, legs = planned().trajectory, planned().legs
-    assert whole is not None
+    legs, begins = planned().legs, planned().begins
     export(planned(), tmp_path / "a.mcap")
     updates = []
     with (tmp_path / "a.mcap").open("rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages(topics=["/scene"]):
             updates.append((message.log_time, json.loads(message.data)["entities"]))
             assert channel.topic == "/scene"
-    moments = [0.0, whole.begins[1], whole.begins[3]]
+    moments = [0.0, begins[1], begins[3]]
     np.testing.assert_allclose([time for time, _ in updates], np.array(moments) * 1e9, atol=1)
     frames = [
         next(one["frame_id"] for one in entities if one["id"] == "obstacle 1")
@@ -456,7 +455,7 @@ def test_recording_and_page_carry_the_object_with_the_tool(tmp_path: Path) -> No
     assert carried.left == legs[-1].scene.obstacles[0]
     page = page_data(planned().joined)["arm"]
     time, ball = np.array(page["time"]), np.array(page["links"])[:, -1, 0]
-    before, after = time <= whole.begins[1], time >= whole.begins[3]
+    before, after = time <= begins[1], time >= begins[3]
     for rests, shape in ((before, planned().scene.obstacles[0]), (after, carried.left)):
         np.testing.assert_allclose(ball[rests] - np.array(shape.position), 0, atol=1e-3)
     assert np.abs(ball[~before & ~after] - ball[0]).max() > 0.5
