@@ -6,7 +6,8 @@
 PyBullet reads the exported URDF with its meshes, and the scene's solids. Torques are those of its
 own inverse dynamics for the planned acceleration, with a correction of what is off. ``error`` is
 the farthest that the tool is from where the plan has it at that time, [mm]; ``links`` are those
-that touch an obstacle on the way.
+that touch an obstacle on the way, and ``told`` those of which the plan says so, as of an arm that
+avoids nothing (``wall-with-window``): what it touches holds it back.
 """
 
 from __future__ import annotations
@@ -87,7 +88,10 @@ def _followed(plan: Plan) -> Row:
         for other in others:
             contacts = pybullet.getContactPoints(robot, other)
             touched |= {links[one[3]] for one in contacts if one[3] >= 0 and one[8] <= 0}
-    return {"error": 1e3 * error, "links": ", ".join(sorted(touched)) or "none"}
+    clearance = plan.arm_clearance
+    told_of = set() if clearance is None else {one.link for one in clearance.contacts}
+    names_of = (", ".join(sorted(names)) or "none" for names in (touched, told_of))
+    return {"error": 1e3 * error, **dict(zip(("links", "told"), names_of, strict=True))}
 
 
 def _robot(plan: Plan) -> int:

@@ -38,6 +38,7 @@ from abi.robot.urdf.tip_pose import tip_pose
 from abi.scene.scene import Scene
 from abi.verify.verify import Verdict, verify
 from tests.abi.robot.robots import arm, packed
+from tests.thorough import of_each_kind
 
 FILES = {"a.zip": packed({"a.urdf": arm()})}
 BASE = np.array([0.0, 0.0, 1.0])
@@ -125,6 +126,29 @@ def test_each_leg_begins_in_the_joints_in_which_the_last_one_ended() -> None:
     for joints, at in zip(JOINTS, planned().begins, strict=True):
         sample = int(np.abs(whole.time - at).argmin())
         np.testing.assert_allclose(whole.positions[sample], joints, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", of_each_kind(range(20), 0, 1))
+def test_the_arm_rests_where_legs_join_by_whatever_law_it_moves(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    joints = random.uniform(-0.5, 0.5, (4, 3)).tolist()
+    law = ("three_phase", "slowed", "time_optimal", "jerk_limited")[seed % 4]
+    ends = {"start": {"joints": joints[0]}, "goal": {"joints": joints[1]}}
+    tasks = [{}, *({"goal": {"joints": one}} for one in joints[2:])]
+    scene = Scene.from_dict(data(**ends, tasks=tasks, motion={"law": law}), FILES)
+    found = plan_tasks(scene)
+    assert found.error is None, found.error
+    motions = [leg.motion for leg in found.legs if leg.motion is not None]
+    assert len(motions) == 3
+    for before, after in itertools.pairwise(motions):
+        np.testing.assert_allclose(after.positions[0], before.positions[-1], rtol=0, atol=1e-9)
+    for motion in motions:
+        assert np.abs(motion.joint_velocities[[0, -1]]).max() <= 1e-9
+        assert np.abs(motion.joint_velocities).max() > 0.01
+    whole = found.trajectory
+    assert whole is not None
+    np.testing.assert_allclose(whole.positions[0], joints[0], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(whole.positions[-1], joints[-1], rtol=0, atol=1e-9)
 
 
 def test_the_object_is_a_body_of_the_arm_meanwhile_and_then_stands_where_the_tool_took_it() -> None:
