@@ -97,8 +97,13 @@ def _extended(exact: ExactArm, tree: _Tree, target: FloatArray, most: float) -> 
     return reached
 
 
-def _task(arm: UrdfArm, exact: ExactArm) -> tuple[FloatArray, FloatArray] | None:
-    """Two clear poses (2, n) whose tools are apart, and a box (2, 3) between, clear at both."""
+def task(arm: UrdfArm, exact: ExactArm) -> tuple[FloatArray, FloatArray] | None:
+    """Two clear poses (2, n) whose tools are apart, and a box (2, 3) between, clear at both.
+
+    Args:
+        arm: the arm.
+        exact: says which poses collide with it.
+    """
     random, (low, high) = np.random.default_rng(1), arm.chain.usual_range().T
     clear: list[FloatArray] = []
     floor = float(arm.base[2]) + 0.05 * arm.reach
@@ -119,7 +124,18 @@ def _task(arm: UrdfArm, exact: ExactArm) -> tuple[FloatArray, FloatArray] | None
     return None
 
 
-def _scene(name: str, arm: UrdfArm, ends: FloatArray, box: FloatArray, files: MeshSource) -> Scene:
+def scene_of(
+    name: str, arm: UrdfArm, ends: FloatArray, box: FloatArray, files: MeshSource
+) -> Scene:
+    """The scene of a task: the tool's places at two poses (2, n), and a box (2, 3) between them.
+
+    Args:
+        name: of the URDF.
+        arm: the arm.
+        ends: the poses.
+        box: its middle and its size, [m].
+        files: source of the URDF.
+    """
     tools, reach = arm.tool(ends), arm.reach
     low, high = tools.min(axis=0) - 0.25 * reach, tools.max(axis=0) + 0.25 * reach
     return Scene.from_dict(
@@ -150,13 +166,13 @@ def measure(robot: Robot, name: str, files: MeshSource) -> Row:
     called = (own_distances(arm, Poses.of(arm, poses)) <= 0).any(axis=1)
     wrong = sum(not exact.hits_itself(pose) for pose in poses[called]) / _POSES
     row: Row = {"joints": len(low), "pieces": len(arm.capsules), "wrong": wrong}
-    task = _task(arm, exact)
-    if task is None:
+    found = task(arm, exact)
+    if found is None:
         return row | {"plan": "no task"}
-    ends, box = task
+    ends, box = found
     blocked = ExactArm(arm, box)
     row["rrt"] = rrt_finds(blocked, arm.chain.usual_range(), ends, _SECONDS)
-    scene, planner = _scene(name, arm, ends, box, files), Planner()
+    scene, planner = scene_of(name, arm, ends, box, files), Planner()
     begin = time.process_time()
     plan = planner(scene)
     row["first"] = time.process_time() - begin
@@ -191,6 +207,12 @@ def _outcome(plan: Plan, exact: ExactArm) -> Row:
     return {"plan": "proven", "hits": hits, "proof": verdict.proven}
 
 
+def chosen_files(folder: Path, chosen: str) -> list[str]:
+    """URDF files below a folder whose path in it contains a match of a regular expression."""
+    names = (file.relative_to(folder).as_posix() for file in sorted(folder.rglob("*.urdf")))
+    return [name for name in names if re.search(chosen, name)]
+
+
 def rows_of(folder: Path, chosen: str, done: frozenset[str]) -> Iterator[Row]:
     """A row for each URDF below a folder whose path contains a match of a regular expression.
 
@@ -199,17 +221,21 @@ def rows_of(folder: Path, chosen: str, done: frozenset[str]) -> Iterator[Row]:
         chosen: the expression.
         done: files to leave out, each with the folder's name before it.
     """
-    for file in sorted(folder.rglob("*.urdf")):
-        name = file.relative_to(folder).as_posix()
+    for name in chosen_files(folder, chosen):
         label = f"{folder.name}/{name}"
-        if not re.search(chosen, name) or label in done:
+        if label in done:
             continue
         source = MeshSource(folder=folder)
         try:
             robot = load_robot(name, source)
             yield {"file": label} | measure(robot, name, source)
         except SceneError as error:
-            yield {"file": label, "plan": "refused", "why": error.message, "pin": _pin_reads(file)}
+            yield {
+                "file": label,
+                "plan": "refused",
+                "why": error.message,
+                "pin": _pin_reads(folder / name),
+            }
 
 
 def _pin_reads(file: Path) -> bool:
