@@ -134,7 +134,7 @@ class Planner:
         return replace(
             run.plan,
             error=fault,
-            ms=MappingProxyType(self._times()),
+            ms=MappingProxyType(self._times(run.plan.joint_search is not None)),
             interpreted=self._interpreted(),
             total_ms=total,
         )
@@ -230,10 +230,12 @@ class Planner:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before
 
-    def _times(self) -> dict[str, float]:
-        """Time of each stage when it last ran, [ms]."""
+    def _times(self, searched: bool) -> dict[str, float]:
+        """Time of each stage when it last ran, [ms]; of the joints' search if ``searched``."""
         parts = self._stages.parts.items()
         times = {name: sum(one.ms for one in stages) for name, stages in parts}
+        if not searched:
+            times["joint_search"] = 0.0  # that of another scene
         return times | {"arm_aware": self._arm_aware_ms}
 
     def _interpreted(self) -> frozenset[str]:

@@ -43,8 +43,8 @@ _TOOL_ALONE = (
 )
 
 _JOINTS_ALONE = (
-    "No path of the tool tip on the mesh here. Purple: where the tool goes in the joint poses that "
-    "were tried instead."
+    "The arm finds its way by its joints here: the mesh has none for the tool tip. Purple: where "
+    "the tool goes in the joint poses that were tried."
 )
 
 

@@ -497,7 +497,7 @@ class Session:
     def _work_in_pause(self) -> None:
         """Complete what a drag has left incomplete; after that do idle work."""
         if not self.panels.held:  # before what takes longer, in which there may be a hand again
-            self.panels.history.note(self.panels.step(self._scene), time.monotonic())
+            self.panels.history.note(self.panels.step(self._scene), self._woken)
         if self._planner.live.partial:
             self._complete()
             return

@@ -434,6 +434,14 @@ window.abi = {
   pageTurned({target}) {
     if (/^(Next|Back)/.test(target.closest?.(".mantine-Button-root")?.textContent)) document.documentElement.classList.add("abi-turned");
   },
+  // On a phone what a lesson says to an answer, and the button to go on, come into sight.
+  answered({target}) {
+    const sheet = innerWidth <= this.PHONE && target.closest?.(`${this.SHEET} .mantine-Button-root`);
+    if (!sheet || /^(Next|Back)/.test(sheet.textContent)) return;
+    const next = () => [...document.querySelectorAll(`${this.SHEET} .mantine-Button-root`)]
+      .find(each => /^Next/.test(each.textContent) && each.offsetHeight);
+    for (const delay of [400, 1200]) setTimeout(() => next()?.scrollIntoView({block: "nearest"}), delay);
+  },
   handMoved({movementX, movementY}) {
     if (movementX || movementY) document.documentElement.classList.remove("abi-turned");
   },
@@ -610,7 +618,7 @@ for (const [name, call] of [
   ["dblclick", "plotReset"], ["mousemove", "plotHovered"], ["click", "sheetClicked"], ["click", "tabClicked"], ["click", "folderClicked"],
   ["mouseover", "hintSided"], ["mouseover", "nameHovered"], ["mouseout", "nameHovered"], ["keydown", "keyPressed"],
   ["mousedown", "besideClicked"], ["click", "boxTicked"], ["click", "cardPressed"], ["click", "stageAsked"],
-  ["click", "pageTurned"], ["mousemove", "handMoved"],
+  ["click", "pageTurned"], ["click", "answered"], ["mousemove", "handMoved"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);

@@ -301,6 +301,8 @@ class ObstacleGizmos:
         self._wake(event)
 
     def _choose_clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
+        if self._faded:  # a node of the search is meant, and handles would cover others
+            return
         self.chosen = next(i for i, one in enumerate(self.shown) if one.body is event.target)
         self._touched = True
         self._wake(event)

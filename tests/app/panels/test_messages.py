@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from abi import load_scene, plan
+from abi import Planner, load_scene, plan
 from app.panels.messages import _error, _longer_on_finer
 
 
@@ -27,3 +27,10 @@ def test_of_a_long_message_the_first_sentence_is_seen_and_the_others_on_demand()
     assert "The gripper goes 0.9 cm into &lt;it&gt;.</b> Go." in first
     assert "With 1.5 cm it does not. Nor with 2." in more
     assert "details" not in _error("One sentence of 0.5 cm.", "")
+
+
+def test_a_plan_does_not_count_the_search_of_joints_of_the_scene_before() -> None:
+    planner = Planner()
+    searched = planner(load_scene("kitchen-ur5e").replace(arm={"axis": None, "search": "joints"}))
+    assert searched.ms["joint_search"] > 0
+    assert planner(load_scene("paper")).ms["joint_search"] == 0
