@@ -195,18 +195,6 @@ class BranchProblem(NamedTuple):
     slack: float
 
 
-class OtherBranches(NamedTuple):
-    """Further branches, tried if no branch leads to a motion.
-
-    Attributes:
-        branches: an iterator, which makes each one on demand.
-        note: sentence on why there are none; empty if that is not known.
-    """
-
-    branches: Iterator[ArmBranch]
-    note: str = ""
-
-
 class ArmModel(Protocol):
     """An arm and its inverse kinematics, by formulas or by damped least squares."""
 
@@ -252,5 +240,8 @@ class ArmModel(Protocol):
     def branches(self, problem: BranchProblem, only: str = "") -> Sequence[ArmBranch]:
         """The allowed branches; if one is named, it alone or none."""
 
-    def other_branches(self, problem: BranchProblem) -> OtherBranches:
-        """Further branches, tried if none of the first leads to a motion."""
+    def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ArmBranch], str]:
+        """Further branches, tried if none of the first leads to a motion, each made on demand.
+
+        With them comes a sentence on why there are none; empty if that is not known.
+        """

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_model import BranchProblem, OtherBranches
+from abi.arm_planning.arm_model import BranchProblem
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
@@ -77,9 +78,9 @@ class PaperArmModel:
             for elbow in settings.branches
         )
 
-    def other_branches(self, problem: BranchProblem) -> OtherBranches:
+    def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ElbowBranch], str]:
         """No further branches: an elbow has only two sides."""
-        return OtherBranches(iter(()))
+        return iter(()), ""
 
 
 def _extensions(scene: Scene) -> tuple[float, float]:

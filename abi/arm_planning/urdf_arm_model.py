@@ -6,13 +6,13 @@ redundant joints are drawn towards poses with the tool at the goal.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_model import BranchProblem, OtherBranches
+from abi.arm_planning.arm_model import BranchProblem
 from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
 from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
@@ -101,13 +101,13 @@ class UrdfArmModel:
         clear = self._clear(poses, problem)
         return tuple(self._branch(pairs[number], problem) for number in _first_ones(clear))
 
-    def other_branches(self, problem: BranchProblem) -> OtherBranches:
+    def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ChainBranch], str]:
         """One branch for each of a few clear pairs of a start pose and a pose at the goal.
 
         A start pose that was not tried may also stand alone.
         """
         if not self.arm.is_redundant:
-            return OtherBranches(iter(()))
+            return iter(()), ""
         self._remember(problem)
         start, goal = problem.scene.start, problem.scene.goal
         firsts, lasts = (self._clear(self._poses_at(point), problem) for point in (start, goal))
@@ -115,11 +115,11 @@ class UrdfArmModel:
             if not clear:
                 found = len(self._poses_at(point))
                 note = f"Of {found} poses found at the {where} none keeps the arm clear."
-                return OtherBranches(iter(()), note)
+                return iter(()), note
         tried = [PosePair(number, None) for number in _first_ones(firsts)]
         line = np.array(start), np.array(goal)
         pairs = pose_pairs(self.arm, line, firsts, lasts, partial(self._is_clear, problem))
-        return OtherBranches(self._branch(pair, problem) for pair in pairs if pair not in tried)
+        return (self._branch(pair, problem) for pair in pairs if pair not in tried), ""
 
     def _remember(self, problem: BranchProblem) -> None:
         """Drop caches of another mesh, start or goal."""

@@ -93,11 +93,11 @@ class ArmAware:
             faults |= again
         if found is not None:
             return found.run.plan
-        others = problem.model.other_branches(asked)
-        branches = (on(one, f"other {number}") for number, one in enumerate(others.branches))
+        others, note = problem.model.other_branches(asked)
+        branches = (on(one, f"other {number}") for number, one in enumerate(others))
         of_name = {one.arm_branch.name: one for one in every}
         why = [(of_name[name], fault) for name, fault in faults.items()]
-        return _first_motion(branches, tool, why, others.note)
+        return _first_motion(branches, tool, why, note)
 
     def _branch(
         self,

@@ -95,7 +95,7 @@ class ElbowBranch:
         return fault
 
     def _refuted(self, vertices: FloatArray, table: ArmTable) -> ArmRefutation | None:
-        """Check nodes for an arm with the limits of a ``table``."""
+        """Find where an arm with the limits of a ``table`` is not clear along a polyline (k, 3)."""
         count = len(vertices) - 1
         segments = np.stack([vertices[:-1], vertices[1:]], axis=1)
         breaks = read_only(np.arange(count + 1, dtype=float))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 
 from abi import compiling
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.arm_planning.arm_model import BranchProblem, OtherBranches
+from abi.arm_planning.arm_model import ArmBranch, BranchProblem
 from abi.arm_planning.urdf_arm_model import UrdfArmModel
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
@@ -60,8 +61,8 @@ def scene_of(name: str, axis: Any, ends: Ends, obstacles: list[Any]) -> Scene:
     )
 
 
-def no_others(*_: Any) -> OtherBranches:
-    return OtherBranches(iter(()))
+def no_others(*_: Any) -> tuple[Iterator[ArmBranch], str]:
+    return iter(()), ""
 
 
 @pytest.mark.slow
@@ -124,9 +125,11 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     collision_world = model.collision_world(obstacles, 0.0)
 
     assert len(model.arm.joints) <= 3
-    others = model.other_branches(BranchProblem(scene, obstacles, collision_world, mesh, 0.01))
-    assert list(others.branches) == []
-    assert others.note == ""
+    others, note = model.other_branches(
+        BranchProblem(scene, obstacles, collision_world, mesh, 0.01)
+    )
+    assert list(others) == []
+    assert note == ""
 
 
 def test_a_branch_that_is_named_is_the_one_among_all() -> None:
