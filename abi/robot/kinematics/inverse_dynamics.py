@@ -8,7 +8,6 @@ world's frame, Siciliano et al., Robotics, section 7.5).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -52,9 +51,10 @@ def joint_torques(
     rates = (speeds[:, table.source] * table.factor).T[..., None]
     growths = (accelerations[:, table.source] * table.factor).T[..., None]
     still = np.zeros((len(positions), 3))
-    # an arm at rest that is lifted feels what one that hangs does
-    ground = _FrameMotion(still, still, np.full_like(still, (0.0, 0.0, GRAVITY)))
-    motions: list[_FrameMotion] = []
+    # of each frame its angular velocity and acceleration, [rad/s] and [rad/s²], and how its origin
+    # is accelerated, [m/s²]: an arm at rest that is lifted feels what one that hangs does
+    ground = still, still, np.full_like(still, (0.0, 0.0, GRAVITY))
+    motions: list[tuple[FloatArray, FloatArray, FloatArray]] = []
     forces, moments = [], []
     for m, body in enumerate(bodies):
         before = int(table.before[m])
@@ -67,7 +67,7 @@ def joint_torques(
         else:
             alpha = alpha + growth + np.cross(omega, rate)
             omega = omega + rate
-        motions.append(_FrameMotion(omega, alpha, pull))
+        motions.append((omega, alpha, pull))
         turn = turns[:, m]
         centre = turn @ body.centre
         inertia = turn @ body.inertia @ turn.swapaxes(1, 2)
@@ -76,20 +76,6 @@ def joint_torques(
         forces.append(force)
         moments.append(spin + np.cross(centre, force))
     return _summed(chain, axes, origins, forces, moments)
-
-
-class _FrameMotion(NamedTuple):
-    """Motion of a joint's frame.
-
-    Attributes:
-        omega: its angular velocity, (k, 3), [rad/s].
-        alpha: its angular acceleration, (k, 3), [rad/s²].
-        pull: acceleration of its origin, with gravity as if it were lifted, (k, 3), [m/s²].
-    """
-
-    omega: FloatArray
-    alpha: FloatArray
-    pull: FloatArray
 
 
 def _carried_along(omega: FloatArray, alpha: FloatArray, lever: FloatArray) -> FloatArray:
