@@ -143,6 +143,8 @@ class ArmEnd(Settings):
         return held_in_metres(robot, plain, metres)
 
 
+_SAME = 1e-6
+"""Difference of two points that counts as none, over the largest coordinate and 1 [unit]."""
 _OF_POSE = ("position", "wxyz", "position_tolerance", "angle_tolerance")
 
 
@@ -170,8 +172,55 @@ def without_stale_ends(data: dict[str, Any], before: Mapping[str, Any]) -> dict[
         data: the fields after the change.
         before: those of the scene that is changed.
     """
-    arm = data["arm"]
-    if arm is not before["arm"] or not isinstance(arm, Settings):
+    arm, own = data["arm"], before["arm"]
+    fields = vars(arm) if isinstance(arm, Settings) else arm
+    if not isinstance(fields, Mapping):
         return data
-    moved = [name for name in ENDS if data[name] is not before[name] and getattr(arm, name)]
-    return {**data, "arm": {**vars(arm), **dict.fromkeys(moved)}} if moved else data
+    moved = [
+        name
+        for name in ENDS
+        if data[name] is not before[name]
+        and fields.get(name) is not None
+        and fields.get(name) is getattr(own, name)
+    ]
+    return {**data, "arm": {**fields, **dict.fromkeys(moved)}} if moved else data
+
+
+def check_said_once(data: Mapping[str, Any]) -> None:
+    """Raise a SceneError where a scene's file says two things of its ends, or of its first leg."""
+    arm, tasks = data.get("arm"), data.get("tasks")
+    of_arm = arm if isinstance(arm, Mapping) else {}
+    leg = tasks[0] if isinstance(tasks, list | tuple) and tasks else None
+    of_leg = leg if isinstance(leg, Mapping) else {}
+    pairs = [
+        *((name, data.get(name), f"arm.{name}", of_arm.get(name)) for name in ENDS),
+        ("goal", data.get("goal"), "tasks[0].goal", of_leg.get("goal")),
+        *(
+            (f"arm.{name}", of_arm.get(name), f"tasks[0].{name}", of_leg.get(name))
+            for name in ("goal", "gripper", "axis")
+        ),
+    ]
+    for name, value, other, again in pairs:
+        unsaid = value is None or again is None or value == {}
+        points_alone = other.startswith("arm.") and not isinstance(value, Mapping)
+        if not unsaid and not points_alone and value != again:
+            raise SceneError(other, again, f"nothing beside {name}, or the same as that")
+
+
+def check_said_so(data: Mapping[str, Any], arm: Settings, places: Mapping[str, Vec3]) -> None:
+    """Raise a SceneError where a point of a file is not where its arm's request puts the tool.
+
+    Args:
+        data: the fields of the file.
+        arm: of the scene.
+        places: the tool's at both ends, by name, [unit].
+    """
+    for name, place in places.items():
+        given = data.get(name)
+        if getattr(arm, name) is None or not isinstance(given, list | tuple):
+            continue
+        away = max(abs(one - other) for one, other in zip(given, place, strict=True))
+        if away > _SAME * max(1.0, *map(abs, place)):
+            at = [round(one, 6) for one in place]
+            expected = f"no point beside arm.{name}, or where that puts the tool, {at}"
+            raise SceneError(name, given, expected)

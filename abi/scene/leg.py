@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import Field, Strict
@@ -46,25 +47,29 @@ class Leg(Settings):
 
 
 def with_first_leg(data: dict[str, Any]) -> dict[str, Any]:
-    """A scene's fields with those of its first leg, if it has legs.
+    """A scene's fields with goal, gripper and axis of its first leg, if it has legs.
 
-    They are its goal, gripper and axis, and whether it takes an object or sets one down.
+    Whether something is taken or set down follows from that leg, too.
     """
     tasks = data.get("tasks")
-    if not isinstance(tasks, list | tuple) or not tasks or not isinstance(tasks[0], dict):
+    if not isinstance(tasks, list | tuple) or not tasks:
         return data
-    first = dict(tasks[0])
-    goal = first.pop("goal", None)
-    found = {**data, "tasks": [first, *tasks[1:]]}
-    if goal is not None:
-        found["goal"] = goal
+    found, of_arm = data, dict[str, Any]()
+    if isinstance(tasks[0], Leg):  # of a scene that is changed
+        grasps = tasks[0].grasps
+    elif isinstance(tasks[0], dict):
+        first = dict(tasks[0])
+        goal = first.pop("goal", None)
+        found = {**data, "tasks": [first, *tasks[1:]]}
+        if goal is not None:
+            found["goal"] = goal
+        given = ((name, first.pop(name, None)) for name in ("gripper", "axis"))
+        of_arm = {name: value for name, value in given if value is not None}
+        grasps = first.get("attach") is not None or first.get("release") is True
+    else:
+        return data
     arm = data.get("arm", {})
-    given = ((name, first.pop(name, None)) for name in ("gripper", "axis"))
-    of_arm = {name: value for name, value in given if value is not None}
-    grasps = first.get("attach") is not None or bool(first.get("release"))
     fields = vars(arm) if isinstance(arm, Settings) else arm
-    if isinstance(fields, dict) and grasps is not fields.get("grasping", False):
+    if isinstance(fields, Mapping) and fields.get("grasping", False) is not grasps:
         of_arm["grasping"] = grasps
-    if of_arm:
-        found["arm"] = {**fields, **of_arm}
-    return found
+    return {**found, "arm": {**fields, **of_arm}} if of_arm else found

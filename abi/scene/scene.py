@@ -24,7 +24,13 @@ from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSour
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED
 from abi.scene import scene_archive
-from abi.scene.arm_end import ENDS, with_arm_ends, without_stale_ends
+from abi.scene.arm_end import (
+    ENDS,
+    check_said_once,
+    check_said_so,
+    with_arm_ends,
+    without_stale_ends,
+)
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.field_errors import first_error
 from abi.scene.held_axis import check_axis
@@ -232,7 +238,10 @@ class Scene(Settings):
         if not isinstance(data, dict):
             raise SceneError("scene", data, "a mapping with version: 1")
         plain_data = {name: plain(name, value) for name, value in data.items()}
-        return cls._checked(plain_data, MeshSource.of(folder))
+        check_said_once(plain_data)
+        scene = cls._checked(plain_data, MeshSource.of(folder))
+        check_said_so(plain_data, scene.arm, {name: getattr(scene, name) for name in ENDS})
+        return scene
 
     @classmethod
     def _checked(cls, data: dict[str, Any], meshes: MeshSource) -> Self:

@@ -16,7 +16,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
 from abi.scene.scene_file import MAX_JSON_BYTES
-from abi.scene.without_obstacles import contacts_without
+from abi.scene.without_obstacles import contacts_without, legs_without
 from app.camera.camera import View
 from app.shared import mesh_store
 from app.state.known_legs import KnownLegs
@@ -261,11 +261,17 @@ def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple
             if isinstance(one, dict) and one.get("file") in missing
         ]
         left = [one for number, one in enumerate(obstacles) if number not in gone]
-        data = {**data, "obstacles": left, "arm": _arm_without(data.get("arm", {}), gone)}
+        data = {
+            **data,
+            "obstacles": left,
+            "arm": _arm_without(data.get("arm", {}), gone),
+            "tasks": _tasks_without(data.get("tasks", []), gone),
+        }
     if missing and isinstance(data, dict) and isinstance(arm := data.get("arm"), dict):
         held = arm.get("attached")
         if isinstance(held, dict) and held.get("file") in missing:
-            data = {**data, "arm": {**arm, "attached": None}}
+            tasks = _tasks_without(data.get("tasks", []), (), holds_it=True)
+            data = {**data, "arm": {**arm, "attached": None}, "tasks": tasks}
     return Scene.from_dict(data, MeshSource(here, meshes.folder)), tuple(missing)
 
 
@@ -277,6 +283,13 @@ def _arm_without(arm: object, gone: Collection[int]) -> object:
     if any(type(one) not in (str, int) for pair in pairs for one in pair):
         return arm
     return {**arm, "allowed": contacts_without([(a, b) for a, b in pairs], gone)}
+
+
+def _tasks_without(tasks: object, gone: Collection[int], holds_it: bool = False) -> object:
+    """Legs that attach what they did, or nothing; unchanged if invalid."""
+    if not isinstance(tasks, list) or not all(isinstance(leg, dict) for leg in tasks):
+        return tasks
+    return legs_without(tasks, gone, holds_it)
 
 
 def _is_same(name: str, key: object, meshes: MeshSource) -> bool:

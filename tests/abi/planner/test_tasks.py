@@ -307,11 +307,11 @@ def run_faster(plan: dict[str, Any]) -> None:
 
 
 def begin_elsewhere(plan: dict[str, Any]) -> None:
-    plan["scene"]["start"] = {"joints": JOINTS[4]}
+    plan["scene"]["start"] = plan["scene"]["arm"]["start"] = {"joints": JOINTS[4]}
 
 
 def end_the_first_leg_elsewhere(plan: dict[str, Any]) -> None:
-    plan["scene"]["goal"] = {"joints": JOINTS[4]}
+    plan["scene"]["goal"] = plan["scene"]["arm"]["goal"] = {"joints": JOINTS[4]}
 
 
 @pytest.mark.parametrize(

@@ -176,6 +176,87 @@ def test_contacts_stay_with_their_obstacles(
     assert [(link, meant(left, other)) for link, other in left.arm.allowed] == expected
 
 
+PICK = load_scene("pick-and-place")
+
+
+@pytest.mark.parametrize("number", range(len(PICK.obstacles)))
+def test_legs_attach_the_same_objects_where_others_are_deleted(number: int) -> None:
+    left = PICK.replace(**without_obstacles(PICK, (number,)))
+    pairs = zip(PICK.tasks, left.tasks, strict=True)
+    holds = False
+    for before, after in pairs:
+        is_gone = before.attach == number
+        if before.attach is not None and not is_gone:
+            assert after.attach is not None
+            assert left.obstacles[after.attach] == PICK.obstacles[before.attach]
+        assert (after.attach is None) == (before.attach is None or is_gone)
+        holds = holds or after.attach is not None
+        assert after.release == (before.release and holds)
+        holds = holds and not after.release
+        assert (after.goal, after.name) == (before.goal, before.name)
+    assert left.arm.grasping == left.tasks[0].grasps
+
+
+def test_whether_something_is_taken_follows_from_the_first_leg() -> None:
+    legs = [leg.model_dump(mode="json") for leg in PICK.tasks]
+    taking = [{**legs[0], "attach": 0}, {**legs[1], "attach": None}, *legs[2:]]
+    for before, after in ((legs, taking), (taking, legs)):
+        scene = PICK.replace(tasks=before)
+        for changed in (
+            scene.replace(tasks=after),
+            Scene.from_dict({**scene.to_dict(), "tasks": after}),
+        ):
+            assert changed.arm.grasping == changed.tasks[0].grasps == (after is taking)
+            assert changed.replace(arm={"clearance": 0.001}).arm.grasping == (after is taking)
+
+
+POINT = [0.3, 0.3, 0.5]
+
+
+@pytest.mark.parametrize("end", ["start", "goal"])
+@pytest.mark.parametrize("beside", [{}, {"arm": {"clearance": 0.001}}])
+def test_an_end_that_is_changed_to_a_point_is_that_point(end: str, beside: dict[str, Any]) -> None:
+    joints = {"joints": [0.1, -1.2, 1.3, -1.4, -1.5, 0.2]}
+    room = {"min": [-0.9, -0.9, 0.0], "max": [0.9, 0.9, 1.2]}
+    scene = KITCHEN.replace(workspace=room, arm={"axis": None}, **{end: joints})
+    assert getattr(scene.arm, end) is not None
+    changed = scene.replace(**{end: POINT}, **beside)
+    assert getattr(changed, end) == tuple(POINT)
+    assert getattr(changed.arm, end) is None
+    again = changed.replace(**{end: joints}, **beside)
+    assert getattr(again, end) == getattr(scene, end)
+    # a file that says both, and not the same, is no change but a contradiction
+    both = scene.to_dict()
+    assert Scene.from_dict(both) == scene
+    for other in (POINT, {"joints": [0.0, *joints["joints"][1:]]}):
+        with pytest.raises(SceneError, match=rf"^(arm\.)?{end} is"):
+            Scene.from_dict({**both, end: other})
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"goal": POINT},
+        {"arm": {"gripper": {"panda_finger_joint1": 0.01}}},
+        {"arm": {"axis": {"direction": [0, 0, -1], "tolerance": 0.5}}},
+    ],
+)
+def test_what_a_file_says_of_its_first_leg_twice_is_said_alike(said: dict[str, Any]) -> None:
+    data = PICK.to_dict()
+    first = {"gripper": "closed", "axis": {"direction": [0, 0, -1], "tolerance": 0.4}}
+    first["goal"] = [0.31, 0.3, 0.5]
+    name = next(iter(said.get("arm", said)))
+    wanted = {name: first[name]}
+    arm = {**data["arm"], "gripper": {}, "axis": None, "goal": None}
+    legs = [{**data["tasks"][0], **wanted}, *data["tasks"][1:]]
+    data = {**data, "tasks": legs, "arm": arm, "goal": None if name == "goal" else data["goal"]}
+    data = {key: value for key, value in data.items() if value is not None}
+    Scene.from_dict(data)
+    both = {**data, **said, "arm": {**arm, **said.get("arm", {})}}
+    with pytest.raises(SceneError, match=rf"^tasks\[0\]\.{name} is"):
+        Scene.from_dict(both)
+
+
 def meant(scene: Scene, other: str | int) -> object:
     """The link or obstacle that a contact is with."""
     return other if isinstance(other, str) else scene.obstacles[other]
