@@ -76,6 +76,11 @@ AllowedPair = Annotated[tuple[str, str | int], BeforeValidator(_contact)]
 _POINT_ALONE = "a point: joints and orientation can be asked only of an arm from a URDF"
 
 
+ON_MESH = (
+    "auto or joints where joints or poses are asked for, by an end or by a leg that begins in "
+    "those in which the one before ended: on the mesh only the tool's place is kept"
+)
+
 _OF_URDF = ("urdf", "srdf", "tip", "base_link", "gripper", "allowed", "attached", "grasping")
 """Fields that say nothing of the paper's arm."""
 
@@ -164,6 +169,8 @@ class ArmSettings(Settings):
                 "a direction alone is held exactly, on the mesh"
             )
             raise SceneError("arm.axis", self.exact_axis, expected)
+        if self.search == "mesh" and (self.start is not None or self.goal is not None):
+            raise SceneError("arm.search", "mesh", ON_MESH)
         if self.model == "urdf":
             meshes = (info.context or {}).get("meshes", MeshSource())
             self._whole = self._robot = load_robot(self.urdf, meshes, srdf=self.srdf)

@@ -31,7 +31,7 @@ from abi.scene.arm_end import (
     with_arm_ends,
     without_stale_ends,
 )
-from abi.scene.arm_settings import ArmSettings
+from abi.scene.arm_settings import ON_MESH, ArmSettings
 from abi.scene.field_errors import first_error
 from abi.scene.held_axis import check_axis
 from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
@@ -200,6 +200,8 @@ class Scene(Settings):
         if self.arm.model != "urdf" and (self.tasks or self.arm.attached is not None):
             expected = "urdf where there are tasks, or an object is attached"
             raise SceneError("arm.model", self.arm.model, expected)
+        if self.arm.search == "mesh" and len(self.tasks) > 1:
+            raise SceneError("arm.search", "mesh", ON_MESH)
         holds = self.arm.attached is not None
         for number, leg in enumerate(self.tasks):
             field = f"tasks[{number}]"

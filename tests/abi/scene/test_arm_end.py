@@ -87,6 +87,9 @@ def test_ends_are_kept_as_given_wherever_they_are_written(end: dict[str, Any]) -
     assert one.to_dict()["arm"]["start"] == end
     assert Scene.from_dict(one.to_dict(), FILES) == one
     assert one.replace(start=one.start) is one
+    # the tool's place alone would be kept there
+    with pytest.raises(SceneError, match=r"^arm\.search is 'mesh'"):
+        one.replace(arm={"search": "mesh"})
 
 
 def test_a_list_of_joints_their_names_and_their_state_mean_the_same() -> None:

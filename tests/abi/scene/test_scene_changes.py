@@ -210,20 +210,26 @@ def test_whether_something_is_taken_follows_from_the_first_leg() -> None:
             assert changed.replace(arm={"clearance": 0.001}).arm.grasping == (after is taking)
 
 
+def test_legs_that_begin_in_joints_are_not_sought_on_the_mesh() -> None:
+    with pytest.raises(SceneError, match="only the tool's place is kept"):
+        PICK.replace(arm={"search": "mesh"})
+
+
 POINT = [0.3, 0.3, 0.5]
 
 
 @pytest.mark.parametrize("end", ["start", "goal"])
 @pytest.mark.parametrize("beside", [{}, {"arm": {"clearance": 0.001}}])
 def test_an_end_that_is_changed_to_a_point_is_that_point(end: str, beside: dict[str, Any]) -> None:
-    joints = {"joints": [0.1, -1.2, 1.3, -1.4, -1.5, 0.2]}
+    joints: dict[str, Any] = {"joints": [0.1, -1.2, 1.3, -1.4, -1.5, 0.2]}
     room = {"min": [-0.9, -0.9, 0.0], "max": [0.9, 0.9, 1.2]}
     scene = KITCHEN.replace(workspace=room, arm={"axis": None}, **{end: joints})
     assert getattr(scene.arm, end) is not None
-    changed = scene.replace(**{end: POINT}, **beside)
+    changes: dict[str, Any] = {end: POINT, **beside}
+    changed = scene.replace(**changes)
     assert getattr(changed, end) == tuple(POINT)
     assert getattr(changed.arm, end) is None
-    again = changed.replace(**{end: joints}, **beside)
+    again = changed.replace(**{**changes, end: joints})
     assert getattr(again, end) == getattr(scene, end)
     # a file that says both, and not the same, is no change but a contradiction
     both = scene.to_dict()
@@ -243,7 +249,10 @@ def test_an_end_that_is_changed_to_a_point_is_that_point(end: str, beside: dict[
 )
 def test_what_a_file_says_of_its_first_leg_twice_is_said_alike(said: dict[str, Any]) -> None:
     data = PICK.to_dict()
-    first = {"gripper": "closed", "axis": {"direction": [0, 0, -1], "tolerance": 0.4}}
+    first: dict[str, Any] = {
+        "gripper": "closed",
+        "axis": {"direction": [0, 0, -1], "tolerance": 0.4},
+    }
     first["goal"] = [0.31, 0.3, 0.5]
     name = next(iter(said.get("arm", said)))
     wanted = {name: first[name]}
