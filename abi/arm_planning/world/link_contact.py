@@ -69,6 +69,7 @@ def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
         link: name of the one.
         other: name of the other.
     """
+    pose = arguments.numbers("pose", pose, arm.scales.shape)
     if not _is_decided(arm, link, other):
         return False
     compile_kernels()
