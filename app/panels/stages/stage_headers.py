@@ -72,4 +72,6 @@ def _results(plan: Plan) -> dict[str, str]:
     if plan.error is not None:
         ended = STAGE_OF_ERROR[plan.error.stage]
         results[ended] = SHOWN_STAGES[ended].failure or results[ended]
+        later = list(results)[list(results).index(ended) + 1 :]
+        results |= {name: results[name] or "not reached" for name in later}
     return results
