@@ -45,7 +45,7 @@ class ShownStage(NamedTuple):
 SHOWN_STAGES = {
     "mesh": ShownStage(
         "Mesh",
-        "The box becomes nodes; those in an obstacle, or too near one, are removed.",
+        "The workspace becomes nodes; those in an obstacle, or too near one, are removed.",
         stage_results.mesh_result,
         stage_numbers.mesh_numbers,
         _ALWAYS | {"edges", "nodes", "excluded"},

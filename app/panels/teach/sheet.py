@@ -13,7 +13,7 @@ ABOUT = """
 A robot arm is to bring its tool tip from start to goal and touch nothing on the way. The **ABI
 method** (A\\* and B-spline Interpolation) plans that in six stages:
 
-1. **Mesh**: the box is cut into tetrahedra.
+1. **Mesh**: the workspace, the box of thin lines, is cut into tetrahedra.
 2. **Graph**: the nodes and edges outside every obstacle.
 3. **Search**: A\\*, Dijkstra and Bellman-Ford look for the shortest path in it.
 4. **B-spline**: a smooth curve along that path, proven to keep its distance.
