@@ -205,10 +205,13 @@ def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
     if plan.error is not None and plan.error.stage != "arm":
         return plan.error.message
     fault, rank = _fault(plan)
-    arc = plan.followed_arc
-    if fault or arc is None or plan.arm_clearance is None:
+    if fault or plan.motion is None or plan.arm_clearance is None:
         return replace(cell, fault=fault, rank=rank)
-    return replace(cell, length=arc.length, clearance=plan.arm_clearance.distance)
+    arc = plan.followed_arc
+    # where the joints follow a curve of their own, the tool's samples
+    tool = float(np.linalg.norm(np.diff(plan.motion.tool, axis=0), axis=1).sum())
+    length = tool if arc is None else arc.length
+    return replace(cell, length=length, clearance=plan.arm_clearance.distance)
 
 
 def _fault(plan: Plan) -> tuple[str, int]:
@@ -224,14 +227,13 @@ def _fault(plan: Plan) -> tuple[str, int]:
         return "out of reach on the way", 0
     assert plan.motion is not None
     assert plan.arm_clearance is not None
-    assert plan.followed_curve is not None
     if not plan.motion.within_limits:
         return "a joint past its limit", 2
     if plan.arm_clearance.contacts:
         return "a link in the way", 3
     if not plan.arm_clearance.certified:
         return "the links not proven clear", 4
-    if not plan.followed_curve.holds:
+    if plan.followed_curve is not None and not plan.followed_curve.holds:
         return "the curve not proven clear", 4
     return "", 5
 

@@ -217,6 +217,28 @@ class Scene(Settings):
             if leg.release and not holds:
                 raise SceneError(f"{field}.release", True, "false where nothing is held")
             holds = leg.attach is not None or (holds and not leg.release)
+            if number > 0:
+                self._check_later_leg(field, leg)
+
+    def _check_later_leg(self, field: str, leg: Leg) -> None:
+        """Raise a SceneError if the arm has no such gripper or goal, or the goal is outside."""
+        metres = METRES[self.unit]
+        try:
+            arm = self.arm.model_copy(update={"goal": leg.goal})
+            place = leg.goal if isinstance(leg.goal, tuple) else arm.tool_at("goal", metres)
+            if leg.gripper is not None:
+                held = self.arm.held("arm.gripper", leg.gripper, metres)
+                self.arm.model_copy(update={"gripper": held}).check_gripper(metres)
+        except SceneError as error:
+            name = error.field.replace("arm", field, 1)
+            raise SceneError(name, error.value, error.expected) from None
+        assert place is not None
+        bounds = zip("xyz", place, self.workspace.min, self.workspace.max, strict=True)
+        for axis, number, low, high in bounds:
+            if not low <= number <= high:
+                inside = with_minus(f"{low:g} and {high:g}")
+                expected = f"{axis} of the tool tip between {inside} {self.unit}"
+                raise SceneError(f"{field}.goal", place, expected)
 
     @property
     def robot(self) -> Robot:

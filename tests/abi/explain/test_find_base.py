@@ -130,3 +130,17 @@ def test_a_large_mesh_is_tried_on_a_coarser_one_and_confirmed(
     found = find_base(scene, (2.0, 8.0, 0.0), (4.0, 8.0, 0.0))
     assert found.best is not None
     assert _planned(scene, found.best) == pytest.approx(found.best.length, rel=1e-9)
+
+
+def test_an_arm_that_goes_from_joints_to_joints_is_ranked_by_the_way_of_its_tool() -> None:
+    kitchen = abi.load_scene("kitchen-ur5e").replace(obstacles=[])
+    pose = [0.5, -1.4, 1.2, -1.0, -1.5, 0.0]
+    ends = {"start": {"joints": pose}, "goal": {"joints": [0.2, *pose[1:]]}}
+    scene = kitchen.replace(arm={**ends, "axis": None})
+    place = scene.arm.base
+    found = find_base(scene, place, place)
+    motion = abi.plan(scene).motion
+    assert found.best is not None
+    assert motion is not None
+    way = np.linalg.norm(np.diff(motion.tool, axis=0), axis=1).sum()
+    assert found.best.length == pytest.approx(way, rel=0.05)

@@ -87,6 +87,7 @@ def test_a_part_has_a_length(begin: float, end: float) -> None:
         (HELD, {"model": "abi"}, "arm.axis", "none for the paper's arm"),
         (DOWN, {"model": "abi"}, "arm.axis", "none for the paper's arm"),
         (HELD, {"search": "mesh"}, "arm.search", "auto or joints"),
+        (None, {"search": "mesh", "start": {"joints": [0.0] * 6}}, "arm.search", "auto or joints"),
         (DOWN, {"search": "joints"}, "arm.axis", "tolerance"),
         (DOWN, {"start": {"joints": [0.0] * 6}}, "arm.axis", "tolerance"),
     ],
