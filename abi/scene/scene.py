@@ -298,13 +298,17 @@ class Scene(Settings):
     def notes(self) -> tuple[str, ...]:
         """Sentences on its files: units of meshes, and what is planned, left out or repaired.
 
-        The last one names the fields of ``arm`` that say something of another model only.
+        The last ones name fields that say something of another arm, or another search, only.
         """
-        told = self._notes(self.arm.notes(METRES[self.unit]))
-        if not self.arm.unused:
-            return told
-        named = ", ".join(f"arm.{name}" for name in self.arm.unused)
-        return (*told, f"Not used, as arm.model is {self.arm.model}: {named}.")
+        told = [*self._notes(self.arm.notes(METRES[self.unit]))]
+        if self.arm.unused:
+            named = ", ".join(f"arm.{name}" for name in self.arm.unused)
+            told.append(f"Not used, as arm.model is {self.arm.model}: {named}.")
+        if self.arm.start is not None or self.arm.goal is not None or self.arm.search == "joints":
+            given = {"arm.avoid": self.arm.avoid, "motion.curve": self.motion.curve == "auto"}
+            if passed := ", ".join(name for name, is_usual in given.items() if not is_usual):
+                told.append(f"Not used, as the motion is sought among the joints: {passed}.")
+        return tuple(told)
 
     @property
     def file_notes(self) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
+from abi.errors import ExportError, SceneError
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.any_arm import PlacedCapsule, RateLimits
 from abi.robot.bodies.urdf_writer import joint, write
@@ -155,8 +156,19 @@ class PaperArm(ShortRepr):
 
     @cached_property
     def chain(self) -> Chain:
-        """The chain of its URDF as it stands in the scene, in [m]."""
-        robot = robot_from_archive(packed(self.files()))
+        """The chain of its URDF as it stands in the scene, in [m].
+
+        Raises:
+            ExportError: it is so large that no URDF holds it.
+        """
+        try:
+            robot = robot_from_archive(packed(self.files()))
+        except SceneError:
+            raise ExportError(
+                f"The arm reaches {self.reach * self.metres:.4g} m, and a URDF holds no link over "
+                "100 m.",
+                "Correct a1 to a5 of arm, or unit of the scene.",
+            ) from None
         x, y, z = (self.base * self.metres).tolist()
         return Chain.of(robot, usual_tip(robot), (x, y, z), None, self.wxyz)
 

@@ -87,6 +87,11 @@ def test_ends_are_kept_as_given_wherever_they_are_written(end: dict[str, Any]) -
     assert one.to_dict()["arm"]["start"] == end
     assert Scene.from_dict(one.to_dict(), FILES) == one
     assert one.replace(start=one.start) is one
+    assert not any("Not used" in note for note in one.notes)
+    follows = one.replace(motion={"curve": "bspline"}, arm={"avoid": False})
+    told = "Not used, as the motion is sought among the joints: arm.avoid, motion.curve."
+    assert told in follows.notes
+    assert told not in follows.replace(start=[1.0, 2.0, 2.5]).notes
     # the tool's place alone would be kept there
     with pytest.raises(SceneError, match=r"^arm\.search is 'mesh'"):
         one.replace(arm={"search": "mesh"})
