@@ -11,6 +11,7 @@ import numpy as np
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
+from abi.robot.kinematics.chain import Chain
 
 
 class CarriedObject(NamedTuple):
@@ -68,3 +69,14 @@ def carried_objects(plan: Plan) -> Iterator[CarriedObject]:
             last=begins[after],
             is_taken=before is not None,
         )
+
+
+def chains_of_legs(plan: Plan) -> list[tuple[Chain, int]]:
+    """Chain of each leg of a plan that joins several, and the number of the sample that ends it."""
+    found, last = [], 0
+    for leg in plan.legs:
+        assert leg.motion is not None
+        assert leg.arm is not None
+        last += len(leg.motion.time) - 1
+        found.append((leg.arm.chain, last))
+    return found

@@ -5,6 +5,7 @@ So Foxglove draws it from the recording alone: meshes that a URDF names are nowh
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,8 @@ from abi.obstacles.pose import Vec3
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Link, LinkShape
 
+_STILL = 1e-9
+"""Change of a pose that counts as none."""
 _GREY: Colour = (0.72, 0.75, 0.79, 1.0)
 
 
@@ -52,25 +55,46 @@ def scene_frame(chain: Chain) -> str:
     return name
 
 
-def link_frames(chain: Chain, positions: FloatArray) -> tuple[list[LinkFrame], list[LinkFrame]]:
+def link_frames(
+    chain: Chain, positions: FloatArray, legs: Sequence[tuple[Chain, int]] = ()
+) -> tuple[list[LinkFrame], list[LinkFrame]]:
     """Frames of links that never move in their parents, and of those that do.
 
     Args:
         chain: the chain.
         positions: of its joints, (samples, n), [rad] or [m].
+        legs: of a motion of several the chain of each, whose gripper may be held otherwise, and the
+            number of the sample that ends it.
     """
-    poses = chain.poses(positions)
     scene = scene_frame(chain)
     world = {scene: np.broadcast_to(np.eye(4), (len(positions), 4, 4))}
-    for one in chain.carried:
-        frame = np.tile(np.eye(4), (len(positions), 1, 1))
-        if one.frame >= 0:
-            frame[:, :3] = poses[:, one.frame]
-        world[one.link] = frame @ one.pose
+    own = {one.link: one for one in chain.carried}
+    first, parts = 0, list[dict[str, FloatArray]]()
+    for of_leg, last in legs or ((chain, len(positions) - 1),):
+        rows = positions[first : last + 1]
+        poses, first = of_leg.poses(rows), last + 1
+        here = {one.link: one for one in of_leg.carried}
+        part = {}
+        for link, one in own.items():
+            there = here.get(link, one)  # what is held on the first leg alone stays in the hand
+            frame = np.tile(np.eye(4), (len(rows), 1, 1))
+            if there.frame >= 0:
+                frame[:, :3] = poses[:, there.frame]
+            part[link] = frame @ there.pose
+        parts.append(part)
+    world |= {link: np.concatenate([part[link] for part in parts]) for link in own}
     moving = [(joint.parent, joint.child) for joint in chain.joints]
     pairs = [(joint.parent, joint.child) for joint in chain.robot.joints]
+    changing = [pair for pair in pairs if pair not in moving and len(legs) and _moves(world, *pair)]
+    moving += changing
     still = [(scene, chain.robot.root), *(pair for pair in pairs if pair not in moving)]
     return _frames(world, still, 1), _frames(world, moving, len(positions))
+
+
+def _moves(world: dict[str, FloatArray], parent: str, child: str) -> bool:
+    """Check whether a frame moves in its parent."""
+    poses = np.linalg.inv(world[parent]) @ world[child]
+    return bool(np.abs(poses - poses[0]).max() > _STILL)
 
 
 def link_entities(chain: Chain) -> Part:

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from abi.export.carried_objects import carried_objects
+from abi.export.carried_objects import carried_objects, chains_of_legs
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import (
     LinkFrame,
@@ -83,7 +83,7 @@ def _messages(plan: Plan, description: str) -> Iterator[RecordedMessage]:
     frame, root = scene_frame(chain), chain.robot.root
     trajectory, tool = joint_trajectory(plan), motion_of(plan).tool * plan.arm.metres
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
-    still, moving = link_frames(chain, trajectory.positions)
+    still, moving = link_frames(chain, trajectory.positions, chains_of_legs(plan))
     yield RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
     yield RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
     yield RecordedMessage("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))

@@ -10,6 +10,7 @@ import io
 from collections.abc import Iterator
 from typing import Any
 
+from abi.export.carried_objects import chains_of_legs
 from abi.export.joint_trajectory import JointTrajectory, joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import LinkFrame, link_frames, quaternions, scene_frame
 from abi.export.recorded_message import RecordedMessage
@@ -46,7 +47,7 @@ def _messages(plan: Plan) -> Iterator[RecordedMessage]:
     frame, root = scene_frame(chain), chain.robot.root
     tool = (motion_of(plan).tool * METRES[plan.scene.unit]).tolist()
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
-    still, moving = link_frames(chain, trajectory.positions)
+    still, moving = link_frames(chain, trajectory.positions, chains_of_legs(plan))
     text = {"data": plan.arm.description()}
     yield RecordedMessage("/robot_description", "std_msgs/msg/String", 0.0, text)
     yield RecordedMessage(

@@ -12,8 +12,10 @@ from rosbags.highlevel import AnyReader
 
 from abi.export.formats import FORMATS, export
 from abi.export.joint_trajectory import joint_trajectory
-from abi.obstacles.pose import METRES
+from abi.export.mcap_arm import link_frames, scene_frame
+from abi.obstacles.pose import METRES, rotation
 from abi.planner.planner import plan
+from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import load_scene
 
 
@@ -52,3 +54,35 @@ def test_both_readers_of_ros_bags_read_the_motion(tmp_path: Path) -> None:
     assert {topic: len(one) for topic, one in found.items()} == {
         topic: len(one) for topic, one in others.items()
     }
+
+
+def test_the_frames_of_a_sequence_have_the_gripper_of_each_leg() -> None:
+    robot = load_scene("pick-and-place").robot
+    open_, closed = (
+        urdf_arm(robot, "panda_hand_tcp", (0.1, 0.2, 0.3), held={"panda_finger_joint1": at})
+        for at in (0.04, 0.01)
+    )
+    positions = np.random.default_rng(3).uniform(-0.5, 0.5, (7, 7))
+    legs = [(open_.chain, 2), (closed.chain, 4), (open_.chain, 6)]
+    still, moving = link_frames(open_.chain, positions, legs)
+    fingers = {"panda_leftfinger", "panda_rightfinger"}
+    assert fingers <= {one.child for one in moving}
+    assert not fingers & {one.child for one in link_frames(open_.chain, positions)[1]}
+    for sample in range(7):
+        world = {scene_frame(open_.chain): np.eye(4)}
+        waiting = [*still, *moving]
+        while waiting:
+            one = next(frame for frame in waiting if frame.parent in world)
+            waiting.remove(one)
+            row = sample if len(one.positions) > 1 else 0
+            pose = np.eye(4)
+            pose[:3, :3] = rotation(tuple(one.wxyz[row].tolist()))
+            pose[:3, 3] = one.positions[row]
+            world[one.child] = world[one.parent] @ pose
+        chain = next(chain for chain, last in legs if sample <= last)
+        frames = chain.poses(positions[sample : sample + 1])[0]
+        for carried in chain.carried:
+            expected = np.eye(4)
+            if carried.frame >= 0:
+                expected[:3] = frames[carried.frame]
+            np.testing.assert_allclose(world[carried.link], expected @ carried.pose, atol=1e-9)
