@@ -54,12 +54,19 @@ HALF_FLIPPED = (BOX[0], np.concatenate([BOX[1][:5, ::-1], BOX[1][5:]]))
         (meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))), [(2, 0), (2, 0.7)], "2 parts"),
         (meshes.joined(BOX, meshes.box((1, 1, 1))), [(2, 0)], "one solid"),
         (meshes.joined(BOX, meshes.inverted(meshes.box((1, 1, 1)))), [(2, 0)], "Hollows"),
+        (
+            meshes.joined(
+                BOX, meshes.inverted(meshes.box((1, 1, 1))), meshes.box((2, 2, 2), (0.7, 0, 0))
+            ),
+            [(2, 0), (2, 0.7)],
+            "Hollows",
+        ),
         (meshes.joined(BOX, meshes.box((1, 1, 1), (-1.8, 0, 0))), [(2, 0), (1, -1.8)], "2 parts"),
         (meshes.joined(meshes.box(), meshes.box(at=(2, 0, 0))), [(1, 0), (1, 2)], "2 parts"),
     ],
     ids=[
         "box", "as-in-stl", "inside-out", "half-flipped", "twice", "twice-inverted", "overlapping",
-        "nested", "cavity", "overlapping-by-a-part", "apart",
+        "nested", "cavity", "cavity-within-two", "overlapping-by-a-part", "apart",
     ],
 )  # fmt: skip
 def test_what_is_inside_is_the_union_of_what_the_shells_enclose(
