@@ -179,7 +179,11 @@ class Planner:
         moved = run.move_arm(curve)
         if on_mesh.explain is not None:
             on_mesh = on_mesh.explain()
-        why: StageError = moved.motion.error or _with_contact(on_mesh, moved, scene)
+        why: StageError = _with_contact(on_mesh, moved, scene)
+        # where it leaves its pose the tool's own curve says less than why no pose will do
+        held_up = on_mesh.where in ENDS and on_mesh.obstacle is not None
+        if moved.motion.error is not None and (on_mesh.has_elbow or not held_up):
+            why = moved.motion.error
         if in_joints is not None and isinstance(why, ArmNotClear) and in_joints.where not in ENDS:
             why = why.nor_in_joints(in_joints)
         raise why
