@@ -16,7 +16,6 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot_files import file_of
 from abi.scene.arm_settings import ArmSettings
-from abi.scene.leg import Leg
 
 
 def changed_value(current: object, change: object) -> object:
@@ -57,7 +56,7 @@ def without_stale_meshes(obstacles: object, files: MeshSource) -> object:
 def without_stale_grasp(
     data: Mapping[str, Any], changes: Mapping[str, Any], tasks: Sequence[object]
 ) -> object:
-    """The arm, which takes or sets down nothing more where tasks that asked for it are changed.
+    """The arm, which takes or sets down nothing more where the tasks that asked for it are gone.
 
     Args:
         data: a changed scene's fields.
@@ -66,11 +65,10 @@ def without_stale_grasp(
     """
     arm, given = data["arm"], changes.get("arm")
     asked = isinstance(given, Mapping) and "grasping" in given
-    if not tasks or data["tasks"] is tasks or asked:
+    if not tasks or data["tasks"] or asked:
         return arm
-    first = data["tasks"][0] if isinstance(data["tasks"], list | tuple) and data["tasks"] else None
-    grasps = {"grasping": isinstance(first, Leg) and first.grasps}  # of plain data it is seen later
-    return {**arm, **grasps} if isinstance(arm, dict) else changed_value(arm, grasps)
+    nothing = {"grasping": False}
+    return {**arm, **nothing} if isinstance(arm, dict) else changed_value(arm, nothing)
 
 
 def without_stale_arm(arm: object, files: MeshSource, source: MeshSource) -> object:

@@ -278,13 +278,11 @@ def test_what_the_first_task_takes_or_sets_down_is_as_its_plain_data_would_have_
     assert taken.arm.grasping
     assert taken.replace(tasks=[taken.tasks[0], *tasks[4:5]]).arm.grasping
     assert taken.replace(obstacles=list(taken.obstacles)).arm.grasping
-    elsewhere = {**taken.to_dict()["tasks"][0], "attach": None}
-    for changed in ([{"goal": [0.5, 0, 0.5]}], [elsewhere]):
+    for changed in ([{"goal": [0.5, 0, 0.5]}], [{"goal": [0.5, 0, 0.5], "attach": None}]):
         assert not taken.replace(tasks=changed).arm.grasping
-        read = {**taken.to_dict(), "tasks": changed}
-        if goal := changed[0].get("goal"):  # which is said once
-            read |= {"goal": goal, "arm": {**read["arm"], "goal": None}}
-        assert not Scene.from_dict(read).arm.grasping
+        data = taken.to_dict() | {"tasks": changed, "goal": [0.5, 0, 0.5]}
+        data["arm"] = data["arm"] | {"goal": None}
+        assert not Scene.from_dict(data).arm.grasping
     assert not taken.replace(tasks=[]).arm.grasping
     alone = taken.replace(tasks=[], arm={"grasping": True})
     assert alone.arm.grasping
