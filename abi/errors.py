@@ -6,14 +6,15 @@
     ├── ArgumentError     a function was called with what it does not take
     │   └── SceneError    the input is not a scene: names the field, the value and what would work
     ├── MotionError       a motion to certify is not one of the robot: names row, joint and unit
+    ├── SeveralChoicesError  a file holds several, of which one is to be named
     ├── ExportError       a format cannot hold the plan, or the file cannot be written
     └── StageError        the scene is valid but a stage has no result; ends the chain of stages
         ├── PointBlocked      start or goal lies inside an obstacle or its clearance
         ├── NoPath            no path joins start and goal on this mesh
         ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
-        ├── OutOfReach        the paper's arm cannot follow the curve all the way
-        ├── NotFollowed       an arm that a URDF describes cannot follow it
-        └── ArmNotClear       no motion was found on which the whole arm keeps clear
+        └── those of the arm, in ``arm_planning/arm_errors.py``
+
+Where sentences about a plan are chosen and put together for the page is ``explain``.
 """
 
 from __future__ import annotations
