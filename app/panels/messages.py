@@ -38,6 +38,9 @@ _OBSTACLES = "obstacles"
 """Switch of the layers that shows them."""
 _ARM = "arm"
 
+_NOT_CHANGED = "Not changed. "
+"""Begin of a message on a change that was refused, which the first sentence belongs to."""
+
 _TOOL_ALONE = (
     "As in the paper, only the path of the tool tip is planned: links may touch obstacles."
 )
@@ -96,7 +99,7 @@ class Messages:
         self._reason = None if frame.refused is not None else frame.reason
         if frame.refused is not None:
             content = _error(
-                "Not changed. " + sentence(frame.refused), kept(frame.refused, frame.plan.scene)
+                _NOT_CHANGED + sentence(frame.refused), kept(frame.refused, frame.plan.scene)
             )
         elif frame.checked is not None and frame.outdated:
             content = _planning("Checking the motion")
@@ -331,7 +334,8 @@ def _error(message: str, hint: str) -> str:
 
 def _first_sentence(message: str) -> tuple[str, str]:
     """The first sentence of a message, and the others folded, as HTML; empty for none."""
-    first, stop, others = message.partition(". ")
+    kept = _NOT_CHANGED if message.startswith(_NOT_CHANGED) else ""
+    first, stop, others = message.removeprefix(kept).partition(". ")
     if not stop:
         return message, ""
-    return f"{first}.", f"<details><summary>More</summary>{html.escape(others)}</details>"
+    return f"{kept}{first}.", f"<details><summary>More</summary>{html.escape(others)}</details>"

@@ -151,5 +151,5 @@ def test_joints_are_the_same_compiled_and_plain(seed: int, how: str) -> None:
         run(lambda: ik.solve(arm, points, np.zeros(81), "up", tangents))
         for run in (plain, compiled)
     )
-    for name in ("q1", "q2", "q3", "shortfall"):
-        assert getattr(first, name) == pytest.approx(getattr(second, name), abs=1e-9)
+    for one, other in zip(first, second, strict=True):
+        assert one == pytest.approx(other, abs=1e-9)
