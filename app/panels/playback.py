@@ -99,9 +99,9 @@ class PlaybackPanel:
         end = max(round(bar.end, 2), 0.01)
         if self.slider.max != end:
             self.slider.max = end
-        if not math.isfinite(self.slider.value):
-            self.slider.value = self._written
         was_scrubbed, self._scrubbed = self._scrubbed, False
+        if not math.isfinite(self.slider.value):
+            self.slider.value, was_scrubbed = self._written, False
         scrubbed = self.slider.value
         if was_scrubbed or scrubbed != self._written:
             if now - self._sent < _LATENCY:
