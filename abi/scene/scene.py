@@ -163,21 +163,15 @@ class Scene(Settings):
                 object.__setattr__(self, end, place)
         for name in ("start", "goal"):
             point = getattr(self, name)
-            for axis, number, low, high in zip(
-                "xyz", point, self.workspace.min, self.workspace.max, strict=True
-            ):
-                if low <= number <= high:
-                    continue
-                if getattr(self.arm, name) is not None:
-                    bounds = with_minus(f"{low:g} and {high:g}")
-                    expected = f"the tool tip in the workspace, {axis} between {bounds} {self.unit}"
-                    raise SceneError(f"arm.{name}", f"the tool tip at {point}", expected)
-                if name not in self.model_fields_set:  # a default, which nobody has given
-                    expected = f"a point of the workspace, as the default {point} is outside"
-                    raise SceneError(name, MISSING, expected)
-                raise SceneError(
-                    name, point, f"{axis} between {with_minus(f'{low:g} and {high:g}')} {self.unit}"
-                )
+            if not (bounds := self._left_bounds(point)):
+                continue
+            if getattr(self.arm, name) is not None:
+                expected = f"the tool tip in the workspace, {bounds}"
+                raise SceneError(f"arm.{name}", f"the tool tip at {point}", expected)
+            if name not in self.model_fields_set:  # a default, which nobody has given
+                expected = f"a point of the workspace, as the default {point} is outside"
+                raise SceneError(name, MISSING, expected)
+            raise SceneError(name, point, bounds)
         self.arm.check_gripper(METRES[self.unit])
         self.arm.check_allowed(len(self.obstacles))
         self._check_tasks()
@@ -233,12 +227,16 @@ class Scene(Settings):
             name = error.field.replace("arm", field, 1)
             raise SceneError(name, error.value, error.expected) from None
         assert place is not None
+        if bounds := self._left_bounds(place):
+            raise SceneError(f"{field}.goal", place, f"the tool tip in the workspace, {bounds}")
+
+    def _left_bounds(self, place: Vec3) -> str:
+        """Between what numbers the workspace lies where a place is outside; empty inside."""
         bounds = zip("xyz", place, self.workspace.min, self.workspace.max, strict=True)
         for axis, number, low, high in bounds:
             if not low <= number <= high:
-                inside = with_minus(f"{low:g} and {high:g}")
-                expected = f"{axis} of the tool tip between {inside} {self.unit}"
-                raise SceneError(f"{field}.goal", place, expected)
+                return f"{axis} between {with_minus(f'{low:g} and {high:g}')} {self.unit}"
+        return ""
 
     @property
     def robot(self) -> Robot:

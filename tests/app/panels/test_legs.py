@@ -110,16 +110,21 @@ def test_what_plays_goes_through_all_legs_and_begins_anew(
     until(lambda: session.resting and session.frame.plan.scene.arm.model == "abi")
 
 
+def stand_on_the_first_leg(fake: FakeTab, session: Session) -> None:
+    """Stop the player, open the tasks, and wait until their first leg is planned."""
+    fake.set(session.playback.button, True)
+    until(lambda: not session.playback.playing)
+    fake.set(session.panels.files.choice, "pick-and-place")
+    until(lambda: at_leg(session, 0) and session.panels.messages.legs.state()[2] is True)
+
+
 @pytest.mark.slow  # two plans of a real arm
 def test_a_leg_asked_for_begins_at_its_begin_also_while_the_arm_stands(
     tab: tuple[FakeTab, Session],
 ) -> None:
     fake, session = tab
     legs, player = session.panels.messages.legs, session.playback
-    fake.set(player.button, True)
-    until(lambda: not player.playing)
-    fake.set(session.panels.files.choice, "pick-and-place")
-    until(lambda: at_leg(session, 0) and legs.state()[2] is True)
+    stand_on_the_first_leg(fake, session)
     fake.set(player.slider, 1.0)
     until(lambda: session.resting and abs(session.frame.time - 1.0) < 1e-6)
     fake.set(legs.go_on, True)
@@ -137,10 +142,7 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
 ) -> None:
     fake, session = tab
     legs, player = session.panels.messages.legs, session.playback
-    fake.set(player.button, True)
-    until(lambda: not player.playing)
-    fake.set(session.panels.files.choice, "pick-and-place")
-    until(lambda: at_leg(session, 0) and legs.state()[2] is True)
+    stand_on_the_first_leg(fake, session)
     for number in (1, 2):
         fake.set(legs.go_on, True)
         until(partial(at_leg, session, number))
