@@ -357,7 +357,7 @@ window.abi = {
   stageAsked({target}) {
     const heading = target.dataset?.stage && this.stage(target.dataset.stage);
     if (!heading) return;
-    this.showing.forEach(clearTimeout);
+    this.showSoon(null, []);
     if (!(heading.nextElementSibling?.offsetHeight > 20)) heading.click();
     heading.style.scrollMargin = "4em 0 6px";  // the sheet's own heading stays
     heading.scrollIntoView({block: "start"});
@@ -393,7 +393,12 @@ window.abi = {
     const chosen = target.closest?.("[role=tab], .abi-cards") || turned || target.textContent?.startsWith("Result · ");
     if (innerWidth > this.PHONE || !chosen) return;
     const show = () => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"});
-    this.showing = [300, 600, 1000, 2000].map(delay => setTimeout(show, delay));
+    this.showSoon(show, [300, 600, 1000, 2000]);
+  },
+  // Scroll once the page has drawn what a click asked for; the last click counts.
+  showSoon(show, delays) {
+    this.showing.forEach(clearTimeout);
+    this.showing = delays.map(delay => setTimeout(show, delay));
   },
   showing: [],
   PHONE: 600,  // [px]: the greatest width of one
@@ -440,7 +445,7 @@ window.abi = {
     if (!sheet || /^(Next|Back)/.test(sheet.textContent)) return;
     const next = () => [...document.querySelectorAll(`${this.SHEET} .mantine-Button-root`)]
       .find(each => /^Next/.test(each.textContent) && each.offsetHeight);
-    for (const delay of [400, 1200]) setTimeout(() => next()?.scrollIntoView({block: "nearest"}), delay);
+    this.showSoon(() => next()?.scrollIntoView({block: "nearest"}), [400, 1200]);
   },
   handMoved({movementX, movementY}) {
     if (movementX || movementY) document.documentElement.classList.remove("abi-turned");

@@ -142,6 +142,14 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(new_phone: Page) -> None
     phone.click("1. The mesh")
     phone.click("They are removed")
     phone.click("Next")
+    # at once, while what the clicks before asked for is still being drawn
+    phone.click("Go to stage 1")
+    spacing = phone.row("spacing [cm]")
+    phone.until(lambda: 422 < spacing.bounding_box()["y"] < 800, "the stage of the task")  # type: ignore[index]
+    phone.tab.wait_for_timeout(2_000)
+    assert 422 < spacing.bounding_box()["y"] < 800  # type: ignore[index]
+    phone.click("Back to lesson")
+    phone.until(lambda: _in_sight(phone), "the lesson")
     phone.click("End lesson")
     _fold(phone)
     assert not phone.errors
