@@ -69,6 +69,8 @@ _TEXTS = r"""() => {
     const part = node.parentElement, text = node.data.trim();
     // a formula's signs touch as they should
     if (!text || part.closest("style, script, math")) continue;
+    // what is folded away has a place on the page, and is not seen
+    if (part.closest("details:not([open])") && !part.closest("summary")) continue;
     const range = document.createRange();
     range.selectNodeContents(node);
     const cut = style(part).overflowX !== "visible" && part.clientWidth > 0
