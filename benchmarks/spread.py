@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -13,13 +14,23 @@ _FAMILIES = ("tcp", "tcp6")
 
 
 def process_family(number: int) -> list[int]:
-    """A process, and all that it and they have started."""
-    found = [number]
-    for task in Path(f"/proc/{number}/task").glob("*/children"):
+    """A process, and all that it and they have started.
+
+    By each process's parent: a list of children leaves out some while another of them ends.
+    """
+    children = defaultdict(list)
+    for entry in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
-            for child in task.read_text("ascii").split():
-                found += process_family(int(child))
+            children[_parent(int(entry.name))].append(int(entry.name))
+    found = [number]
+    for one in found:  # which grows meanwhile
+        found += children[one]
     return found
+
+
+def _parent(number: int) -> int:
+    status = Path(f"/proc/{number}/stat").read_text()
+    return int(status.rpartition(")")[2].split()[1])
 
 
 def serving_processes(number: int) -> list[int]:
@@ -30,10 +41,8 @@ def serving_processes(number: int) -> list[int]:
     found = [number]
     for one in process_family(number):
         with contextlib.suppress(OSError):
-            status = Path(f"/proc/{one}/stat").read_text()
-            parent = int(status.rpartition(")")[2].split()[1])
             command = Path(f"/proc/{one}/cmdline").read_bytes()
-            if parent == number and b"\0--joins\0" in command:
+            if _parent(one) == number and b"\0--joins\0" in command:
                 found.append(one)
     return found
 

@@ -115,6 +115,7 @@ class Tabs:
             page.click("Reset scene")
             page.until(lambda: session.plan.scene == PAPER, "the scene as loaded")  # type: ignore[union-attr]
             page.click("Result")
+        page.close_notices()
         page.until(lambda: page.complaints() == [], "no complaint")
         page.until(lambda: drawn.shows(page, session.plan), "the first picture")
         page.settle()

@@ -120,6 +120,11 @@ _PIXEL = """([name, point]) => {
 
 _FREE = "([x, y]) => document.elementFromPoint(x, y) === window.__viserMutable.canvas"
 
+_CLOSE_NOTICES = """() => {
+  for (const notice of document.querySelectorAll(".mantine-Notification-root"))
+    notice.querySelector("button")?.click();
+}"""
+
 _COVER = "([x, y]) => document.elementFromPoint(x, y)?.outerHTML.slice(0, 300)"
 
 _PROPS = """name => {
@@ -484,6 +489,10 @@ class Page:
     def reads(self, text: str) -> None:
         """Wait until ``text`` stands on the page."""
         self.until(lambda: text in self.text(), repr(text))
+
+    def close_notices(self) -> None:
+        """Close what pops up, which may stay until somebody does."""
+        self.tab.evaluate(_CLOSE_NOTICES)
 
     def complaints(self) -> list[str]:
         """The sentences that say what is wrong."""
