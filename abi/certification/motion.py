@@ -30,7 +30,7 @@ class RobotState(NamedTuple):
 
     Attributes:
         joints: positions by name, also of joints that the motion does not move, [rad] or [m].
-        objects: that it holds by a message.
+        objects: that it holds by a message; None if the file does not say what is held.
         base: where its root stands in the world, x, y, z [m], and its quaternion x, y, z, w; None
             if that is not said.
         root: name of the link that stands there, empty for the root of its file; None if that is
@@ -41,7 +41,7 @@ class RobotState(NamedTuple):
     """
 
     joints: Mapping[str, float]
-    objects: tuple[StatedObject, ...]
+    objects: tuple[StatedObject, ...] | None = None
     base: tuple[float, ...] | None = None
     root: str | None = None
     attached: tuple[str, Mapping[str, Any]] | None = None
@@ -75,7 +75,7 @@ class Motion(ShortRepr):
     accelerations: FloatArray | None = None
     timed: bool = True
     notes: tuple[str, ...] = ()
-    start: RobotState = field(default=RobotState({}, ()))
+    start: RobotState = field(default=RobotState({}))
 
     def __post_init__(self) -> None:
         _check_names(self.joints)

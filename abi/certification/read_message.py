@@ -61,7 +61,7 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
     Raises:
         MotionError: it is none of the known forms, or a part of it is missing or wrong.
     """
-    found, start, notes = data, RobotState({}, ()), list[str]()
+    found, start, notes = data, RobotState({}), list[str]()
     for _ in range(_DEEPEST):
         if isinstance(found, list) and len(found) == 1:
             found = found[0]
@@ -128,15 +128,17 @@ def _check_base(message: Mapping[str, Any]) -> None:
 def _state(state: object) -> RobotState:
     """Where a message says that the robot stands, and what it holds."""
     if not isinstance(state, dict):
-        return RobotState({}, ())
+        return RobotState({})
     held = state.get("attached_collision_objects") or []
     objects = [StatedObject.of(one) for one in (held if isinstance(held, list) else [held])]
+    is_said = bool(objects) or state.get("is_diff") is not True  # else it holds what it held before
     joints = state.get("joint_state")
     names, at = ((joints or {}).get(name) or [] for name in ("name", "position"))
     if len(names) != len(at) or not all(map(_is_number, at)):
         raise MotionError("The message's start state has not one position for each joint.")
     named = dict(zip(_names(names), map(float, at), strict=True))
-    return RobotState(named, tuple(objects), _base(state.get("multi_dof_joint_state")))
+    base = _base(state.get("multi_dof_joint_state"))
+    return RobotState(named, tuple(objects) if is_said else None, base)
 
 
 def _base(joints: object) -> tuple[float, ...] | None:
@@ -226,7 +228,7 @@ def _planned(motion: dict[str, Any], scene: dict[str, Any], slides: Sequence[str
 def _state_of_arm(arm: object, unit: str, slides: Sequence[str]) -> RobotState:
     """Where the scene of a plan has its robot, what this holds, and its joints beside the arm."""
     if not isinstance(arm, dict):
-        return RobotState({}, ())
+        return RobotState({})
     metres = METRES[unit]
     base, wxyz = arm.get("base"), arm.get("base_wxyz", [1, 0, 0, 0])
     numbers = [*base, *wxyz] if isinstance(base, list) and isinstance(wxyz, list) else []

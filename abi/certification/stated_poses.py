@@ -133,6 +133,11 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
         told, other = _held_otherwise(state.objects, scene)
         notes += told
         near += other
+    elif arm.attached is not None and state.attached is None:
+        none = (
+            "" if state.objects is None else ", and not as in the file, by which it holds nothing"
+        )
+        notes.append(f"The robot holds the object that is arm.attached of the scene{none}.")
     here = {} if arm.attached is None else arm.attached.model_dump(mode="json")
     if state.attached not in (None, (scene.unit, here)):
         raise MotionError(

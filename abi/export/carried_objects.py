@@ -72,9 +72,9 @@ def carried_objects(plan: Plan) -> Iterator[CarriedObject]:
 
 
 def chains_of_legs(plan: Plan) -> list[tuple[Chain, int]]:
-    """Chain of each leg of a plan that joins several, and the number of the sample that ends it."""
+    """Chain of each leg of a plan, or its only one, and the number of the sample that ends it."""
     found, last = [], 0
-    for leg in plan.legs:
+    for leg in plan.legs or (plan,):
         assert leg.motion is not None
         assert leg.arm is not None
         last += len(leg.motion.time) - 1

@@ -12,6 +12,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.export import mcap_entities
+from abi.export.joint_trajectory import JointTrajectory
 from abi.export.mcap_entities import Colour, Part
 from abi.obstacles.pose import Vec3
 from abi.robot.kinematics.chain import Chain
@@ -55,22 +56,48 @@ def scene_frame(chain: Chain) -> str:
     return name
 
 
+def joint_states(trajectory: JointTrajectory, legs: Sequence[tuple[Chain, int]]) -> list[Part]:
+    """Names, positions and velocities of a robot's joints at each sample, as messages have them.
+
+    So whoever poses the robot by them has its gripper where the chain of each leg holds it.
+
+    Args:
+        trajectory: of the joints that move.
+        legs: the chain of each leg, and the number of the sample that ends it.
+    """
+    own = {one.name for one in legs[0][0].robot.joints if one.mimic is None}
+    names = [name for name in legs[0][0].held if name in own]
+    found, still = list[Part](), [0.0] * len(names)
+    for chain, last in legs:
+        held = [float(chain.held[name]) for name in names]
+        found += [
+            {
+                "name": [*trajectory.names, *names],
+                "position": [*trajectory.positions[sample].tolist(), *held],
+                "velocity": [*trajectory.velocities[sample].tolist(), *still],
+                "effort": [],
+            }
+            for sample in range(len(found), last + 1)
+        ]
+    return found
+
+
 def link_frames(
-    chain: Chain, positions: FloatArray, legs: Sequence[tuple[Chain, int]] = ()
+    chain: Chain, positions: FloatArray, legs: Sequence[tuple[Chain, int]]
 ) -> tuple[list[LinkFrame], list[LinkFrame]]:
     """Frames of links that never move in their parents, and of those that do.
 
     Args:
         chain: the chain.
         positions: of its joints, (samples, n), [rad] or [m].
-        legs: of a motion of several the chain of each, whose gripper may be held otherwise, and the
-            number of the sample that ends it.
+        legs: the chain of each leg, whose gripper may be held otherwise, and the number of the
+            sample that ends it.
     """
     scene = scene_frame(chain)
     world = {scene: np.broadcast_to(np.eye(4), (len(positions), 4, 4))}
     own = {one.link: one for one in chain.carried}
     first, parts = 0, list[dict[str, FloatArray]]()
-    for of_leg, last in legs or ((chain, len(positions) - 1),):
+    for of_leg, last in legs:
         rows = positions[first : last + 1]
         poses, first = of_leg.poses(rows), last + 1
         here = {one.link: one for one in of_leg.carried}
@@ -85,7 +112,9 @@ def link_frames(
     world |= {link: np.concatenate([part[link] for part in parts]) for link in own}
     moving = [(joint.parent, joint.child) for joint in chain.joints]
     pairs = [(joint.parent, joint.child) for joint in chain.robot.joints]
-    changing = [pair for pair in pairs if pair not in moving and len(legs) and _moves(world, *pair)]
+    changing = [
+        pair for pair in pairs if pair not in moving and len(legs) > 1 and _moves(world, *pair)
+    ]
     moving += changing
     still = [(scene, chain.robot.root), *(pair for pair in pairs if pair not in moving)]
     return _frames(world, still, 1), _frames(world, moving, len(positions))

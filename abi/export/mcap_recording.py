@@ -16,6 +16,7 @@ from abi.export.carried_objects import carried_objects, chains_of_legs
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import (
     LinkFrame,
+    joint_states,
     link_entities,
     link_frames,
     quaternions,
@@ -83,7 +84,9 @@ def _messages(plan: Plan, description: str) -> Iterator[RecordedMessage]:
     frame, root = scene_frame(chain), chain.robot.root
     trajectory, tool = joint_trajectory(plan), motion_of(plan).tool * plan.arm.metres
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
-    still, moving = link_frames(chain, trajectory.positions, chains_of_legs(plan))
+    legs = chains_of_legs(plan)
+    states = joint_states(trajectory, legs)
+    still, moving = link_frames(chain, trajectory.positions, legs)
     yield RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
     yield RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
     yield RecordedMessage("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
@@ -91,13 +94,7 @@ def _messages(plan: Plan, description: str) -> Iterator[RecordedMessage]:
     # a topic of their own: where one seeks, only the last message of a topic counts
     yield RecordedMessage("/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0))
     for index, time in enumerate(trajectory.time.tolist()):
-        state = {
-            "header": {"stamp": stamp(time), "frame_id": root},
-            "name": list(trajectory.names),
-            "position": trajectory.positions[index].tolist(),
-            "velocity": trajectory.velocities[index].tolist(),
-            "effort": [],
-        }
+        state = {"header": {"stamp": stamp(time), "frame_id": root}, **states[index]}
         yield RecordedMessage("/joint_states", "sensor_msgs/JointState", time, state)
         yield RecordedMessage(
             "/tf", "foxglove.FrameTransforms", time, _transforms(moving, index, time)

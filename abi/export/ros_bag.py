@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from abi.export.carried_objects import chains_of_legs
-from abi.export.joint_trajectory import JointTrajectory, joint_trajectory, motion_of, motion_state
-from abi.export.mcap_arm import LinkFrame, link_frames, quaternions, scene_frame
+from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
+from abi.export.mcap_arm import LinkFrame, joint_states, link_frames, quaternions, scene_frame
 from abi.export.recorded_message import RecordedMessage
 from abi.export.ros_definitions import DEFINITIONS
 from abi.export.ros_trajectory import trajectory_message
@@ -47,7 +47,9 @@ def _messages(plan: Plan) -> Iterator[RecordedMessage]:
     frame, root = scene_frame(chain), chain.robot.root
     tool = (motion_of(plan).tool * METRES[plan.scene.unit]).tolist()
     turns = quaternions(chain.poses(trajectory.positions)[:, -1, :, :3]).tolist()
-    still, moving = link_frames(chain, trajectory.positions, chains_of_legs(plan))
+    legs = chains_of_legs(plan)
+    states = joint_states(trajectory, legs)
+    still, moving = link_frames(chain, trajectory.positions, legs)
     text = {"data": plan.arm.description()}
     yield RecordedMessage("/robot_description", "std_msgs/msg/String", 0.0, text)
     yield RecordedMessage(
@@ -58,7 +60,7 @@ def _messages(plan: Plan) -> Iterator[RecordedMessage]:
     )
     yield RecordedMessage("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, _transforms(still, 0, 0.0))
     for index, time in enumerate(trajectory.time.tolist()):
-        state = _joint_state(trajectory, index, root)
+        state = {"header": _header(time, root), **states[index]}
         yield RecordedMessage("/joint_states", "sensor_msgs/msg/JointState", time, state)
         yield RecordedMessage(
             "/tf", "tf2_msgs/msg/TFMessage", time, _transforms(moving, index, time)
@@ -66,16 +68,6 @@ def _messages(plan: Plan) -> Iterator[RecordedMessage]:
         pose = {"position": _xyz(tool[index]), "orientation": _wxyz(turns[index])}
         place = {"header": _header(time, frame), "pose": pose}
         yield RecordedMessage("/tool", "geometry_msgs/msg/PoseStamped", time, place)
-
-
-def _joint_state(trajectory: JointTrajectory, index: int, root: str) -> _Message:
-    return {
-        "header": _header(float(trajectory.time[index]), root),
-        "name": list(trajectory.names),
-        "position": trajectory.positions[index].tolist(),
-        "velocity": trajectory.velocities[index].tolist(),
-        "effort": [],
-    }
 
 
 def _transforms(frames: list[LinkFrame], sample: int, time: float) -> _Message:

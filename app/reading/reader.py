@@ -134,9 +134,10 @@ class Reader:
         held = None if attached is None else (*attached,)
         named = tuple(
             StatedObject(name, link, solid and (solid[0], (*solid[1],), (*solid[2],)))
-            for name, link, solid in objects
+            for name, link, solid in objects or ()
         )
-        state = RobotState(joints, named, base and (*base,), root, held, rests)
+        stated = None if objects is None else named
+        state = RobotState(joints, stated, base and (*base,), root, held, rests)
         changed = {
             "joints": tuple(data["joints"]),
             "notes": tuple(data["notes"]),

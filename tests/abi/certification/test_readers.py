@@ -317,16 +317,20 @@ def test_what_a_message_says_is_held_is_what_the_scene_has(
     on_wrist = (flange.apply(at) + offset[:3, 3]).tolist()
     turned = (flange * Rotation.from_quat(turn)).as_quat().tolist()
 
-    def notes(*objects: Any) -> tuple[str, ...]:
-        whole = {
-            "trajectory": [{"joint_trajectory": message()}],
-            "trajectory_start": {"attached_collision_objects": [*objects]},
-        }
+    def notes(*objects: Any, **state: Any) -> tuple[str, ...]:
+        state |= {"attached_collision_objects": [*objects]} if objects else {}
+        whole = {"trajectory": [{"joint_trajectory": message()}], "trajectory_start": state}
         motion = read_motion("a.json", json.dumps(whole).encode(), own_joints(scene.robot))
         return robot_motion(motion, scene).notes
 
+    held = "The robot holds the object that is arm.attached of the scene"
+    none = f"{held}, and not as in the file, by which it holds nothing."
+    assert none in notes()
+    assert none in notes(attached_collision_objects=[])
+    assert f"{held}." in notes(is_diff=True)  # it may hold what it held before
     same = a_solid(kind, sizes, "tool0", at, turn)
     for one in (same, a_solid(kind, sizes, "wrist_3_link", on_wrist, turned)):
+        assert not any(held in note for note in notes(one))
         assert not any("as it is here" in note or "part" in note for note in notes(one))
     near = a_solid(kind, sizes, "tool0", [0.0105, 0.02, 0.08], turn)
     assert any("'part' by 0.0005 m" in note for note in notes(near))
@@ -367,7 +371,7 @@ def test_a_file_may_not_have_followers_elsewhere_than_they_follow(
         joint("w", "d", "e", extra=limit + follows("m", 1.0, 0.3)),
     )
     path.write_text(text)
-    start = RobotState({**state, "elsewhere": 1.0}, ())
+    start = RobotState({**state, "elsewhere": 1.0})
     columns = {"p": [0.0, 0.2]} | ({} if column is None else {"v": column})
     table = np.array([*columns.values()]).T
     motion = Motion(tuple(columns), np.array([0.0, 1.0]), table, start=start)

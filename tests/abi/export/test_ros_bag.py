@@ -11,10 +11,11 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from abi.export.formats import FORMATS, export
-from abi.export.joint_trajectory import joint_trajectory
-from abi.export.mcap_arm import link_frames, scene_frame
+from abi.export.joint_trajectory import JointTrajectory, joint_trajectory
+from abi.export.mcap_arm import joint_states, link_frames, scene_frame
 from abi.obstacles.pose import METRES, rotation
 from abi.planner.planner import plan
+from abi.robot.urdf.tip_pose import tip_pose
 from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import load_scene
 
@@ -56,7 +57,7 @@ def test_both_readers_of_ros_bags_read_the_motion(tmp_path: Path) -> None:
     }
 
 
-def test_the_frames_of_a_sequence_have_the_gripper_of_each_leg() -> None:
+def test_the_frames_and_joints_of_a_sequence_have_the_gripper_of_each_leg() -> None:
     robot = load_scene("pick-and-place").robot
     open_, closed = (
         urdf_arm(robot, "panda_hand_tcp", (0.1, 0.2, 0.3), held={"panda_finger_joint1": at})
@@ -67,7 +68,10 @@ def test_the_frames_of_a_sequence_have_the_gripper_of_each_leg() -> None:
     still, moving = link_frames(open_.chain, positions, legs)
     fingers = {"panda_leftfinger", "panda_rightfinger"}
     assert fingers <= {one.child for one in moving}
-    assert not fingers & {one.child for one in link_frames(open_.chain, positions)[1]}
+    assert not fingers & {one.child for one in link_frames(open_.chain, positions, legs[2:])[1]}
+    names = open_.chain.names
+    trajectory = JointTrajectory(names, np.arange(7.0), positions, 0 * positions, 0 * positions)
+    states = joint_states(trajectory, legs)
     for sample in range(7):
         world = {scene_frame(open_.chain): np.eye(4)}
         waiting = [*still, *moving]
@@ -79,6 +83,13 @@ def test_the_frames_of_a_sequence_have_the_gripper_of_each_leg() -> None:
             pose[:3, :3] = rotation(tuple(one.wxyz[row].tolist()))
             pose[:3, 3] = one.positions[row]
             world[one.child] = world[one.parent] @ pose
+        state = dict(zip(states[sample]["name"], states[sample]["position"], strict=True))
+        assert len(state) == len(states[sample]["velocity"]) == len(names) + 1  # a finger follows
+        hand = np.linalg.inv(world["panda_link0"])
+        for finger in fingers:
+            np.testing.assert_allclose(
+                hand @ world[finger], tip_pose(robot, finger, state), atol=1e-9
+            )
         chain = next(chain for chain, last in legs if sample <= last)
         frames = chain.poses(positions[sample : sample + 1])[0]
         for carried in chain.carried:

@@ -79,6 +79,8 @@ def test_a_motion_is_the_one_that_is_read_here(reader: Reader) -> None:
     box = "box", (1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
     objects = StatedObject("rod", "l", box), StatedObject("other", "", None)
     assert wanted.start == RobotState({"b": 0.5}, objects)
+    alone = json.dumps(trajectory[0]).encode()
+    assert reader.motion(alone, "a.json", slides).start.objects is None
     arm = {"base": [1, 2, 3], "base_link": "l", "gripper": {"b": 5}, "attached": {"shape": "box"}}
     motion = {"joints": ["a"], "time": [0, 1], "positions": [[0], [1]]}
     plan = json.dumps({"scene": {"unit": "cm", "arm": arm}, "arm": motion}).encode()
