@@ -12,12 +12,13 @@ from abi.certification.motion import Motion
 from abi.certification.read_bag import read_bag, state_of_bag
 from abi.certification.read_csv import read_csv
 from abi.certification.read_message import read_message, told
+from abi.certification.yaml_points import parse_yaml_points
 from abi.errors import MotionError, SceneError, short
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene_file import parse_bytes
 
 MOST_BYTES = 20_000_000
-"""Largest motion file; YAML has a lower limit."""
+"""Largest motion file; YAML has a lower limit but for its points."""
 
 
 def read_motion(
@@ -106,13 +107,16 @@ def _csv(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
 
 def _mapping(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
     said: list[str] = []
+    is_yaml = not name.lower().endswith(".json")
     # what ``ros2 topic echo`` prints ends with a line that begins another document
-    if not name.lower().endswith(".json"):
+    if is_yaml:
         content = content.strip().removesuffix(b"---")
         lines = itertools.takewhile(lambda line: line.startswith(b"#"), content.splitlines())
         said = [line.lstrip(b"# ").decode(errors="replace") for line in lines]
     try:
-        data = parse_bytes(content, name, MOST_BYTES)
+        data = (
+            parse_yaml_points(content, name) if is_yaml else parse_bytes(content, name, MOST_BYTES)
+        )
     except SceneError as error:
         raise MotionError(f"{short(name)} cannot be read; expected {error.expected}.") from None
     return _from_plain(data, slides, said)

@@ -78,7 +78,7 @@ def parse_bytes(content: bytes, name: str, most_json: int = MAX_JSON_BYTES) -> o
     try:
         text = content.decode("utf-8-sig")
         if is_json(name):
-            data = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
+            data = json.loads(text, object_pairs_hook=unique, parse_constant=_refuse_constant)
             _refuse_depth(data)
             return data
         _refuse_traps(text)
@@ -236,7 +236,12 @@ def text_of(data: dict[str, Any]) -> tuple[str, str]:
     return "scene.json", dump(data, "scene.json")
 
 
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """The mapping of pairs, as JSON's reader asks for it.
+
+    Raises:
+        SceneError: a field stands there twice.
+    """
     keys = [key for key, _ in pairs]
     if len(set(keys)) < len(keys):
         repeated = next(key for key in keys if keys.count(key) > 1)
