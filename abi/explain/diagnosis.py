@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from abi.errors import (
     ClearanceNotHeld,
     NoPath,
     PointBlocked,
-    StageError,
     format_length,
     format_point,
     in_unit,
@@ -36,6 +35,21 @@ _SEEDS = 64  # free nodes from which the nearest free point is sought
 _NEIGHBOURS = 32  # nodes that an isolated start might have been joined to
 _SAMPLES = 400  # of a path, to find its narrowest point
 _NAMED = 6  # obstacles in one sentence
+_SHARES = (1.0, 0.5, 0.25, 0.0)  # of the largest clearance that frees both ends, to try
+_LATE = ("bspline", "arm")  # stages of whose remedies a hint says that they work
+
+
+class Remedy(NamedTuple):
+    """A change of the scene, in words, and the plan that it gives."""
+
+    text: str
+    change: dict[str, Any]
+    trial: Plan
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether nothing else is wrong then."""
+        return self.trial.error is None
 
 
 def explain(
@@ -112,26 +126,35 @@ def _blocked(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason:
         free[which] = None if near is None else rounded(near, scene.workspace, slack / 2)
     message = _sentence(", and ".join(faults))
 
-    remedies: list[tuple[Plan, dict[str, Any], str]] = []
+    remedies: list[Remedy] = []
     change: dict[str, Any] = {
         which: point.tolist() for which, point in free.items() if point is not None
     }
     if len(change) == len(free) and (trial := what_if.plan_past("graph", **change)):
         targets = [f"the {which} to {format_point(point)}" for which, point in change.items()]
-        hint = f"move {' and '.join(targets)}, the nearest free point found"
-        remedies.append((trial, change, hint))
+        text = f"move {' and '.join(targets)}, the nearest free point found"
+        remedies.append(Remedy(text, change, trial))
     if distances.min() >= 0:
-        lower = rounded_down(float(distances.min()), 2)
-        change = {"spline": {"clearance": lower}}
-        if trial := what_if.plan_past("graph", **change):
-            remedies.append((trial, change, f"lower the clearance to {format_length(lower)}"))
+        remedies += _lower_clearance(what_if, float(distances.min()))
     points = _read_only_points([point for point in free.values() if point is not None])
     if not remedies:
         return Reason(message, "No free point was found near it: move an obstacle.", None, points)
-    remedies = [remedy for remedy in remedies if remedy[0].error is None] or remedies[:1]
-    trial, change, _ = remedies[0]
-    hint = _sentence(", or ".join(text for *_, text in remedies) + _tested(trial))
-    return Reason(message, hint, change, points)
+    remedies = [remedy for remedy in remedies if remedy.is_whole] or remedies[-1:]
+    hint = _sentence(", or ".join(remedy.text for remedy in remedies))
+    return _advised(message, hint, remedies, points, what_if)
+
+
+def _lower_clearance(what_if: WhatIf, most: float) -> list[Remedy]:
+    """The largest clearance tried, up to ``most``, with a plan, else that gets past the graph."""
+    remedies = []
+    for value in dict.fromkeys(rounded_down(share * most, 2) for share in _SHARES):
+        change = {"spline": {"clearance": value}}
+        if trial := what_if.plan_past("graph", **change):
+            text = f"lower the clearance to {format_length(value)}"
+            remedies.append(Remedy(text, change, trial))
+            if trial.error is None:
+                return remedies[-1:]
+    return remedies[:1]
 
 
 def _disconnected(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Reason:
@@ -139,44 +162,55 @@ def _disconnected(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Re
     clearance, pitch = scene.spline.clearance, scene.mesh.pitch
     finer = what_if.finer_pitches()
     lower = what_if.largest_clearance(what_if.connected)
+    lowered = None
+    if lower is not None:
+        change: dict[str, Any] = {"spline": {"clearance": lower}}
+        if trial := what_if.plan_past("search", **change):
+            lowered = Remedy(f"a clearance of {format_length(lower)}", change, trial)
     connected_at_zero: list[float] = []
     for fine in finer:
-        change: dict[str, Any] = {"mesh": {"pitch": fine}}
+        change = {"mesh": {"pitch": fine}}
         if what_if.connected(clearance, fine) and (trial := what_if.plan_past("search", **change)):
-            or_lower = f", or as it is with a clearance of {format_length(lower or 0.0)},"
-            also = "" if lower is None else or_lower
-            return Reason(
+            remedies = [Remedy(f"a node spacing of {format_length(fine)}", change, trial)]
+            if lowered is not None:
+                remedies.append(lowered)
+            remedies = [remedy for remedy in remedies if remedy.is_whole] or remedies[:1]
+            ways = ", or with ".join(remedy.text for remedy in remedies)
+            return _advised(
                 f"The grid is too coarse for the gap: with nodes {format_length(pitch)} apart no "
                 f"path keeps a clearance of {format_length(clearance)}.",
-                f"With a node spacing of {format_length(fine)}{also} there is a path"
-                f"{_tested(trial)}.",
-                change,
+                f"With {ways}, there is a path.",
+                remedies,
                 _narrowest_point(trial),
+                what_if,
             )
         # now, while its mesh is there: that takes most of the time
         if lower is None and what_if.connected(0.0, fine):
             connected_at_zero.append(fine)
-    if lower is not None:
-        change = {"spline": {"clearance": lower}}
-        if trial := what_if.plan_past("search", **change):
-            return Reason(
-                f"The gap is too narrow for a clearance of {format_length(clearance)}"
-                f"{', on finer grids too' if finer else ''}.",
-                f"With {format_length(lower)} there is a path{_tested(trial)}.",
-                change,
-                _narrowest_point(trial),
-            )
+    if lowered is not None:
+        return _advised(
+            f"The gap is too narrow for a clearance of {format_length(clearance)}"
+            f"{', on finer grids too' if finer else ''}.",
+            f"With {lowered.text} there is a path.",
+            [lowered],
+            _narrowest_point(lowered.trial),
+            what_if,
+        )
     for fine in connected_at_zero:
         largest = what_if.largest_clearance(partial(what_if.connected, pitch=fine)) or 0.0
         change = {"mesh": {"pitch": fine}, "spline": {"clearance": largest}}
         if trial := what_if.plan_past("search", **change):
-            return Reason(
+            text = (
+                f"With a clearance of {format_length(largest)} and a node spacing of "
+                f"{format_length(fine)} there is a path."
+            )
+            return _advised(
                 f"The gap is too narrow for a clearance of {format_length(clearance)}, "
                 f"and nodes {format_length(pitch)} apart are too coarse for the gap.",
-                f"With a clearance of {format_length(largest)} and a node spacing of "
-                f"{format_length(fine)} there is a path{_tested(trial)}.",
-                change,
+                text,
+                [Remedy(text, change, trial)],
                 _narrowest_point(trial),
+                what_if,
             )
     return _walled_in(scene, plan, graph, what_if)
 
@@ -237,16 +271,15 @@ def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, what_if: WhatIf
     lower = what_if.largest_clearance(
         lambda value: what_if.plan_past("bspline", spline={"clearance": value}) is not None
     )
-    remedies: list[tuple[str, dict[str, Any]]] = []
+    changes: dict[str, dict[str, Any]] = {}
     if lower is not None:
-        change: dict[str, Any] = {"spline": {"clearance": lower}}
-        remedies.append((f"A clearance of {format_length(lower)}", change))
+        changes[f"A clearance of {format_length(lower)}"] = {"spline": {"clearance": lower}}
     for fine in what_if.finer_pitches():
-        remedies.append((f"A node spacing of {format_length(fine)}", {"mesh": {"pitch": fine}}))
-    for remedy, change in remedies:
+        changes[f"A node spacing of {format_length(fine)}"] = {"mesh": {"pitch": fine}}
+    for text, change in changes.items():
         if trial := what_if.plan_past("bspline", **change):
-            hint = f"{remedy} works{_tested(trial)}."
-            return Reason(message, hint, change, read_only(points))
+            remedies = [Remedy(text, change, trial)]
+            return _advised(message, f"{text} works.", remedies, read_only(points), what_if)
     return Reason(
         message, "No smaller clearance and no finer grid that was tested helps.", None, points
     )
@@ -263,12 +296,41 @@ def _narrowest_point(plan: Plan) -> FloatArray:
     return _read_only_points(points[distance.argmin()][None])
 
 
-def _tested(plan: Plan) -> str:
-    """End of a hint that says it was tested, with the next error if there is one."""
-    error: StageError | None = plan.error
+def _advised(
+    message: str, hint: str, remedies: list[Remedy], points: FloatArray, what_if: WhatIf
+) -> Reason:
+    """Reason with remedies that the hint names: all of them whole, or a single one that is not.
+
+    Of that the next error's remedy, if it is known, is added to it.
+    """
+    first, *others = remedies
+    named, error = hint.removesuffix("."), first.trial.error
     if error is None:
-        return " (tested)"
-    return f" (tested), but then: {error.message.removesuffix('.')}"
+        changes = tuple(remedy.change for remedy in others)
+        return Reason(message, f"{named} (tested).", first.change, points, others=changes)
+    then = None
+    if error.stage in _LATE:
+        then = _reason(first.trial.scene, first.trial, WhatIf(first.trial.scene))
+    if then is not None and then.change is not None:
+        change = _both(first.change, then.change)
+        if what_if.plan_past("arm", **change):
+            next_hint = f"{then.hint[0].lower()}{then.hint[1:]}"
+            hint = f"{named}. With that, {next_hint}"
+            return Reason(message, hint, change, points, moved=then.moved)
+    but = error.message.removesuffix(".")
+    hint = f"{named} (tested), but then: {but}."
+    return Reason(message, hint, first.change, points, is_whole=False)
+
+
+def _both(change: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of ``scene.replace`` that make both changes, the second one last."""
+    both = dict(change)
+    for section, value in other.items():
+        known = both.get(section)
+        both[section] = (
+            {**known, **value} if isinstance(known, dict) and isinstance(value, dict) else value
+        )
+    return both
 
 
 def _listed(obstacles: list[int]) -> str:

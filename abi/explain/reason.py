@@ -21,6 +21,8 @@ class Reason:
         points: points to mark in the scene, shape (k, 3), [unit], world.
         obstacle: index of the obstacle that ``change`` removes; None where it removes none.
         moved: index of the obstacle that ``change`` moves; None where it moves none.
+        others: further changes that ``hint`` names; the scene has a plan with each of them.
+        is_whole: whether the scene has a plan with ``change``, as far as is known.
     """
 
     message: str
@@ -29,6 +31,8 @@ class Reason:
     points: FloatArray
     obstacle: int | None = None
     moved: int | None = None
+    others: tuple[dict[str, Any], ...] = ()
+    is_whole: bool = True
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, as under ``error`` in a plan's JSON."""

@@ -22,7 +22,8 @@ class MarkersLayer(Layer):
 
     def draw(self, frame: Frame) -> None:
         """Mark the reason's points; none without a reason."""
-        reason = frame.reason
+        # a search that is stepped through has a node of that colour
+        reason = frame.reason if frame.theatre is None else None
         if reason is self._drawn:
             return
         self._drawn = reason

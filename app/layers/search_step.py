@@ -14,7 +14,7 @@ from app.drawing.lines import NO_SEGMENTS, add_line, segments
 from app.layers.line_set import LineSet
 from app.layers.points import Points
 from app.state.frame import Frame, Layer
-from app.theatre.compared import LETTERS, asks_for_sums, letter_label, lettered, lots
+from app.theatre.compared import asks_for_sums, letter_label, lettered, lots
 from app.theatre.text import describe
 from app.theatre.theatre import Theatre, decimals, formula, priorities, rounded
 from app.ui import page, style
@@ -129,7 +129,7 @@ def node_numbers(theatre: Theatre, scene: Scene) -> dict[str, object]:
                 "number": letter_label(theatre, node),
                 "place": state.trace.arcs.points[node % n].tolist(),
             }
-            for letter, node in zip(LETTERS, lettered(theatre).tolist(), strict=False)
+            for letter, node in lettered(theatre).items()
         ],
         "answer": theatre.widget,
         "unit": scene.unit if scene.search.weight == "length" else "edges",

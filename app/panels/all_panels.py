@@ -92,7 +92,13 @@ class AllPanels:
             self.practice = PracticePanel(client.gui, wake)
             self.figures = FiguresPanel(client.gui, wake)
         self.messages = Messages(
-            self.layout, self.stages.bases, self.lessons, self.share, self.check, wake
+            self.layout,
+            self.stages.bases,
+            self.lessons,
+            self.share,
+            self.check,
+            self.history.undo,
+            wake,
         )
         self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
         self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")

@@ -1,6 +1,7 @@
 """Offer, if no motion of the arm was found, to search for another place for its base.
 
-It stands over the scene; the search itself, its region and its results are in stage 6.
+It stands over the scene, with what was found; the search itself, its region and its results in full
+are in stage 6.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 from abi.arm_planning.arm_errors import ArmNotClear, NotFollowed, OutOfReach
 from app.panels.stages.find_base import FindBasePanel
 from app.state.frame import Frame
+from app.ui.numbers import format_length, format_setting
 from app.ui.overlay import button
 
 
@@ -34,6 +36,39 @@ def base_buttons(bases: FindBasePanel, frame: Frame) -> str:
     has_best = frame.bases is not None and frame.bases.best is not None
     take = button(bases.put, "Put the arm there") if has_best else ""
     return take + button(bases.find, "Stop" if bases.running else "Find a base")
+
+
+def base_card(bases: FindBasePanel, frame: Frame) -> str:
+    """Card on a search for a base of an arm that has a motion, as HTML; empty without one.
+
+    It tells how far the search is and what it found, until the arm stands there.
+    """
+    found = frame.bases
+    if found is None or frame.plan.error is not None:
+        return ""
+    done, of = found.planned
+    best = found.best
+    if best is None or best.length is None:
+        if not bases.running:
+            return _card("None of the places that were tried has a certified plan.", "")
+        return _card(f"Trying places for the arm's base: {done} of {of}.", _stop(bases))
+    if not bases.running and best.base == frame.plan.scene.arm.base:
+        return ""
+    length = f"{format_length(best.length)} {found.scene.unit}"
+    place = ", ".join(format_setting(round(number, 4)) for number in best.base)
+    so_far = f" so far, of {done} of {of} places" if bases.running else ""
+    told = f"<b>Shortest curve{so_far}: {length}</b>, with the base at ({place})."
+    take = button(bases.put, "Put the arm there")
+    return _card(told, take + (_stop(bases) if bases.running else ""))
+
+
+def _stop(bases: FindBasePanel) -> str:
+    return button(bases.find, "Stop")
+
+
+def _card(told: str, buttons: str) -> str:
+    row = f'<div class="abi-buttons" style="margin-top:4px">{buttons}</div>' if buttons else ""
+    return f'<div class="abi-card" role="status">{told}{row}</div>'
 
 
 def _may_help(frame: Frame) -> bool:

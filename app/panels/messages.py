@@ -9,13 +9,15 @@ import html
 import math
 from typing import Any
 
+import viser
+
 from abi.arm_planning.arm_errors import ArmNotClear
 from abi.errors import AbiError, NoPath, StageError
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.arm_banner import ArmBanner
-from app.panels.base_offer import base_buttons, base_sentence
+from app.panels.base_offer import base_buttons, base_card, base_sentence
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
 from app.panels.legs import LegsCard
@@ -38,6 +40,8 @@ _OBSTACLES = "obstacles"
 """Switch of the layers that shows them."""
 _ARM = "arm"
 
+_MOST_CHANGES = 3
+"""Most changes of the scene that are offered at once."""
 _NOT_CHANGED = "Not changed. "
 """Begin of a message on a change that was refused, which the first sentence belongs to."""
 
@@ -61,14 +65,15 @@ class Messages:
         lessons: LessonPanel,
         share: SharePanel,
         check: CheckMotionPanel,
+        undo: viser.GuiButtonHandle,
         wake: Wake,
     ) -> None:
         self._lessons, self._share, self._check = lessons, share, check
-        self._bases = bases
+        self._bases, self._undo = bases, undo
         self._overlay = layout.overlay
         gui = layout.client.gui
         self._open_lesson = hidden_button(gui, "Open the lesson", layout.open_learn)
-        self.accept = hidden_button(gui, "Accept", wake)
+        self._accepts = tuple(hidden_button(gui, "Accept", wake) for _ in range(_MOST_CHANGES))
         self.point_out = hidden_button(gui, "Show it", wake)
         self.banner = ArmBanner(gui, wake)
         self.legs = LegsCard(gui, wake)
@@ -79,7 +84,7 @@ class Messages:
     def draw(self, frame: Frame) -> None:
         """Write the sentence for a frame."""
         shown = frame.plan, frame.current, frame.refused, frame.reason, frame.interactive
-        preview = frame.demonstrates, frame.coarse, frame.partial
+        preview = frame.demonstrates, frame.coarse, frame.partial, _was_whole(frame.before)
         still = self._share.keeps_task
         told = (
             self._mark,
@@ -90,8 +95,7 @@ class Messages:
             _OBSTACLES in frame.shown,
             frame.stage,
         )
-        found = frame.bases is not None, frame.bases is not None and frame.bases.best is not None
-        state = *shown, *preview, *told, self._bases.running, *found, *self.legs.state()
+        state = *shown, *preview, *told, self._bases.running, frame.bases, *self.legs.state()
         if state == self._drawn:
             return
         self._drawn = state
@@ -117,6 +121,8 @@ class Messages:
             content = f'<div class="abi-card">{progress}</div>' if progress else ""
             if not frame.lesson or (_ARM in frame.shown and not frame.asks):
                 contact = self.banner.html(frame.plan)
+        if not (frame.outdated or frame.stage or frame.theatre is not None):
+            content += base_card(self._bases, frame)
         self._overlay.show("message", self._mark + self.legs.html() + content)
         self._overlay.show("contact", contact)
 
@@ -138,8 +144,9 @@ class Messages:
         """The change of the scene whose button was pressed since the last call."""
         if (change := self.banner.accepted_change()) is not None:
             return change
-        accepted = pressed(self.accept)
-        return self._reason.change if accepted and self._reason is not None else None
+        changes = _changes(self._reason)
+        accepted = [pressed(accept) for accept in self._accepts]
+        return next((one for one, was in zip(changes, accepted, strict=False) if was), None)
 
     def pointed_out(self) -> int | None:
         """The obstacle that was asked for since the last call."""
@@ -178,12 +185,15 @@ class Messages:
         hints = (explained.hint, dots, base_sentence(self._bases, frame), alone)
         tell = _puzzle if is_puzzle(frame.plan.scene) else _error
         content = tell(explained.message, " ".join(filter(None, hints)))
-        buttons = ""
-        if reason is not None and reason.change is not None:
-            buttons = button(self.accept, _change_label(reason))
-            if reason.obstacle is not None:
-                buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
+        buttons = "".join(
+            button(accept, _change_label(change, reason))
+            for accept, change in zip(self._accepts, _changes(reason), strict=False)
+        )
+        if reason is not None and reason.obstacle is not None:
+            buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
         buttons += base_buttons(self._bases, frame)
+        if not buttons and reason is not None and _was_whole(frame.before):
+            buttons = button(self._undo, "Undo")
         return _with_buttons(content, buttons)
 
 
@@ -270,15 +280,27 @@ def _invitation(plan: Plan, seen: bool) -> str:
     return f"Drag the orange {'obstacle' if obstacles[0].shape == 'mesh' else obstacles[0].shape}."
 
 
-def _change_label(reason: Reason) -> str:
-    """Text of the button that makes a diagnosis' change of the scene."""
-    if reason.obstacle is not None:
+def _was_whole(before: Plan | None) -> bool:
+    """Check whether there was a plan without an error before, to which one may go back."""
+    return before is not None and before.error is None
+
+
+def _changes(reason: Reason | None) -> tuple[dict[str, Any], ...]:
+    """Changes of the scene that give a plan; none that only leads to the next error."""
+    if reason is None or reason.change is None or not reason.is_whole:
+        return ()
+    return reason.change, *reason.others
+
+
+def _change_label(change: dict[str, Any], reason: Reason | None) -> str:
+    """Text of the button that makes one of a diagnosis' changes of the scene."""
+    if reason is not None and reason.obstacle is not None:
         return f"Remove obstacle {reason.obstacle + 1}"
-    if reason.moved is not None:
-        return f"Move obstacle {reason.moved + 1} there"
     parts = []
-    for section, value in (reason.change or {}).items():
-        if section in ("start", "goal"):
+    for section, value in change.items():
+        if section == "obstacles" and reason is not None and reason.moved is not None:
+            parts.append(f"move obstacle {reason.moved + 1} there")
+        elif section in ("start", "goal"):
             parts.append(f"move the {section}")
         elif isinstance(value, dict):
             for name, number in value.items():

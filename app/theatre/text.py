@@ -38,21 +38,19 @@ def describe(theatre: Theatre, scene: Scene) -> str:
         queue = state.queue(len(_PLACES)).tolist()
         sides = (" ←" if node >= n else "" for node in queue)
         named += zip(_PLACES, queue, sides, strict=False)
-    letters = list(zip(LETTERS, lettered(theatre).tolist(), strict=False))
-    named += [(_choice(theatre, letter), node, "") for letter, node in letters]
+    named += [(_choice(theatre, letter), node, "") for letter, node in lettered(theatre).items()]
+    columns = 1 if formula(state) == "g" and trace.queue == "best_first" else 3  # h has no part
     rows = [
-        (_at(state, node, f"{name} {where(state, node)}{side}"), *node_row(theatre, node))
+        (_at(state, node, f"{name} {where(state, node)}{side}"), *node_row(theatre, node)[:columns])
         for name, node, side in named
         if node >= 0
     ]
     text = style.paragraph(text)
     if rows:
         cost = _unit(scene)
-        name = "f = g" if formula(state) == "g" else "f"
-        last = "no. in line" if trace.queue == "first_in" else f"{name} [{cost}]"
-        text += table(
-            (f"node at [{scene.unit}]", f"g so far [{cost}]", f"h to go [{cost}]", last), rows
-        )
+        last = "no. in line" if trace.queue == "first_in" else f"f [{cost}]"
+        numbers = (f"g so far [{cost}]", f"h to go [{cost}]", last)[:columns]
+        text += table((f"node at [{scene.unit}]", *numbers), rows)
     if theatre.asking and not state.done:
         text += style.paragraph(f"{question(theatre)} {_rule(theatre)}")
     if theatre.answer.text:
@@ -82,10 +80,13 @@ def _counts(state: SearchState) -> str:
 
 def question(theatre: Theatre) -> str:
     """The question which node is next, as HTML."""
-    asked, letters = "<b>Which node is visited next?</b>", LETTERS[: len(lettered(theatre))]
+    asked, letters = "<b>Which node is visited next?</b>", "".join(lettered(theatre))
     if len(letters) < 2:
         return f"{asked} Click or tap one of those that wait."
-    return f"{asked} Compare {letters[0]} to {letters[-1]}, and click or tap one of them."
+    named = f"{', '.join(letters[:-1])} and {letters[-1]}"
+    if LETTERS.startswith(letters) and len(letters) > 2:
+        named = f"{letters[0]} to {letters[-1]}"
+    return f"{asked} It is one of {named}: compare them, and click or tap it."
 
 
 def _rule(theatre: Theatre) -> str:
@@ -98,7 +99,10 @@ def _rule(theatre: Theatre) -> str:
             "It is the one that waits longest, with the least number in line: first in, first out."
         )
     rule = f"It has the least {_ordering(state)} of all that wait; where several tie, any is right."
-    if formula(state) == "g + h" and asks_for_sums(theatre) and len(lettered(theatre)) > 1:
+    letters = len(lettered(theatre))
+    if 1 < letters < len(state.open):
+        rule += " None without a letter has less."
+    if formula(state) == "g + h" and asks_for_sums(theatre) and letters > 1:
         return f"{rule} Add g and h at each letter."
     return rule
 

@@ -46,6 +46,7 @@ class Theatre:
         voted: whether a class votes on it, so that nothing may tell it.
         answer: of the click before.
         widget: name by which the page sets the widget that takes a letter for an answer.
+        kept: nodes that had a letter before, in the order of the letters; -1 for none.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Theatre:
     voted: bool = False
     answer: JudgedGuess = JudgedGuess()
     widget: str = ""
+    kept: tuple[int, ...] = ()
 
     @property
     def open_question(self) -> bool:
@@ -231,7 +233,8 @@ def _sum(state: SearchState, node: int, digits: int | None = None) -> str:
     numbers = formula(state, g, h)
     equals = "=" if all(k in (0.0, 1.0) for k in state.trace.factors) else "≈"
     total = "" if numbers == f else f" {equals} {f}"
-    return f"its f = {formula(state)} = {numbers}{total}"
+    told = formula(state) if formula(state) in ("g", "h") else f"f = {formula(state)}"
+    return f"its {told} = {numbers}{total}"
 
 
 def _factor(k: float) -> str:

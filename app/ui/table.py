@@ -41,7 +41,6 @@ HINTS = {
     "h to go": "Cost of the shortest path from the node to the goal in the mesh without any "
     "obstacle: an estimate of what is left, and never too large.",
     "f": "What orders those that wait: the node with the least is visited next.",
-    "f = g": "What orders those that wait: Dijkstra's algorithm makes no use of h.",
     "tried": "How often the search looked along an edge.",
     "time": "Processor time of the search. Where few nodes are saved, A* can take longer than "
     "others, as it computes h for each.",

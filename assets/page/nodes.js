@@ -152,7 +152,7 @@ window.abiNodes = {
     const {formula, decimals, line, ringed, unit} = this.numbers, [g, h, f] = this.numbers[kind].subarray(3 * k, 3 * k + 3);
     const written = x => x.toFixed(decimals).replace("-", "\u2212");
     const rows = [["g so far", written(g)], ["h to go", written(h)]];
-    if (formula) rows.push([`f = ${formula}`, written(f)]);
+    if (formula && formula !== "g") rows.push([`f = ${formula}`, written(f)]);
     if (line && kind === "open") rows.push(["no. in line", String(line[k])]);
     const state = kind === "closed" ? "visited" : ringed.includes(k) ? "waits, may be next" : "waits";
     const lines = rows.map(([name, number]) => `<tr><td>${name}</td><td>${number}</td></tr>`);

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.tab.session import Session
-from app.theatre.compared import LETTERS, compared
+from app.theatre.compared import lettered
 from app.theatre.theatre import labels
 from tests.browser.page import Page
 
@@ -89,9 +89,9 @@ def test_a_search_is_stepped_guessed_and_raced(page: Page, session: Session) -> 
     page.tab.mouse.click(*wrong)
     page.reads("Not this one")
     for step, part in ((13, ".abi-letter"), (14, "tr")):
-        state = session.frame.theatre.state
-        nodes = compared(state)
-        letters = [LETTERS[k] for k, node in enumerate(nodes) if state.may_follow(int(node))]
+        shown = session.frame.theatre
+        state = shown.state
+        letters = [k for k, node in lettered(shown).items() if state.may_follow(node)]
         page.tab.locator(f"{part}:has(:text-is('{letters[0]}'))").click()
         page.reads("Right:")
         page.reads(f"step {step} of")

@@ -18,7 +18,7 @@ from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import replay, with_next
 from abi.search.search import SEARCHES
-from abi.search.trace import NO_NODES, SearchTrace
+from abi.search.trace import SearchTrace
 from app.panels.widgets import Wake, clamp, hidden_button
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue
@@ -27,14 +27,15 @@ from app.theatre.searches import EDGES, TheatreSearches
 from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, one_way_search, race_of, where
 from app.ui import notices, page, style
 
+QUIZ = "Which node is next?"
+"""Button that begins a search in which each node is asked."""
 FRAME = 1 / 20
 """Seconds between two pictures while it plays."""
 SPEEDS = {"2 steps a second": 2.0, "10 steps a second": 10.0, "all in 10 s": 0.0}
 _ALL_IN = 10.0
 _INTRO = style.paragraph(
     f"Watch any of {len(COMPARED)} searches node by node: what it has visited, what waits, and "
-    "what comes next. Or run them all on this grid and compare. Lesson 3, in <i>Learn</i>, begins "
-    "with a grid on which no two nodes tie."
+    "what comes next, or say yourself which node is next. Or run them all on this grid and compare."
 )
 _OF_THE_GRAPH = ("workspace", "obstacles", "start", "goal", "mesh", "spline")
 """Parts of a scene that its graph depends on."""
@@ -60,6 +61,9 @@ class TheatrePanel:
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
         gui, self._client, self._wake = client.gui, client, wake
         self._intro = gui.add_html(_INTRO)
+        self.quiz = gui.add_button(
+            QUIZ, hint="Asks you at each step which node the search visits next."
+        )
         self.on = gui.add_checkbox(
             "step through a search",
             False,
@@ -76,11 +80,6 @@ class TheatrePanel:
             1.5,
             hint="f = (2 − w) g + w h: 0 is Dijkstra, 1 is A*, 2 is greedy.",
         )
-        self.edges = gui.add_dropdown(
-            "negative edge",
-            tuple(EDGES),
-            hint="A one-way edge of negative cost, which leads Dijkstra astray.",
-        )
         self.step = gui.add_slider("step", 0, 1, 1, 0, hint="Drag to go anywhere in the search.")
         self.play = gui.add_button("Play the search", hint="Or press P.")
         self.one = gui.add_button_group("one step", tuple(_STEPS), hint="Or press B and N.")
@@ -92,6 +91,11 @@ class TheatrePanel:
         )
         self.race = gui.add_checkbox(
             "race of three", False, hint="Three searches side by side, step for step."
+        )
+        self.edges = gui.add_dropdown(
+            "negative edge",
+            tuple(EDGES),
+            hint="Adds a one-way edge of negative cost, which leads Dijkstra astray.",
         )
         self.back = hidden_button(gui, "Search: back", partial(self.go, -1))
         self.forward = hidden_button(gui, "Search: forward", partial(self.go, 1))
@@ -112,6 +116,7 @@ class TheatrePanel:
         for widget in (self.speed, self.ask, self.race):
             widget.on_update(wake)
         self._letter.on_update(wake)
+        self.quiz.on_click(self._begin_quiz)
         self.play.on_click(self._toggle)
         self.one.on_click(self._one_step)
         gui.add_command("Search: play or pause", hotkey="P").on_trigger(self._toggle)
@@ -219,8 +224,8 @@ class TheatrePanel:
         edges = next(iter(EDGES))
         if (self.algorithm.value, self.edges.value) != (label, edges):
             self.algorithm.value, self.edges.value = label, edges
-        if self.race.value or self.step.value:
-            self.race.value, self.step.value = False, 0
+        if self.race.value or self.step.value or self.ask.value:
+            self.race.value, self.step.value, self.ask.value = False, 0, False
 
     def _as_chosen(self, trace: SearchTrace) -> SearchTrace:
         """The search as it goes on with the nodes that were chosen where several tied."""
@@ -240,12 +245,13 @@ class TheatrePanel:
         """Show the widgets that count now."""
         on = bool(self.on.value)
         chosen = self.race.value, self.algorithm.value, self.edges.value
-        seen = (on, *chosen, self.playing, self.voted)
+        seen = (on, *chosen, self.ask.value, self.playing, self.voted)
         if seen == self._seen:
             return
         self._seen = seen
-        self._intro.visible = not on
-        self.algorithm.visible = self.edges.visible = on
+        self._intro.visible = self.quiz.visible = not on
+        self.algorithm.visible = on
+        self.edges.visible = on and not self.ask.value
         for widget in (self.step, self.play, self.one, self.speed):
             widget.visible = on and not self.voted
         self.ask.visible = on and not self.race.value
@@ -322,9 +328,7 @@ class TheatrePanel:
         if self.voted or self.yields_clicks:
             return None
         if letter:
-            named = NO_NODES if self._last is None else lettered(self._last)
-            place = LETTERS.find(letter)
-            return int(named[place]) if 0 <= place < len(named) else -1
+            return -1 if self._last is None else lettered(self._last).get(letter, -1)
         if click is None:
             return None
         state = replay(trace, min(int(self._position), trace.steps))
@@ -375,6 +379,7 @@ class TheatrePanel:
             voted=self.voted,
             answer=self._answer,
             widget=page.uuid(self._letter),
+            kept=() if last is None or other else _letters(last),
         )
 
     def _toggle(self, event: Any) -> None:
@@ -385,6 +390,11 @@ class TheatrePanel:
     def _one_step(self, event: Any) -> None:
         if event.target.value in _STEPS:
             self._inputs.append(_STEPS[event.target.value])
+        self._wake(event)
+
+    def _begin_quiz(self, event: object) -> None:
+        """Step through the search, and ask at each step."""
+        self.on.value = self.ask.value = True
         self._wake(event)
 
     def _end(self, event: object) -> None:
@@ -403,3 +413,9 @@ class TheatrePanel:
             if np.isfinite(ray).all():
                 self._click = ray
                 self._wake(event)
+
+
+def _letters(theatre: Theatre) -> tuple[int, ...]:
+    """Nodes that have a letter, in the order of all letters; -1 for one that none has."""
+    named = lettered(theatre)
+    return tuple(named.get(letter, -1) for letter in LETTERS)

@@ -15,7 +15,6 @@ import viser
 
 from abi import load_scene, plan
 from abi.explain.diagnosis import explain
-from abi.explain.reason import Reason
 from abi.planner.arm_words import arm_result
 from abi.scene.scene import Scene
 from abi.search.search import SEARCHES
@@ -532,15 +531,15 @@ def test_an_obstacle_in_the_way_is_moved_by_a_button_beside_find_a_base() -> Non
     reason = explain(scene, result)
     assert reason is not None
     assert reason.moved is not None
-    assert _change_label(reason) == f"Move obstacle {reason.moved + 1} there"
+    assert reason.change is not None
+    assert _change_label(reason.change, reason) == f"Move obstacle {reason.moved + 1} there"
     assert _may_help(Frame(result, reason=reason))
 
 
 def test_a_direction_that_can_be_kept_for_a_part_is_a_button() -> None:
     axis = {"direction": [0.0, 0.0, -1.0], "tolerance": 0.1, "from": 0.0, "to": 0.9}
-    reason = Reason("", "", {"arm": {"axis": axis}}, np.zeros((0, 3)))
     label = "Keep the direction within 5.73° from 0 to 90 % of the time"
-    assert _change_label(reason) == label
+    assert _change_label({"arm": {"axis": axis}}, None) == label
 
 
 def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from abi.explain.base_map import BaseMap, BaseTrial
 from abi.explain.find_base import default_region
 from abi.scene.scene import load_scene
 from app.layers.base_map import BaseMapLayer
+from app.panels.base_offer import base_card
 from app.panels.stages import find_base
 from app.tab.session import Session
+from app.ui import page
 from tests.app.fake_tab import FakeTab, layer, until
 
 Tab = tuple[FakeTab, Session]
@@ -104,3 +108,22 @@ def test_the_region_is_typed_and_dragged(behind_a_wall: Tab) -> None:
     fake.set(region.sides.handle, [-1.0, 2.0, 0.0])
     until(lambda: np.allclose(region.sides.handle.value, (4, 2, 0)))
     np.testing.assert_allclose(region.corners, [(0, 7, 0), (4, 9, 0)])
+
+
+def test_a_place_that_was_found_stands_over_the_scene_until_the_arm_stands_there(tab: Tab) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    bases, frame = session.panels.stages.bases, session.frame
+    scene = frame.plan.scene
+    found = BaseMap(
+        scene,
+        *default_region(scene),
+        trials=(BaseTrial((1.0, -4.0, 0.0), (1.0, 1.0, 0.0), length=7.5),),
+        is_done=True,
+    )
+    assert base_card(bases, frame) == ""
+    card = base_card(bases, replace(frame, bases=found))
+    assert "7.500 cm" in card
+    assert f'data-press="{page.uuid(bases.put)}"' in card
+    there = replace(frame.plan, scene=scene.replace(arm={"base": [1.0, -4.0, 0.0]}))
+    assert base_card(bases, replace(frame, bases=found, plan=there)) == ""
