@@ -9,7 +9,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app.camera.occlusion import hidden
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 
 USUAL = np.array([0.82, -0.42, 0.38])
 """Default camera position relative to the scene's middle, in sizes of the scene."""

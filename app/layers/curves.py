@@ -20,7 +20,7 @@ from app.drawing.lines import (
     segments,
 )
 from app.layers.points import Points
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.layout import Layout

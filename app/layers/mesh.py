@@ -14,7 +14,7 @@ from app.drawing import glb
 from app.drawing.straight_lines import straight_lines
 from app.layers.line_set import LineSet
 from app.layers.points import Points
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style

@@ -12,7 +12,7 @@ from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app.camera.framing import axes
 from app.drawing.lines import add_line, parameters, points_at, segments
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.arm_size import oversize

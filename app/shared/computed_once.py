@@ -8,30 +8,55 @@ from __future__ import annotations
 
 import functools
 import threading
+import weakref
 from collections.abc import Callable
-from typing import Generic, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar
+
+from abi.planner.plan import Plan
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
 
-class ComputedOnce(Generic[_P, _T]):
-    """Wrapper that caches a function's latest results by its arguments; they must be immutable.
+def computed_once(kept: int) -> Callable[[Callable[_P, _T]], Callable[_P, _T]]:
+    """Decorator that caches a function's latest ``kept`` results by its positional arguments.
 
-    Who asks while a value is computed waits for it.
+    Results must be immutable. Who asks while a value is computed waits for it.
     """
 
-    def __init__(self, kept: int, function: Callable[_P, _T]) -> None:
-        self._lock = threading.RLock()
-        self._kept = functools.lru_cache(kept)(function)
-        functools.update_wrapper(self, function)
+    def shared(function: Callable[_P, _T]) -> Callable[_P, _T]:
+        lock, cached = threading.RLock(), functools.lru_cache(kept)(function)
 
-    def __call__(self, *args: _P.args, **_: _P.kwargs) -> _T:
-        """The result for positional arguments."""
-        with self._lock:
-            return self._kept(*args)
+        @functools.wraps(function)
+        def call(*args: _P.args, **_: _P.kwargs) -> _T:
+            with lock:
+                return cached(*args)
+
+        return call
+
+    return shared
 
 
-def computed_once(kept: int) -> Callable[[Callable[_P, _T]], ComputedOnce[_P, _T]]:
-    """Decorator that shares the latest ``kept`` results of a function."""
-    return functools.partial(ComputedOnce, kept)
+def once_a_plan(
+    function: Callable[Concatenate[Plan, _P], _T],
+) -> Callable[Concatenate[Plan, _P], _T]:
+    """Decorator that caches a function's results by plan and further arguments.
+
+    They last as long as the plan does, and none may be changed. Of threads that ask at once, as in
+    a class that opens together, one computes and the others wait for it.
+    """
+    kept: weakref.WeakKeyDictionary[Plan, tuple[threading.RLock, dict[Any, _T]]]
+    kept, all_plans = weakref.WeakKeyDictionary(), threading.Lock()
+
+    @functools.wraps(function)
+    def call(plan: Plan, /, *args: _P.args, **named: _P.kwargs) -> _T:
+        key = (args, *named.items())
+        with all_plans:
+            lock, values = kept.setdefault(plan, (threading.RLock(), {}))
+        if key not in values:
+            with lock:
+                if key not in values:
+                    values[key] = function(plan, *args, **named)
+        return values[key]
+
+    return call

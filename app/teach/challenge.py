@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame
 from app.teach.lesson import Condition
 from app.teach.measures import MEASURES, text

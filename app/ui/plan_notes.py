@@ -18,7 +18,7 @@ from abi.planner.arm_words import (
 )
 from abi.planner.plan import Plan
 from abi.planner.stage_results import AnyFit
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.ui import style
 from app.ui.numbers import (
     distance_to_show,

@@ -14,7 +14,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.triangle_mesh.bvh import tree_of
-from abi.obstacles.triangle_mesh.per_surface import PerSurface
+from abi.obstacles.triangle_mesh.per_surface import per_surface
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import vec3_at
 
@@ -49,7 +49,7 @@ def write_boxes(mesh: MeshShape, rows: FloatArray) -> None:
     box_rows(*flat_boxes, (a, b, c), mesh.position, mesh.factor, rows)
 
 
-@PerSurface
+@per_surface
 def boxes_of(surface: Surface) -> Boxes:
     """Boxes of a tree over the triangles, and a flat one for each triangle, in its plane.
 

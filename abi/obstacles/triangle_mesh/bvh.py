@@ -13,7 +13,7 @@ from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS
 from abi.errors import ArgumentError
 from abi.obstacles.triangle_mesh.bvh_kernels import order_of_leaves, slabs_of_nodes
-from abi.obstacles.triangle_mesh.per_surface import PerSurface
+from abi.obstacles.triangle_mesh.per_surface import per_surface
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
@@ -105,7 +105,7 @@ def build_tree(triangles: FloatArray) -> TriangleTree:
     )
 
 
-@PerSurface
+@per_surface
 def tree_of(surface: Surface) -> TriangleTree:
     """The tree over a surface, in the file's coordinates."""
     return build_tree(surface.vertices[surface.faces])

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections import deque
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -14,24 +15,21 @@ _R = TypeVar("_R")
 _LATEST = 16
 
 
-class PerSurface(Generic[_R]):
-    """Function of a surface that caches its results; equal surfaces share one.
+def per_surface(function: Callable[[Surface], _R]) -> Callable[[Surface], _R]:
+    """Decorator that caches a function's results by surface; equal surfaces share one.
 
     They are kept as long as their surfaces are in use, however many a scene has, and the latest
     few beyond that.
     """
+    results: WeakKeyDictionary[Surface, _R] = WeakKeyDictionary()
+    latest: deque[Surface] = deque(maxlen=_LATEST)
 
-    def __init__(self, function: Callable[[Surface], _R]) -> None:
-        self.__doc__ = function.__doc__
-        self._function = function
-        self._results: WeakKeyDictionary[Surface, _R] = WeakKeyDictionary()
-        self._latest: deque[Surface] = deque(maxlen=_LATEST)
-
-    def __call__(self, surface: Surface) -> _R:
-        """The function's result."""
-        result = self._results.get(surface)
+    @functools.wraps(function)
+    def call(surface: Surface) -> _R:
+        result = results.get(surface)
         if result is None:
-            result = self._function(surface)
-            self._results[surface] = result
-            self._latest.append(surface)
+            result = results[surface] = function(surface)
+            latest.append(surface)
         return result
+
+    return call

@@ -14,7 +14,7 @@ import numpy as np
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, dipoles, moved, tree_of
-from abi.obstacles.triangle_mesh.per_surface import PerSurface
+from abi.obstacles.triangle_mesh.per_surface import per_surface
 from abi.obstacles.triangle_mesh.rounding import error_of_distances
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
@@ -120,5 +120,5 @@ def _grid(
     return DistanceGrid(read_only(values), (nx, ny, nz), (x, y, z), step, corners, bound)
 
 
-body_frame = PerSurface(BodyFrame)
+body_frame = per_surface(BodyFrame)
 """The body frame of a surface."""

@@ -13,7 +13,7 @@ from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.arm.ghost_bodies import GhostBodies, places_of
 from app.layers.arm.kinds import kind_of
 from app.layers.arm.other_poses import OtherPoses
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.layout import Layout

@@ -8,7 +8,7 @@ from abi.arm_planning.joint_search.joint_tree import JointTree
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, segments
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer
 from app.ui import style
 from app.ui.layout import Layout

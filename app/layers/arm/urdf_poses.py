@@ -24,7 +24,7 @@ from app.drawing.lines import rows_at
 from app.layers.arm import urdf_arm
 from app.layers.arm.arm_playback import samples_of
 from app.layers.arm.other_poses import OtherPoses
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 
 _OTHERS = 4
 """Other poses, at most: more hide each other."""

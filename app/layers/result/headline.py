@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abi.planner.plan import Plan
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.stages.catalogue import SHOWN_STAGES
 from app.stages.curve_numbers import blocks, curve_numbers
 from app.state.frame import Frame, Layer

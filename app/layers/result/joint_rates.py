@@ -13,7 +13,7 @@ from abi.arm_planning.motion_law import ROUNDING
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app.layers.result.time_plot import Lines, TimePlots, new_plot, plotted_samples
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer
 from app.ui import style
 from app.ui.layout import Layout

@@ -9,7 +9,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 
 
 @once_a_plan

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from abi.planner.arm_words import contact_sentence, lacks_motion
 from abi.planner.plan import Plan
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer
 from app.ui import style
 from app.ui.layout import Layout

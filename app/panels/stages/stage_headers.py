@@ -6,7 +6,7 @@ import viser
 
 from abi.errors import AbiError, SceneError
 from abi.planner.plan import Plan
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import once_a_plan
 from app.stages.catalogue import SHOWN_STAGES, STAGE_OF_ERROR, TITLES
 from app.state.frame import Frame
 

@@ -9,8 +9,7 @@ import pytest
 
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.shared.computed_once import computed_once
-from app.shared.once_a_plan import once_a_plan
+from app.shared.computed_once import computed_once, once_a_plan
 
 _ASKING = 8
 
