@@ -7,7 +7,6 @@ down.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,21 +25,6 @@ _SAMPLES = 200
 """Points of an arc whose distance from the obstacles is checked."""
 _TOO_LITTLE = 1e-3
 """Least interval, over the largest weight, between too small and too large a reward."""
-
-
-class _Place(NamedTuple):
-    """A place for an arc.
-
-    Attributes:
-        room: between the least reward that pays and the way back.
-        tail, head: its ends.
-        way_back: cost of the way from head to tail.
-    """
-
-    room: float
-    tail: int
-    head: int
-    way_back: float
 
 
 def with_negative_arc(problem: SearchProblem, cycle: bool) -> SearchProblem:
@@ -68,23 +52,28 @@ def with_negative_arc(problem: SearchProblem, cycle: bool) -> SearchProblem:
         raise none
     path = reconstruct_path(parent, arcs.goal)[1:-1].tolist()
     places = [_place(problem, cost, head) for head in path[:: max(len(path) // _HEADS, 1)]]
-    if not places or max(places).room <= _TOO_LITTLE * float(arcs.rows.weights.max()):
+    room, tail, head, way_back = max(places, default=(-np.inf, 0, 0, 0.0))
+    if room == -np.inf or room <= _TOO_LITTLE * float(arcs.rows.weights.max()):
         raise none
-    place = max(places)
-    reward = 1.5 * place.way_back if cycle else place.way_back - place.room / 2
-    return replace(problem, arcs=arcs.with_arc(place.tail, place.head, -reward))
+    reward = 1.5 * way_back if cycle else way_back - room / 2
+    return replace(problem, arcs=arcs.with_arc(tail, head, -reward))
 
 
-def _place(problem: SearchProblem, cost: FloatArray, head: int) -> _Place:
-    """The best arc to a node of the path that goes through no obstacle."""
+def _place(problem: SearchProblem, cost: FloatArray, head: int) -> tuple[float, int, int, float]:
+    """The best arc to a node of the path that goes through no obstacle.
+
+    Returns:
+        Room between the least reward that pays and the way back, the arc's ends, and the cost of
+        the way from its head back to its tail.
+    """
     way_back, _ = _distances(problem, head)
     reached = np.where(np.isfinite(cost), cost, 0.0)
     least = reached - cost[head]  # a larger reward makes the detour pay
     room = np.where((least > 0) & np.isfinite(way_back), way_back - least, -np.inf)
     for tail in np.argsort(-room, kind="stable")[:_TAILS].tolist():
         if np.isfinite(room[tail]) and _is_clear(problem, tail, head):
-            return _Place(float(room[tail]), tail, head, float(way_back[tail]))
-    return _Place(-np.inf, head, head, 0.0)
+            return float(room[tail]), tail, head, float(way_back[tail])
+    return -np.inf, head, head, 0.0
 
 
 def _is_clear(problem: SearchProblem, tail: int, head: int) -> bool:

@@ -243,47 +243,43 @@ def _parts(triangles: FloatArray, fit: _Fit, axes: FloatArray | None = None) -> 
     meet inside the solid, their line leaves it through a triangle, so that the parts' hulls hold
     what is inside, too.
     """
-    parts = [_HulledPart(triangles, _volume(triangles.reshape(-1, 3)))]
-    if _filled(triangles) > (1 - fit.much) * parts[0].volume:
+    whole = _volume(triangles.reshape(-1, 3))
+    if _filled(triangles) > (1 - fit.much) * whole:
         return [triangles.reshape(-1, 3)]
-    whole = parts[0].volume
+    parts = [(triangles, whole)]
     axes = principal_axes(triangles.reshape(-1, 3))[:2] if axes is None else axes
     halves = [_halves(parts[0], axes)]
     while len(parts) < fit.parts:
         gains = [
-            one.volume - sum(half.volume for half in both)
-            for one, both in zip(parts, halves, strict=True)
+            volume - sum(of_half for _, of_half in both)
+            for (_, volume), both in zip(parts, halves, strict=True)
         ]
         best = int(np.argmax(gains))
-        enough = min((1 - _WORTH) * parts[best].volume, fit.much * whole)
+        enough = min((1 - _WORTH) * parts[best][1], fit.much * whole)
         if gains[best] <= max(enough, fit.least * whole):
             break
         both = halves[best]
         parts[best : best + 1] = both
         halves[best : best + 1] = [_halves(half, axes) for half in both]
-    return [part.triangles.reshape(-1, 3) for part in parts]
+    return [part.reshape(-1, 3) for part, _ in parts]
 
 
-class _HulledPart(NamedTuple):
-    """Triangles (n, 3, 3), and the volume of their hull, [m³]."""
+def _halves(part: tuple[FloatArray, float], axes: FloatArray) -> list[tuple[FloatArray, float]]:
+    """Both halves of a part at the plane that makes their hulls smallest; itself without one.
 
-    triangles: FloatArray
-    volume: float
-
-
-def _halves(part: _HulledPart, axes: FloatArray) -> list[_HulledPart]:
-    """Both halves of a part at the plane that makes their hulls smallest; itself without one."""
-    best = [part]
+    A part is triangles (n, 3, 3), and the volume of their hull, [m³].
+    """
+    best, triangles = [part], part[0]
     for axis in axes:
-        heights = part.triangles @ axis
+        heights = triangles @ axis
         low, high = float(heights.min()), float(heights.max())
         for share in _SHARES:
             both = [
-                _HulledPart(half, _volume(half.reshape(-1, 3)))
-                for half in _cut(part.triangles, heights - (low + share * (high - low)))
+                (half, _volume(half.reshape(-1, 3)))
+                for half in _cut(triangles, heights - (low + share * (high - low)))
                 if len(half)
             ]
-            if sum(half.volume for half in both) < sum(half.volume for half in best):
+            if sum(volume for _, volume in both) < sum(volume for _, volume in best):
                 best = both
     return best
 

@@ -29,6 +29,10 @@ _KERNELS = (
 )
 
 
+_Edges = tuple[FloatArray, FloatArray, FloatArray]
+"""First ends (k, 3) and last ends (k, 3) of edges, and their radii (k,)."""
+
+
 class SolidPose(NamedTuple):
     """Rotation (3, 3) and origin (3,), [unit]."""
 
@@ -36,23 +40,12 @@ class SolidPose(NamedTuple):
     origin: FloatArray
 
 
-class _BodySide(NamedTuple):
-    """Edges of a body near another, in the frame of that: ends (k, 3), (k, 3) and radii (k,)."""
-
-    body: LinkSolids
-    other: LinkSolids
-    pose: SolidPose
-    first: FloatArray
-    second: FloatArray
-    radii: FloatArray
-
-
 def _sides(
     first: LinkSolids, second: LinkSolids, pose: SolidPose, within: float = 0.0
-) -> Iterator[_BodySide]:
-    """Each of two bodies beside the other, its edges wider by ``within``.
+) -> Iterator[tuple[LinkSolids, LinkSolids, SolidPose, _Edges]]:
+    """Each of two bodies, the other, its pose in the frame of that, and its edges near to it there.
 
-    ``pose`` is that of the second in the frame of the first.
+    Edges are wider by ``within``. ``pose`` is that of the second in the frame of the first.
     """
     back = SolidPose(pose.turn.T, -pose.turn.T @ pose.origin)
     for body, other, (turn, origin) in ((second, first, pose), (first, second, back)):
@@ -63,7 +56,7 @@ def _sides(
         reach = radii[:, None]
         beside = (np.minimum(a, b) - reach > high) | (np.maximum(a, b) + reach < low)
         near = ~beside.any(axis=1)
-        yield _BodySide(body, other, SolidPose(turn, origin), a[near], b[near], radii[near])
+        yield body, other, SolidPose(turn, origin), (a[near], b[near], radii[near])
 
 
 def distance(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> float:
@@ -87,8 +80,8 @@ def touch(
         first_from_second: pose of the second in the frame of the first.
         within: the distance, [unit].
     """
-    for side in _sides(first, second, first_from_second, within):
-        if len(side.first) and side.other.whole.blocked(*side[3:]).any():
+    for _, other, _, edges in _sides(first, second, first_from_second, within):
+        if len(edges[0]) and other.whole.blocked(*edges).any():
             return True
     turn, origin = first_from_second
     there = first.whole.signed_distance(second.anchors @ turn.T + origin)
@@ -102,7 +95,7 @@ def depth(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -
     It is 0 where they do not touch; arguments are those of :func:`touch`.
     """
     deepest = 0.0
-    for body, other, pose, a, b, radii in _sides(first, second, first_from_second):
+    for body, other, pose, (a, b, radii) in _sides(first, second, first_from_second):
         low, high = other.bounds
         corners = body.corners @ pose.turn.T + pose.origin
         corners = corners[((corners >= low) & (corners <= high)).all(axis=1)]
