@@ -15,7 +15,7 @@ from abi.arm_planning.joint_search.held_direction import HeldDirection
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_tree import JointTree
 from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, read_only
 
 _STEP = 0.3
 """Largest length of an edge, [rad]."""
@@ -23,32 +23,6 @@ _PROGRESS = 0.1
 """Part of an edge's length by which the edge must approach its target."""
 _SHARE = 10
 """Random samples of a search effort for each one of this search, whose steps are slower."""
-
-
-class _Tree:
-    """Joint positions on the manifold that grow from roots; see :class:`JointTree`."""
-
-    def __init__(self, roots: FloatArray) -> None:
-        self.nodes = [*roots]
-        self.parents = [-1] * len(roots)
-
-    def nearest(self, joints: FloatArray, weights: FloatArray) -> int:
-        """Number of the node nearest to joint positions (n,)."""
-        away = (np.array(self.nodes) - joints) * weights
-        return int((away**2).sum(axis=1).argmin())
-
-    def add(self, parent: int, way: FloatArray) -> int:
-        """Add the rows of a way (k, n) but the first, which is ``parent``; number of the last."""
-        for joints in way[1:]:
-            self.nodes.append(joints)
-            self.parents.append(parent)
-            parent = len(self.nodes) - 1
-        return parent
-
-    def frozen(self) -> JointTree:
-        """A frozen copy of the tree."""
-        parents: IntArray = np.array(self.parents, dtype=np.int32)
-        return JointTree(read_only(np.array(self.nodes)), read_only(parents))
 
 
 @dataclass(eq=False)
@@ -108,7 +82,7 @@ class HeldSearch:
             guide: positions (k, n) to grow towards before random ones.
         """
         random = np.random.default_rng(effort.seed)
-        trees = _Tree(starts), _Tree(goals)
+        trees = [JointTree.of(starts), JointTree.of(goals)]
         low, high = self.space.arm.chain.usual_range().T * self.space.arm.scales
         samples, path = 0, None
         first = [goals[0], *([] if guide is None else guide)]
@@ -123,28 +97,29 @@ class HeldSearch:
         return JointSearch(
             None if path is None else read_only(path),
             np.inf if path is None else self.space.distance(path),
-            (trees[0].frozen(), trees[1].frozen()),
+            (trees[0], trees[1]),
             samples,
             self.proofs,
             self.refused,
         )
 
     def _grow(
-        self, trees: tuple[_Tree, _Tree], grown: int, target: FloatArray, most: int
+        self, trees: list[JointTree], grown: int, target: FloatArray, most: int
     ) -> FloatArray | None:
-        """Grow one tree towards a target and the other towards the first; a path if they meet."""
+        """Grow one of two trees towards a target, and the other to it; a path if they meet."""
         weights, (tree, other) = self.space.weights, (trees[grown], trees[1 - grown])
         near = tree.nearest(target, weights)
-        way = self.way(tree.nodes[near], target, most)
+        way = self.way(tree.positions[near], target, most)
         if len(way) == 1 and most == 1:
             return None
-        node = tree.add(near, way)
-        joint = other.nearest(tree.nodes[node], weights)
-        way = self.way(other.nodes[joint], tree.nodes[node])
-        met = other.add(joint, way)
-        if (way[-1] != tree.nodes[node]).any():
+        trees[grown], node = tree.grown(way, near)
+        reached = way[-1]
+        joint = other.nearest(reached, weights)
+        way = self.way(other.positions[joint], reached)
+        trees[1 - grown], met = other.grown(way, joint)
+        if (way[-1] != reached).any():
             return None
-        halves = tree.frozen().way_to(node), other.frozen().way_to(met)
+        halves = trees[grown].way_to(node), trees[1 - grown].way_to(met)
         first, last = halves if grown == 0 else halves[::-1]
         return np.concatenate([first, last[-2::-1]])
 
