@@ -235,20 +235,8 @@ _SETTLED = 1e-3
 _CUT = (0.45, 0.2)
 
 
-class _Around(NamedTuple):
-    """Obstacles and margins of a path that tool and arm are both to keep.
-
-    Attributes:
-        tool: what the tool does.
-        room: for its descents.
-        arm: what the arm does.
-        touched: what it touched last.
-    """
-
-    tool: PathObstacles
-    room: DescentWorkspace
-    arm: ArmSegments
-    touched: Touched
+_Around = tuple[PathObstacles, DescentWorkspace, ArmSegments, Touched]
+"""What the tool keeps clear of, room for its descents, what the arm does, and its last contact."""
 
 
 @jitable
@@ -362,7 +350,7 @@ def pulled(points: FloatArray, surroundings: PathObstacles, segments: ArmSegment
     Returns:
         The path, flat, never longer.
     """
-    own = _Around(surroundings, new_room(), segments, new_touched())
+    own = surroundings, new_room(), segments, new_touched()
     both = borrowed(own)
     path = pull([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both, _clear, ROUNDS)
     taut = np.empty(3 * len(path))

@@ -41,44 +41,16 @@ _AT_ONCE = 2000
 """Nodes that are gone on from in one call, about 20 ms."""
 
 
-class Nodes(NamedTuple):
-    """Nodes of a mesh and their neighbours, as compressed rows.
-
-    Attributes:
-        points: the nodes, flat (3 n,), [m], world.
-        indptr: where each node's neighbours begin, (n + 1,).
-        indices: the neighbours.
-    """
-
-    points: FloatArray
-    indptr: IntArray
-    indices: IntArray
-
-
-class SpreadLimits(NamedTuple):
-    """Largest error of a configuration, and largest step of a joint between neighbouring nodes.
-
-    Attributes:
-        error: what a configuration may lack, over the reach or in [rad].
-        step: the largest of a coordinate between neighbours, [rad] or [m].
-    """
-
-    error: float
-    step: float
-
-
-_NODES, _LIMITS = Nodes(FLOATS, IDS, IDS), SpreadLimits(0.0, 1.0)
-
-
-_SPREAD = (TABLE, _NODES, NO_DRIFT, _LIMITS, (0, 0), NEW_FLOATS, NEW_FLAGS, NEW_IDS, NEW_IDS)
+_MESH, _LIMITS = (FLOATS, IDS, IDS), (0.0, 1.0)
+_SPREAD = (TABLE, _MESH, NO_DRIFT, _LIMITS, (0, 0), NEW_FLOATS, NEW_FLAGS, NEW_IDS, NEW_IDS)
 
 
 @compiled(example=_SPREAD, fallback=False)
 def spread(
     chain: ChainTable,
-    nodes: Nodes,
+    nodes: tuple[FloatArray, IntArray, IntArray],
     drift: Drift,
-    limits: SpreadLimits,
+    limits: tuple[float, float],
     counts: tuple[int, int],
     configurations: FloatArray,
     reached: BoolArray,
@@ -92,9 +64,11 @@ def spread(
 
     Args:
         chain: the chain and its task.
-        nodes: of the mesh.
+        nodes: of the mesh, flat (3 n,), [m], world; where each one's neighbours begin, (n + 1,);
+            the neighbours.
         drift: of joints to spare.
-        limits: what counts as reached.
+        limits: what a configuration may lack, over the reach or in [rad], and the largest step of a
+            coordinate between neighbours, [rad] or [m].
         counts: of the nodes in the queue, those that were gone on from, and all; 0 and 0 at first.
         configurations: coordinates at each node reached, flat (n m,); written. Those of the first
             node are what it is reached from.
@@ -195,20 +169,6 @@ def touches_row(
     return False
 
 
-class _PoseWorkspace(NamedTuple):
-    """Arrays that the frames and capsules of one configuration are written to.
-
-    Attributes:
-        poses: of the joints, flat (12 (m + 1),).
-        ends: of all capsules, flat (6 c,).
-        waiting: room for ``DEPTH`` rows.
-    """
-
-    poses: FloatArray
-    ends: FloatArray
-    waiting: IntArray
-
-
 @jitable(forceinline=True)
 def _touches(
     chain: ChainTable,
@@ -216,9 +176,13 @@ def _touches(
     configurations: FloatArray,
     node: int,
     asked: tuple[Obstacles, list[int], float],
-    room: _PoseWorkspace,
+    room: tuple[FloatArray, FloatArray, IntArray],
 ) -> bool:
-    """Check whether a capsule is too near to one of the rows asked of, or to another capsule."""
+    """Check whether a capsule is too near to one of the rows asked of, or to another capsule.
+
+    ``room`` is for the poses of the joints, flat (12 (m + 1),), for the ends of all capsules, flat
+    (6 c,), and for ``DEPTH`` rows.
+    """
     (poses, ends, waiting), (around, rows, slack) = room, asked
     place_bodies(chain, bodies, configurations, node * (len(chain.limits) // 2), poses, ends)
     touching = slack >= 0 and _touches_itself(bodies, ends, poses, slack)
@@ -330,7 +294,7 @@ def touching_configurations(
     around, root = obstacle
     size = _BOX * len(bodies.frames)
     poses = np.empty(POSE * (len(chain.source) + 1))
-    own = _PoseWorkspace(poses, np.empty(size), np.empty(DEPTH, np.int32))
+    own = poses, np.empty(size), np.empty(DEPTH, np.int32)
     room, work = borrowed(own), [0]
     if root < 0:
         every = around, asked_rows(around, len(bodies.frames)), slack

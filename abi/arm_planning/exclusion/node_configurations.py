@@ -11,8 +11,6 @@ import scipy
 from abi import arguments
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     ConfigurationTree,
-    Nodes,
-    SpreadLimits,
     bound_configurations,
     spread,
 )
@@ -116,8 +114,8 @@ def spread_over(
     nearest = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
     configurations[nearest] = first / arm.scales
     queue, tries = np.full(len(reached), nearest, np.int32), np.zeros(len(reached), np.int32)
-    nodes = Nodes(flat(mesh.points * arm.metres), indptr, indices)
-    drift, limits = Drift(flat(home / arm.scales), PULL), SpreadLimits(REACHED, _LONGEST)
+    nodes = flat(mesh.points * arm.metres), indptr, indices
+    drift, limits = Drift(flat(home / arm.scales), PULL), (REACHED, _LONGEST)
     task = arm.chain.table, nodes, drift, limits
     counts = spread(*task, (0, 0), configurations.reshape(-1), reached, queue, tries)
     while counts[0] < counts[1]:  # the result may become unwanted between two calls
