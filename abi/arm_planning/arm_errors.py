@@ -26,13 +26,14 @@ class LinkContact(NamedTuple):
 
 
 class OutOfReach(StageError):
-    """Error for a stretch of the curve that the arm cannot reach.
+    """Error for a stretch of the curve that the arm cannot reach or follow.
 
     Args:
         first: time of the first point out of reach, [s].
         last: time of the last point out of reach, [s].
         shortfall: the largest distance missing, [unit].
-        too_near: True when the worst point is too near to the shoulder rather than too far.
+        too_near: True when the worst point is too near to the shoulder rather than too far; None
+            where a joint's limit may be the cause as well.
         slide: extension of the slide q5 at that time and its limit, [unit], if it is past the limit
             and so makes the forearm too long or too short.
     """
@@ -42,29 +43,31 @@ class OutOfReach(StageError):
         first: float,
         last: float,
         shortfall: float,
-        too_near: bool,
+        too_near: bool | None,
         slide: tuple[float, float] | None = None,
     ) -> None:
+        times, far = f"{first:.2f} s to {last:.2f} s", f"by up to {format_length(shortfall)}"
         place = "too near to the shoulder" if too_near else "too far away"
+        message = f"The arm cannot reach the curve from {times}: it is {place}, {far}."
         hint = (
             "Move the base away from the curve, or make the upper arm as long as forearm and slide "
             "together."
             if too_near
             else "Move the base nearer, or lengthen upper arm, forearm or slide."
         )
-        if slide is not None:
+        if too_near is None:
+            message = (
+                f"From t = {times} the arm cannot follow the curve: out of reach or past a joint's "
+                f"limit {far}."
+            )
+            hint = "Move the base nearer, or leave the direction of the gripper free."
+        elif slide is not None:
             extension, limit = slide
             hint = (
                 f"The slide would run to {format_length(extension)}, and it ends at "
                 f"{format_length(limit)}: go faster, or set the slide's force to 0."
             )
-        super().__init__(
-            "arm",
-            "out_of_reach",
-            f"The arm cannot reach the curve from {first:.2f} s to {last:.2f} s: it is {place}, "
-            f"by up to {format_length(shortfall)}.",
-            hint,
-        )
+        super().__init__("arm", "out_of_reach", message, hint)
         self.first = first
         self.last = last
         self.shortfall = shortfall
@@ -239,28 +242,6 @@ class DirectionNotHeld(StageError):
             hint = f"Turn the gripper at the {where}, or let arm.axis.{name} leave the {where} out."
         super().__init__("arm", "direction_not_held", message, hint)
         self.where = where
-
-
-class NotFollowed(StageError):
-    """Error for a stretch of the curve that a URDF arm cannot follow.
-
-    Args:
-        first: time of the first point it misses, [s].
-        last: time of the last point it misses, [s].
-        shortfall: the largest distance by which it misses the curve, [unit].
-    """
-
-    def __init__(self, first: float, last: float, shortfall: float) -> None:
-        super().__init__(
-            "arm",
-            "out_of_reach",
-            f"From t = {first:.2f} s to {last:.2f} s the arm cannot follow the curve: out of reach "
-            f"or past a joint's limit by up to {format_length(shortfall)}.",
-            "Move the base nearer, or leave the direction of the gripper free.",
-        )
-        self.first = first
-        self.last = last
-        self.shortfall = shortfall
 
 
 def _touched(

@@ -6,7 +6,7 @@ are in stage 6.
 
 from __future__ import annotations
 
-from abi.arm_planning.arm_errors import ArmNotClear, NotFollowed, OutOfReach
+from abi.arm_planning.arm_errors import ArmNotClear, OutOfReach
 from app.panels.stages.find_base import FindBasePanel
 from app.state.frame import Frame
 from app.ui.numbers import format_length, format_setting
@@ -80,4 +80,4 @@ def _may_help(frame: Frame) -> bool:
         return reason.change is None or "arm" in reason.change or reason.moved is not None
     if frame.interactive:
         return False
-    return isinstance(error, NotFollowed) or (isinstance(error, OutOfReach) and error.slide is None)
+    return isinstance(error, OutOfReach) and error.slide is None

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from abi import Scene
-from abi.arm_planning.arm_errors import ArmNotClear, NotFollowed, OutOfReach
+from abi.arm_planning.arm_errors import ArmNotClear, OutOfReach
 from abi.errors import (
     AbiError,
     ClearanceNotHeld,
@@ -29,7 +29,7 @@ ERRORS = [
     ClearanceNotHeld(0.2, 0.1234567),
     OutOfReach(0.5, 1.25, 0.7654321, True),
     OutOfReach(0.5, 1.25, 0.7654321, False, (12.3456, 2.4)),
-    NotFollowed(0.5, 1.25, 0.7654321),
+    OutOfReach(0.5, 1.25, 0.7654321, None),
 ]
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi import arguments
-from abi.arm_planning.arm_errors import NotFollowed, OutOfReach
+from abi.arm_planning.arm_errors import OutOfReach
 from abi.arm_planning.certificates.paper_arm_certificate import slide_bounds
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
 from abi.arm_planning.wrist_drives import wrist_positions
@@ -214,13 +214,13 @@ class ArmMotion(ShortRepr):
         return not self.limit_violations
 
     @property
-    def error(self) -> OutOfReach | NotFollowed | None:
+    def error(self) -> OutOfReach | None:
         """Error for the worst stretch out of reach; None if there is none."""
         if not self.unreachable:
             return None
         worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
         if self.joints != JOINTS:
-            return NotFollowed(worst.first, worst.last, worst.shortfall)
+            return OutOfReach(worst.first, worst.last, worst.shortfall, None)
         slide = next(
             (
                 (violation.value, violation.limit)
