@@ -62,7 +62,7 @@ def main() -> None:
         if verdict.state != "clear":
             continue
         samples = np.linspace(0, _WAYPOINTS - 1, chosen.samples)
-        refuted += nearest(verdict.problem, samples).distance < verdict.clearance
+        refuted += nearest(verdict.problem, samples)[0] < verdict.clearance
         plates += 1
         thin, _ = plate(verdict, seed)
         damaged = scene.replace(obstacles=[*scene.obstacles, thin])

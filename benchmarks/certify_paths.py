@@ -123,7 +123,7 @@ def record(problem: Task, damages: int, last: dict[str, Any] | None = None) -> d
         found |= {"sentence": verdict.sentence, "path": path.tolist()}
     else:
         samples = np.linspace(0, len(path) - 1, _SAMPLES)
-        nearer = nearest(verdict.problem, samples).distance < verdict.clearance
+        nearer = nearest(verdict.problem, samples)[0] < verdict.clearance
         touched = oracle.touches(verdict.problem.motion.positions_at(samples))
         found["refuted"] = bool(nearer or touched)
         found |= damaged(problem, verdict, path, damages)

@@ -15,7 +15,6 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.certification.clearance_proof import (
     MOST_TRIES,
     MotionProblem,
-    NearestObstacle,
     Separation,
     nearest,
     problem_of,
@@ -91,34 +90,25 @@ def _verdict(
     """What the bodies prove; where they do not, what the exact shapes decide."""
     motion = problem.motion.motion
     proof = separation(problem, clearance, most_tries)
-    found = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
-    least = _whose(problem, found)
+    distance, least = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
     inside = _inside(problem)
     if proof.proven and not inside:
         ends = _times(problem, 0.0, len(problem.motion.points))
         if apart := _apart_though_allowed(problem):
             whole = (TimeStretch(*ends, "undecided"),)
             return MotionVerdict(
-                *("undecided", scene, problem, found.distance, least, (), apart, whole),
+                *("undecided", scene, problem, distance, least, (), apart, whole),
                 *(*beside, None),
             )
-        proof = _wider(problem, proof, found, most_tries)
+        proof = _wider(problem, proof, distance, most_tries)
         margin = proof.margin if len(problem.obstacles) else math.inf
         whole = (TimeStretch(*ends, "clear"),)
         return MotionVerdict("clear", scene, problem, margin, least, (), (), whole, *beside, proof)
     touches, doubts, stretches = _decided(problem, proof, inside, clearance)
     state: State = "touches" if touches else "undecided"
     return MotionVerdict(
-        *(state, scene, problem, found.distance, least, touches, doubts, stretches, *beside, None)
+        *(state, scene, problem, distance, least, touches, doubts, stretches, *beside, None)
     )
-
-
-def _whose(problem: MotionProblem, found: NearestObstacle) -> tuple[str, int, float] | None:
-    """Link, obstacle and time of the least distance."""
-    if found.body < 0:
-        return None
-    time = problem.motion.time_at(found.parameter)
-    return problem.bodies.bodies[found.body].link, found.obstacle, time
 
 
 def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
@@ -163,15 +153,15 @@ def _apart_though_allowed(problem: MotionProblem) -> tuple[Doubt, ...]:
 
 
 def _wider(
-    problem: MotionProblem, proof: Separation, found: NearestObstacle, most_tries: int
+    problem: MotionProblem, proof: Separation, distance: float, most_tries: int
 ) -> Separation:
     """A proof for the largest possible of some fractions of the least distance found."""
-    if not 0 < found.distance < math.inf:
+    if not 0 < distance < math.inf:
         return proof
     for share in _SHARES:
-        if share * found.distance <= proof.margin:
+        if share * distance <= proof.margin:
             break
-        wider = separation(problem, share * found.distance, most_tries, to_the_end=False)
+        wider = separation(problem, share * distance, most_tries, to_the_end=False)
         if wider.proven:
             return wider
     return proof

@@ -117,7 +117,7 @@ def _clearance(verdict: MotionVerdict, motion: ArmMotion) -> ArmClearance:
     """What the verdict says of the distance, and distances at samples."""
     times = verdict.problem.motion.motion.times
     at = np.interp(motion.time[::_MEASURED], times, np.arange(float(len(times))))
-    few = [nearest(verdict.problem, at[k : k + 1]).distance for k in range(len(at))]
+    few = [nearest(verdict.problem, at[k : k + 1])[0] for k in range(len(at))]
     distances = np.interp(motion.time, motion.time[::_MEASURED], few)
     link, obstacle, time = verdict.nearest or ("", -1, 0.0)
     return ArmClearance(

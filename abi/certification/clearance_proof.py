@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -152,24 +151,14 @@ def separation(
     )
 
 
-class NearestObstacle(NamedTuple):
-    """Place where a body is nearest to an obstacle, of some poses.
+def nearest(
+    problem: MotionProblem, parameters: FloatArray
+) -> tuple[float, tuple[str, int, float] | None]:
+    """Find where the bodies are nearest to an obstacle at parameters (k,).
 
-    Attributes:
-        distance: [unit]; inf without obstacles.
-        parameter: of the pose.
-        body: number of the body, -1 without obstacles.
-        obstacle: number of the obstacle, -1 without.
+    Returns:
+        The distance, [unit], and its link, obstacle and time, [s]; inf and None without obstacles.
     """
-
-    distance: float
-    parameter: float
-    body: int
-    obstacle: int
-
-
-def nearest(problem: MotionProblem, parameters: FloatArray) -> NearestObstacle:
-    """Find where the bodies are nearest to an obstacle at parameters (k,)."""
     parameters = arguments.numbers("parameters", parameters, (-1,))
     joints = flat(problem.motion.positions_at(parameters))
     distance, pair, sample = nearest_obstacle(
@@ -180,11 +169,11 @@ def nearest(problem: MotionProblem, parameters: FloatArray) -> NearestObstacle:
         problem.around.beyond(0.0),
     )
     if sample < 0:
-        return NearestObstacle(distance, 0.0, -1, -1)
+        return distance, None
     body, row = divmod(pair, len(problem.around.numbers))
-    return NearestObstacle(
-        distance, float(parameters[sample]), body, int(problem.around.numbers[row])
-    )
+    time = problem.motion.time_at(float(parameters[sample]))
+    link = problem.bodies.bodies[body].link
+    return distance, (link, int(problem.around.numbers[row]), time)
 
 
 def _numbers(problem: MotionProblem, pairs: FloatArray) -> tuple[IntArray, IntArray]:

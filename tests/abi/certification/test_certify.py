@@ -94,8 +94,8 @@ def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:
     verdict = verdict_of(scene, swing(5))
     assert verdict.state == "clear"
     assert verdict.clearance > 0
-    found = nearest(verdict.problem, np.linspace(0, 1, 2001))
-    assert verdict.clearance <= found.distance
+    distance, _ = nearest(verdict.problem, np.linspace(0, 1, 2001))
+    assert verdict.clearance <= distance
     data = json.loads(json.dumps(verdict.to_dict(), allow_nan=False))
     (proof,) = verify(data)
     assert proof.proven, proof.reason
