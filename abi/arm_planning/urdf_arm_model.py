@@ -14,8 +14,9 @@ import numpy as np
 
 from abi.arm_planning.arm_model import BranchProblem
 from abi.arm_planning.branch.chain_branch import ChainBranch
+from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
-from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
+from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
+from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.world_change import Change, World, world_change
-from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle
 
 _MOST = 4_000
@@ -25,20 +24,6 @@ _WORLDS = 16
 
 Key = tuple[object, ...]
 """Cache key beside the collision world, such as the bytes of a polyline."""
-
-
-class Followed(NamedTuple):
-    """Joints along a polyline.
-
-    Attributes:
-        parameters: of its places, vertex k being k, (m,).
-        joints: joint positions there, (m, n), [rad] or [unit].
-        missed: distance by which each place is missed, (m,), [unit].
-    """
-
-    parameters: FloatArray
-    joints: FloatArray
-    missed: FloatArray
 
 
 Refute = Callable[[Followed, CollisionWorld, bool], ArmRefutation | None]

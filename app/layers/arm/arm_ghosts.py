@@ -6,13 +6,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from abi.arm_planning.branch.followed import Followed
 from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
 from abi.robot.urdf_arm import REACHED
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.arm.ghost_bodies import GhostBodies, places_of
 from app.layers.arm.kinds import kind_of
-from app.layers.arm.other_poses import OtherPoses
 from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
@@ -74,7 +74,7 @@ class ArmGhostsLayer(Layer):
         positions = np.empty((0, 0))
         if arm is not None and ("other_elbow" if name == "now" else "end_poses") in frame.shown:
             positions = (
-                np.array([one.positions[0] for one in _joint_paths(plan)])
+                np.array([one.joints[0] for one in _joint_paths(plan)])
                 if playing
                 else _poses_of(name, frame)
             )
@@ -114,14 +114,14 @@ def _places(plan: Plan) -> FloatArray:
     assert motion is not None
     found = []
     for other in _joint_paths(plan):
-        ends = np.stack([capsule.ends for capsule in arm.placed(other.positions)], axis=1)
+        ends = np.stack([capsule.ends for capsule in arm.placed(other.joints)], axis=1)
         places = places_of(ends)
         places[other.missed > REACHED * arm.reach] = np.nan
         found.append(places)
     return read_only(np.concatenate(found, axis=1)) if found else np.empty((0, 0, 7))
 
 
-def _joint_paths(plan: Plan) -> tuple[OtherPoses, ...]:
+def _joint_paths(plan: Plan) -> tuple[Followed, ...]:
     """Joint paths of the other poses, at the page's samples of the motion."""
     assert plan.arm is not None
     return kind_of(plan.arm).other_joint_paths(plan, plan.arm)

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import viser
 
+from abi.arm_planning.branch.followed import Followed
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
@@ -16,7 +17,6 @@ from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.robot.urdf_arm import UrdfArm
 from app.layers.arm import paper_poses, urdf_poses
 from app.layers.arm.arm_nodes import ArmNodes
-from app.layers.arm.other_poses import OtherPoses
 
 
 class ArmKind(Protocol):
@@ -38,7 +38,7 @@ class ArmKind(Protocol):
     def other_poses(self, plan: Plan, arm: Any, time: float) -> FloatArray:
         """Other poses (k, n) that put the tool where it is at a time [s]."""
 
-    def other_joint_paths(self, plan: Plan, arm: Any) -> tuple[OtherPoses, ...]:
+    def other_joint_paths(self, plan: Plan, arm: Any) -> tuple[Followed, ...]:
         """Joint paths of the other poses, at the page's samples of the motion."""
 
     def region_start(self, plan: Plan, arm: Any) -> object:

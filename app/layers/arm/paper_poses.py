@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.exclusion.paper_arm_regions import reachable, shadow
 from abi.arm_planning.world.collision_world import paper_arm_world
 from abi.arrays import FloatArray
@@ -15,7 +16,6 @@ from abi.scene.arm_settings import Elbow
 from app.drawing.lines import rows_at
 from app.layers.arm import paper_arm
 from app.layers.arm.arm_playback import samples_of
-from app.layers.arm.other_poses import OtherPoses
 
 SLOW_REGIONS = False
 nodes, bodies = paper_arm.PaperArmNodes, paper_arm.bodies
@@ -32,13 +32,13 @@ def other_poses(plan: Plan, arm: PaperArm, time: float) -> FloatArray:
     return _poses(arm, _tool_at(plan, time)[None], plan, other=True)
 
 
-def other_joint_paths(plan: Plan, arm: PaperArm) -> tuple[OtherPoses, ...]:
+def other_joint_paths(plan: Plan, arm: PaperArm) -> tuple[Followed, ...]:
     """Joint path on the other side of the elbow, at the page's samples of the motion."""
     motion = plan.motion
     assert motion is not None
     rows = samples_of(motion)
     positions = _poses(arm, motion.tool[rows], plan, other=True)
-    return (OtherPoses(motion.time[rows], positions, np.zeros(len(rows))),)
+    return (Followed(motion.time[rows], positions, np.zeros(len(rows))),)
 
 
 def region_start(plan: Plan, arm: PaperArm) -> Elbow:

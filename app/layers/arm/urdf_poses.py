@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.exclusion.chain_regions import (
     chain_reach,
     chain_shadow,
@@ -23,7 +24,6 @@ from abi.robot.urdf_arm import REACHED, UrdfArm
 from app.drawing.lines import rows_at
 from app.layers.arm import urdf_arm
 from app.layers.arm.arm_playback import samples_of
-from app.layers.arm.other_poses import OtherPoses
 from app.shared.computed_once import once_a_plan
 
 _OTHERS = 4
@@ -59,14 +59,14 @@ def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
     """Other poses (k, n) that put the tool where it is at a time [s]."""
     found = []
     for other in other_joint_paths(plan, arm):
-        at = int(np.searchsorted(other.time, time).clip(0, len(other.time) - 1))
+        at = int(np.searchsorted(other.parameters, time).clip(0, len(other.missed) - 1))
         if other.missed[max(at - 1, 0) : at + 1].max() <= REACHED * arm.reach:
-            found.append(rows_at(time, other.time, other.positions))
+            found.append(rows_at(time, other.parameters, other.joints))
     return np.array(found).reshape(len(found), len(arm.joints))
 
 
 @once_a_plan
-def other_joint_paths(plan: Plan, arm: UrdfArm) -> tuple[OtherPoses, ...]:
+def other_joint_paths(plan: Plan, arm: UrdfArm) -> tuple[Followed, ...]:
     """Joint paths of the other first poses; without a motion these poses alone."""
     motion = plan.motion
     first = end_pose(plan, arm, "start")
@@ -75,10 +75,10 @@ def other_joint_paths(plan: Plan, arm: UrdfArm) -> tuple[OtherPoses, ...]:
     others = _different(arm, first, poses_at(arm, plan.scene.start))[:_OTHERS]
     if motion is None:
         nothing = read_only(np.zeros(1))
-        return tuple(OtherPoses(nothing, read_only(pose[None]), nothing) for pose in others)
+        return tuple(Followed(nothing, read_only(pose[None]), nothing) for pose in others)
     rows = samples_of(motion)
     joint_paths = [arm.follow(pose, motion.tool[rows]) for pose in others]
-    return tuple(OtherPoses(motion.time[rows], *joint_path) for joint_path in joint_paths)
+    return tuple(Followed(motion.time[rows], *joint_path) for joint_path in joint_paths)
 
 
 def region_start(plan: Plan, arm: UrdfArm) -> object:

@@ -6,7 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from abi.arm_planning.branch.segment_memory import Followed, SegmentMemory
+from abi.arm_planning.branch.followed import Followed
+from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.world.collision_world import CollisionWorld, chain_world
