@@ -8,8 +8,15 @@ from abi.arm_planning.motion.arm_clearance import Contact
 from abi.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
 from abi.robot.bodies.allowed_contacts import Reason
+from abi.robot.paper_arm.paper_arm import PaperArm
 
 _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}
+
+UNPAIRED_SENTENCE = (
+    "Forearm and upper arm of the paper's arm are not compared, as they are drawn into each other "
+    "where it bends far, and at the floor only the tool tip counts of the fingers."
+)
+"""What no plan of the paper's arm proves."""
 
 _REASONS: dict[Reason, str] = {
     "adjacent": "Neighbouring links, with at most one joint between them",
@@ -73,7 +80,9 @@ def contact_sentence(contact: Contact, unit: str) -> str:
 
 
 def allowed_sentences(plan: Plan) -> tuple[str, ...]:
-    """What of the arm may touch what, one sentence for each reason; none for the paper's arm."""
+    """What of the arm may touch what, one sentence for each reason."""
+    if isinstance(plan.arm, PaperArm) and plan.arm_clearance is not None:
+        return (UNPAIRED_SENTENCE,)
     found: dict[Reason, list[str]] = {}
     for link, other, reason in () if plan.arm_clearance is None else plan.arm_clearance.allowed:
         name = f"obstacle {other + 1}" if isinstance(other, int) else link_label(other)

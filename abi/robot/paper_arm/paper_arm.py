@@ -46,6 +46,13 @@ JOINT_SPEED = np.pi
 MOVED = 3
 """Number of joints that the inverse kinematics moves, q1 to q3."""
 
+_UNPAIRED = (
+    ("upper_arm", "forearm", "drawn into each other where the arm bends far"),
+    ("upper_arm", "rod", "drawn into each other where the arm bends far"),
+    ("elbow", "rod", "the rod goes in and out through it"),
+)
+"""Links that no plan compares, and why."""
+
 STROKE = 0.8
 """Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
 
@@ -228,8 +235,13 @@ class PaperArm(ShortRepr):
         return urdf(self)
 
     def files(self) -> dict[str, bytes]:
-        """Its URDF by its path; it names no meshes."""
-        return {"arm.urdf": self.description().encode()}
+        """Its URDF, which names no meshes, and an SRDF with the links that are not compared."""
+        pairs = "".join(
+            f'  <disable_collisions link1="{one}" link2="{other}" reason="{reason}"/>\n'
+            for one, other, reason in _UNPAIRED
+        )
+        srdf = f'<?xml version="1.0"?>\n<robot name="abi">\n{pairs}</robot>\n'
+        return {"arm.urdf": self.description().encode(), "arm.srdf": srdf.encode()}
 
     def proof_data(self) -> dict[str, Any]:
         """What a certificate is about, as plain data: the capsules."""

@@ -18,14 +18,18 @@ from abi.certification.clearance_proof import nearest
 from abi.certification.exact_contact import ContactFinder
 from abi.certification.joint_limits import joint_limits
 from abi.certification.motion import Motion
+from abi.certification.read_motion import load_motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import limit_sentences
 from abi.errors import ArgumentError, MotionError, SceneError
-from abi.scene.scene import Scene
+from abi.export.formats import FORMATS
+from abi.planner.arm_words import UNPAIRED_SENTENCE
+from abi.scene.scene import Scene, load_scene
 from abi.verify.verify import verify
 from tests.abi.robot.robots import LINKED_BIT, arm, joint, link, packed, urdf
+from tests.thorough import of_each_kind
 
 pytestmark = pytest.mark.slow
 JOINTS = (
@@ -375,3 +379,26 @@ def test_degrees_are_suspected_only_where_angles_are_large() -> None:
     small[1, 2] = 40
     with pytest.raises(MotionError, match="would fit in degrees"):
         verdict_of(scene, {"times": [0, 9], "positions": small})
+
+
+@pytest.mark.parametrize(
+    "name", of_each_kind(["two-boxes", "drag-a-box", "arm-in-the-way"], "two-boxes")
+)
+def test_an_exported_plan_of_the_papers_arm_is_clear_but_for_links_that_it_does_not_compare(
+    name: str, tmp_path: Path
+) -> None:
+    scene = load_scene(name)
+    plan = abi.plan(scene)
+    for file, kind in (("m.yaml", "ros"), ("arm.zip", "urdf-zip"), ("arm.urdf", "urdf")):
+        (tmp_path / file).write_bytes(FORMATS[kind].write(plan, file))
+    zipped, alone = (robot_scene(tmp_path / file, scene) for file in ("arm.zip", "arm.urdf"))
+    motion = load_motion(tmp_path / "m.yaml", zipped.arm.robot)
+    assert any(UNPAIRED_SENTENCE in note for note in motion.notes)
+    assert certify_motion(motion, zipped).state == "clear"
+    pairs = zipped.arm.robot.may_touch
+    touching = {
+        frozenset((one.link, one.obstacle)) for one in certify_motion(motion, alone).touches
+    }
+    assert frozenset(("rod", "upper_arm")) in touching
+    assert touching <= pairs
+    assert all(pair & {"elbow", "upper_arm"} for pair in pairs)
