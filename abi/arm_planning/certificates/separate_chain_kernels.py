@@ -44,10 +44,11 @@ from abi.curves.clearance.separation_kernels import (
     table_of,
     whole_motion,
 )
+from abi.obstacles.primitive_kernels import centre_of
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at
 from abi.robot.bodies.capsule_table import BODIES, Bodies
-from abi.robot.bodies.hull_kernels import APART, OVERLAP, between_hulls
+from abi.robot.bodies.hull_kernels import APART, OVERLAP, between_hulls, placed_corner
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, place_chain
 
 WIDER = 1 + 2.0**-36
@@ -170,8 +171,14 @@ def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, flo
     for k in range(count):
         moves += bodies.point_pair_levers[pair * count + k] * ways[k]
     moves *= WIDER
+    apart = away > radii
     radii = bodies.roundings[i] + bodies.roundings[j]
     far = radii + 2 * allowance + moves
+    if apart:  # the hulls, too, but two of their corners are too near for so long a piece
+        p = placed_corner(bodies, poses, i, 3 * bodies.first[i])
+        between = sub(placed_corner(bodies, poses, j, 3 * bodies.first[j]), p)
+        if dot(between, between) <= far * far:
+            return True, UNDECIDED, away - radii, way, moves
     found, away, way = between_hulls(bodies, poses, pair, way, radii, far, False)
     outcome = CERTIFIED if found == APART else REFUTED if found == OVERLAP else UNDECIDED
     return True, outcome, away - radii, way, moves
@@ -206,6 +213,11 @@ def _refined(
     rounding = bodies.roundings[c]
     need = rounding + around.margins[s]
     least, most = need - allowance, need + allowance + moves * WIDER
+    if found[0] != REFUTED and s < len(around.margins) - 1:
+        corner = placed_corner(bodies, poses, c, 3 * bodies.first[c])
+        between = sub(corner, centre_of(around.primitives, s))
+        if dot(between, between) <= most * most:  # too near for so long a piece
+            return False, found
     outcome, gap, way = hull_and_row(bodies, poses, c, around, s, found[2], least, most, False)
     return True, (outcome, gap - rounding, way)
 
@@ -226,17 +238,40 @@ def _go_to(problem: _AlongKnots, piece: Piece, at: float) -> _NearPose:
     return bodies, pose
 
 
+@jitable(forceinline=True)
+def _balls_apart(balls: FloatArray, bodies: Bodies, pair: int, allowance: float) -> bool:
+    """Check whether balls around all that two capsules pass through are apart.
+
+    Args:
+        balls: middle and radius of that of each capsule, flat (4 c,), [unit], world.
+        bodies: the bodies.
+        pair: number of the pair.
+        allowance: for rounding, [unit].
+    """
+    i, j = 4 * bodies.pairs[2 * pair], 4 * bodies.pairs[2 * pair + 1]
+    way = sub(vec3_at(balls, j), vec3_at(balls, i))
+    far = balls[i + 3] + balls[j + 3] + 4 * allowance
+    apart: bool = dot(way, way) > far * far
+    return apart
+
+
 @jitable
 def _add_pairs(problem: _AlongKnots, near: _NearPose, pairs: list[int]) -> None:
-    """Add all pairs; unless planes are wanted not those that boxes keep clear near a pose."""
+    """Add all pairs; unless planes are wanted not those that boxes or balls keep clear."""
     _, bodies, _, around, certify, _, _ = problem
     count, allowance = len(around.margins), ALLOWANCE * around.size
+    balls = np.empty(4 * len(bodies.frames))
     for c in range(len(bodies.frames)):
         capsule = _capsule_of(near, c)
         far = math.inf if certify else capsule.radius + capsule.way + allowance
         add_pairs_within(around, c, (capsule.first, capsule.last), far, pairs)
+        half = sub(capsule.last, capsule.first)
+        for r in range(3):
+            balls[4 * c + r] = 0.5 * (capsule.first[r] + capsule.last[r])
+        balls[4 * c + 3] = 0.5 * math.sqrt(dot(half, half)) + capsule.radius + capsule.way
     for own in range(len(bodies.pairs) // 2):
-        pairs.append(len(bodies.frames) * count + own)
+        if certify or not _balls_apart(balls, bodies, own, allowance):
+            pairs.append(len(bodies.frames) * count + own)
 
 
 @jitable(forceinline=True)

@@ -209,7 +209,7 @@ def _poses(arm: UrdfArm, motion: ArmMotion) -> Poses:
 def _own_contacts(arm: UrdfArm, motion: ArmMotion, floor: float) -> tuple[Contact, ...]:
     """Contacts of an arm in a motion with itself and the floor."""
     poses = _poses(arm, motion)
-    own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses))
+    own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses, 0.0))
     below = _against(FLOOR, floor_distances(arm, floor, poses))
     return (
         *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
@@ -328,7 +328,7 @@ def _gaps(
     of_capsules = obstacle_distances(arm, obstacles, poses.ends, enough, collision_world.allowed)
     distances = (
         hull_distances_to(arm, poses, collision_world, of_capsules, enough)[0],
-        own_distances(arm, poses),
+        own_distances(arm, poses, enough, positions.shape[1]),
         floor_distances(arm, collision_world.floor, poses),
     )
     least = np.min([one.min(axis=1, initial=np.inf) for one in distances], axis=0)

@@ -259,23 +259,35 @@ def link_distances(
     held(own)
 
 
-@compiled(example=(FLOATS, FLOATS, IDS, NEW_FLOATS))
+@compiled(example=(FLOATS, FLOATS, IDS, 1.0, NEW_FLOATS))
 def pair_distances(
-    ends: FloatArray, radii: FloatArray, pairs: IntArray, distances: FloatArray
+    ends: FloatArray, radii: FloatArray, pairs: IntArray, enough: float, distances: FloatArray
 ) -> None:
     """Signed distance between the capsules of each pair.
+
+    A pair that was far apart is not measured again before its own ways may have brought it near.
 
     Args:
         ends: of each pose both ends of the capsules, flat (6 n c,), [unit].
         radii: of the capsules (c,), [unit].
         pairs: numbers of the capsules, flat (2 p,).
+        enough: distances above it may be inf, [unit].
         distances: (n p,), [unit]; written.
     """
     count, moving = len(pairs) // 2, len(radii)
+    least_yet, moved = np.full(count, -math.inf), np.zeros(moving)
     for i in range(len(distances)):
-        k = 2 * (i % count)
-        first, second = pairs[k], pairs[k + 1]
-        row, other = 6 * (i // count * moving + first), 6 * (i // count * moving + second)
+        pair, pose = i % count, i // count * moving
+        if pair == 0 and pose > 0:
+            for c in range(moving):
+                moved[c] = way(ends, pose + c, pose + c - moving)
+        first, second = pairs[2 * pair], pairs[2 * pair + 1]
+        least_yet[pair] -= moved[first] + moved[second]
+        if least_yet[pair] > enough:
+            distances[i] = math.inf
+            continue
+        row, other = 6 * (pose + first), 6 * (pose + second)
         p, q = vec3_at(ends, row), vec3_at(ends, other)
         d, e = sub(vec3_at(ends, row + 3), p), sub(vec3_at(ends, other + 3), q)
         distances[i] = norm(between_segments(p, d, q, e)) - radii[first] - radii[second]
+        least_yet[pair] = distances[i]

@@ -95,6 +95,8 @@ def inside_meshes(
         pose: joint positions, (n,).
         allowed: what is not asked about.
     """
+    if not obstacles.meshes:
+        return False
     may = {(one.link, one.other) for one in allowed}
     corners = arm.first_corners(pose)
     return any(
@@ -167,17 +169,22 @@ def hull_distances_to(
     return distance, number
 
 
-def own_distances(arm: UrdfArm, poses: Poses) -> FloatArray:
+def own_distances(
+    arm: UrdfArm, poses: Poses, enough: float = math.inf, together: int = 0
+) -> FloatArray:
     """Signed distances between the bodies of ``arm.pairs``, (k, p), [unit].
 
     They are those of the capsules, and where these overlap but the hulls do not, of the hulls.
+    What is above ``enough``, [unit], may be any distance above it. Of so many successive poses as
+    are taken ``together`` only the least distance is right.
     """
     distance = np.empty((len(poses.ends), len(arm.pairs)))
-    pair_distances(flat(poses.ends), arm.radii, arm.bodies.pairs, distance.reshape(-1))
+    pairs = arm.bodies.pairs
+    pair_distances(flat(poses.ends), arm.radii, pairs, enough, distance.reshape(-1))
     asked = np.argwhere(distance <= 0).astype(np.int32)
     if len(asked):
         found = np.empty(len(asked))
-        hull_distances(arm.bodies, poses.packed, asked.reshape(-1), math.inf, found)
+        hull_distances(arm.bodies, poses.packed, asked.reshape(-1), enough, together, found)
         row, column = asked[found > 0].T
         distance[row, column] = found[found > 0]
     return distance

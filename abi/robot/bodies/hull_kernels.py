@@ -13,6 +13,8 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 
+import numpy as np
+
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, compiled
@@ -63,8 +65,14 @@ def lowest_point(bodies: Bodies, poses: FloatArray, c: int, way: Vec3) -> Vec3:
         height = x * points[k] + y * points[k + 1] + z * points[k + 2]
         if height < lowest:
             best, lowest = k, height
-    p, scale = vec3_at(points, best), bodies.scale
-    if frame < 0:
+    return placed_corner(bodies, poses, c, best)
+
+
+@jitable
+def placed_corner(bodies: Bodies, poses: FloatArray, c: int, corner: int) -> Vec3:
+    """A corner of the hull of body c, [unit], world; three times its number is ``corner``."""
+    at, p, scale = POSE * bodies.frames[c], vec3_at(bodies.points, corner), bodies.scale
+    if at < 0:
         return scale * p[0], scale * p[1], scale * p[2]
     return (
         scale * (poses[at] * p[0] + poses[at + 1] * p[1] + poses[at + 2] * p[2] + poses[at + 9]),
@@ -229,26 +237,41 @@ def between_hulls(
     return separation(_between_hulls, (bodies, poses, i, j), way, near, far, exact)
 
 
-@compiled(example=(BODIES, FLOATS, IDS, 0.0, NEW_FLOATS))
+@compiled(example=(BODIES, FLOATS, IDS, 0.0, 1, NEW_FLOATS))
 def hull_distances(
-    bodies: Bodies, poses: FloatArray, asked: IntArray, enough: float, distances: FloatArray
+    bodies: Bodies,
+    poses: FloatArray,
+    asked: IntArray,
+    enough: float,
+    together: int,
+    distances: FloatArray,
 ) -> None:
     """Distances between bodies of pairs that are to keep apart, 0 where they overlap.
 
     Args:
         bodies: the bodies.
         poses: of the joints at each of n poses, flat (12 (m + 1) n,).
-        asked: number of a pose and of a pair, flat (2 k,).
+        asked: number of a pose and of a pair, flat (2 k,), those of a pose together.
         enough: distances above it may be any from there on, [unit].
+        together: number of successive poses of which only the least distance counts, 0 if all do.
         distances: (k,), [unit]; written.
     """
     size = POSE * (bodies.moving + 1)
+    ways = np.zeros(3 * (len(bodies.pairs) // 2))
+    ways[2::3] = 1.0
+    least, group = enough, -1
     for k in range(len(distances)):
+        if together > 0 and asked[2 * k] // together != group:
+            least, group = enough, asked[2 * k] // together
         at, pair = asked[2 * k] * size, asked[2 * k + 1]
+        last = vec3_at(ways, 3 * pair)  # what separated the pair may do so at the next pose, too
         own = (
             bodies.roundings[bodies.pairs[2 * pair]] + bodies.roundings[bodies.pairs[2 * pair + 1]]
         )
-        _, away, _ = between_hulls(
-            bodies, poses[at : at + size], pair, (0.0, 0.0, 1.0), 0.0, own + enough, True
+        _, away, way = between_hulls(
+            bodies, poses[at : at + size], pair, last, 0.0, own + least, True
         )
+        ways[3 * pair], ways[3 * pair + 1], ways[3 * pair + 2] = way
         distances[k] = max(away - own, 0.0)
+        if together > 0:
+            least = min(least, distances[k])

@@ -64,5 +64,5 @@ class SampledBodies(NamedTuple):
         )
         asked = np.stack([poses, numbers], axis=1).astype(np.int32)
         distances = np.empty(len(asked))
-        hull_distances(bodies, packed, asked.reshape(-1), 0.0, distances)
+        hull_distances(bodies, packed, asked.reshape(-1), 0.0, 0, distances)
         return distances

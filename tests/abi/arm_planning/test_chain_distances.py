@@ -114,6 +114,24 @@ def test_links_are_as_far_from_each_other_as_their_segments(name: str, seed: int
             assert found[pose, pair] <= 0
 
 
+@settings(max_examples=10, deadline=None)
+@given(st.sampled_from(list(SHIPPED)), seeds)
+def test_distances_of_links_that_are_far_apart_may_be_passed_over(name: str, seed: int) -> None:
+    one, random = some_arm(name), np.random.default_rng(seed)
+    low, high = one.limits.T
+    ends, share = random.uniform(low, high, (2, len(low))), np.linspace(0, 1, 40)[:, None]
+    poses = Poses.of(one, ends[0] + share * (ends[1] - ends[0]))
+    found, enough = own_distances(one, poses), 0.05 * one.reach
+    near, shortly = own_distances(one, poses, enough), own_distances(one, poses, enough, 20)
+    counts = found <= enough
+    assert near[counts] == pytest.approx(found[counts], abs=1e-9 / one.metres)
+    assert (near[~counts] > enough).all()
+    least, told = (each.reshape(2, -1).min(axis=1) for each in (found, shortly))
+    assert np.minimum(told, enough) == pytest.approx(
+        np.minimum(least, enough), abs=1e-9 / one.metres
+    )
+
+
 def corners(one: UrdfArm, pose: FloatArray, body: int) -> FloatArray:
     """Corners (k, 3) of a body's hull, world."""
     frames, capsule = one.chain.poses(pose[None] / one.scales)[0], one.capsules[body]
