@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from abi import arguments
 from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, IntArray
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.robot.bodies.chain_capsules import meeting
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
 from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, depth, distance, touch
 from abi.robot.urdf_arm import UrdfArm
@@ -44,20 +47,60 @@ def link_contact(
     if not _is_decided(arm, *(name for name in pair if isinstance(name, str) and name != "floor")):
         return None
     compile_kernels()
+    if isinstance(other, str) and other != "floor":
+        return _own_contact(arm, link, other, pose[_between(arm, link, other)].tobytes())
     placed, solids = _placed(arm, link, pose), _solids(arm, link)
-    if other == "floor":
+    if isinstance(other, str):
         heights = (solids.corners @ placed.turn.T + placed.origin)[:, 2]
         height = float(heights.min(initial=np.inf)) - around.floor
         return LinkContact(height <= 0, max(-height, 0.0), height, 0.0)
-    if isinstance(other, int):
-        beside, base = LinkSolids((obstacles[other],)), _WORLD
-    else:
-        clearance = 0.0
-        beside, base = _solids(arm, other), _placed(arm, other, pose)
-    both = beside, solids, _from(base, placed)
+    return _contact(LinkSolids((obstacles[other],)), solids, placed, clearance)
+
+
+def _contact(
+    beside: LinkSolids, solids: LinkSolids, placed: SolidPose, clearance: float
+) -> LinkContact:
+    """Contact of a link with another body, in whose frame it is placed."""
+    both = beside, solids, placed
     if touch(*both):
         return LinkContact(True, depth(*both), 0.0, clearance)
     return LinkContact(False, 0.0, distance(*both), clearance)
+
+
+@lru_cache(maxsize=256)
+def _own_contact(arm: UrdfArm, link: str, other: str, between: bytes) -> LinkContact:
+    """Contact of two links, by the positions of the joints between them; cached."""
+    beside = _beside(arm, link, other, between)
+    return _contact(_solids(arm, other), _solids(arm, link), beside, 0.0)
+
+
+@lru_cache(maxsize=1024)
+def _own_touch(arm: UrdfArm, link: str, other: str, between: bytes) -> bool:
+    """Whether two links touch, by the positions of the joints between them; cached."""
+    beside = _beside(arm, link, other, between)
+    return touch(_solids(arm, other), _solids(arm, link), beside)
+
+
+def _between(arm: UrdfArm, link: str, other: str) -> IntArray:
+    """Numbers of the coordinates that move one link beside another."""
+    chain = arm.chain
+    frames = [
+        next(one.frame for one in chain.carried if one.link == name) for name in (link, other)
+    ]
+    common, found = meeting(chain, *frames), set[int]()
+    for frame in frames:
+        for joint in chain.behind(frame):
+            if joint == common:
+                break
+            found.add(int(chain.table.source[joint]))
+    return np.array(sorted(found), dtype=np.int32)
+
+
+def _beside(arm: UrdfArm, link: str, other: str, between: bytes) -> SolidPose:
+    """Pose of a link in the frame of another, by the positions of the joints between them."""
+    pose = arm.limits.mean(axis=1)
+    pose[_between(arm, link, other)] = np.frombuffer(between)
+    return _from(_placed(arm, other, pose), _placed(arm, link, pose))
 
 
 def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
@@ -73,8 +116,7 @@ def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
     if not _is_decided(arm, link, other):
         return False
     compile_kernels()
-    placed, base = _placed(arm, link, pose), _placed(arm, other, pose)
-    return not touch(_solids(arm, other), _solids(arm, link), _from(base, placed))
+    return not _own_touch(arm, link, other, pose[_between(arm, link, other)].tobytes())
 
 
 def _is_decided(arm: UrdfArm, *names: str) -> bool:

@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 from abi.arm_planning.world.collision_world import chain_world
-from abi.arm_planning.world.link_contact import link_contact
+from abi.arm_planning.world.link_contact import are_apart, link_contact
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Sphere
@@ -65,3 +65,21 @@ def test_a_link_touches_a_ball_where_a_point_of_it_is_in_the_ball() -> None:
                 seen.add(False)
                 assert found.distance >= gap - slack
     assert seen == {True, False}
+
+
+@pytest.mark.slow
+def test_two_links_are_as_far_apart_as_their_points_whatever_other_joints_do() -> None:
+    arm, random = some_arm("ur5e"), np.random.default_rng(1)
+    around, apart = chain_world(arm, ObstacleSet(), -1e3), 0
+    low, high = arm.chain.usual_range().T
+    for pose in random.uniform(low, high, (2, len(low))) * arm.scales:
+        pair = "forearm_link", "wrist_3_link"
+        found = link_contact(arm, ObstacleSet(), around, pose, pair, 0.0)
+        assert found is not None
+        assert found.touches != are_apart(arm, pose, *pair)
+        surface, points = (surface_points(arm, link, pose) for link in pair)
+        gap = float(scipy.spatial.cKDTree(surface).query(points)[0].min())
+        if not found.touches:
+            apart += 1
+            assert abs(found.distance - gap) < 2 * _SPACING / arm.metres
+    assert apart
