@@ -90,17 +90,18 @@ class UrdfArmModel:
     def branches(self, problem: BranchProblem, only: str = "") -> tuple[ChainBranch, ...]:
         """One branch for each of a few start poses, clear ones if there are any."""
         self._remember(problem)
-        poses = self._poses_at(problem.scene.start)[:TRIED]
-        pairs = [PosePair(number, None) for number in range(len(poses))]
+        poses = self._poses_at(problem.scene.start)
         if only:  # whether others are clear is not asked
-            kept = (pair for pair in pairs if _name_of(pair) == only)
+            known = {PosePair(number, None) for number in range(TRIED)} | {*self._configurations}
+            kept = (pair for pair in known if _name_of(pair) == only and pair.first < len(poses))
             return tuple(
                 self._branch(pair, problem)
                 for pair in kept
                 if self._is_clear(problem, poses[pair.first])
             )
-        clear = self._clear(poses, problem)
-        return tuple(self._branch(pairs[number], problem) for number in _first_ones(clear))
+        clear = self._clear(poses[:TRIED], problem)
+        pairs = [PosePair(number, None) for number in _first_ones(clear)]
+        return tuple(self._branch(pair, problem) for pair in pairs)
 
     def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ChainBranch], str]:
         """One branch for each of a few clear pairs of a start pose and a pose at the goal.

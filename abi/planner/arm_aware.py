@@ -14,13 +14,12 @@ from typing import NamedTuple
 
 from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import ArmBranch, BranchProblem
-from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.planner.branch import BranchRun
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem
 from abi.planner.stage_results import ShortestPath
-from abi.planner.whole_arm_branch import WholeArmBranch
+from abi.planner.whole_arm_branch import BranchMemory, WholeArmBranch
 
 _NO_PATH = ("start", "goal", "path")
 """Faults that there are before a path is found."""
@@ -53,8 +52,8 @@ class ArmAware:
     """
 
     def __init__(self) -> None:
-        self._exclude: dict[str, ArmExclusionCache] = {}
-        self.kept = ""
+        self._memories: dict[str, BranchMemory] = {}
+        self.kept, self._memory = "", ""
 
     def __call__(
         self, problem: PlanningProblem, collision_world: CollisionWorld, tool: Plan
@@ -62,7 +61,7 @@ class ArmAware:
         """The plan on a branch on which the whole arm is proven clear.
 
         Args:
-            problem: what to plan; in haste the branch of the last plan will do if it has a motion.
+            problem: what to plan; in haste the kept branch will do if it has a motion.
             collision_world: everything around the arm.
             tool: the plan for the tool alone, up to the curves.
 
@@ -76,7 +75,7 @@ class ArmAware:
         )
         on = partial(self._branch, problem, collision_world, tool)
         if problem.hasty and self.kept:
-            kept = [on(one, one.name) for one in problem.model.branches(asked, self.kept)]
+            kept = [on(one, self._memory) for one in problem.model.branches(asked, self.kept)]
             if (found := _shortest_motion(kept, tool)[0]) is not None:
                 return found.run.plan
         arm_branches = problem.model.branches(asked)
@@ -84,7 +83,7 @@ class ArmAware:
         found, faults = _shortest_motion(every, tool)
         self.kept = ""
         if found is not None and not problem.model.arm.has_elbow:
-            self.kept = arm_branches[found.number].name
+            self.kept = self._memory = arm_branches[found.number].name
         if found is None and all(fault.where in _NO_PATH for fault in faults.values()):
             # near the base axis, and along an obstacle, a proof may take more
             shut = [one for one in arm_branches if faults[one.name].where == "path"]
@@ -97,7 +96,9 @@ class ArmAware:
         branches = (on(one, f"other {number}") for number, one in enumerate(others))
         of_name = {one.arm_branch.name: one for one in every}
         why = [(of_name[name], fault) for name, fault in faults.items()]
-        return _first_motion(branches, tool, why, note)
+        name, number, plan = _first_motion(branches, tool, why, note)
+        self.kept, self._memory = name, f"other {number}"
+        return plan
 
     def _branch(
         self,
@@ -107,10 +108,10 @@ class ArmAware:
         arm_branch: ArmBranch,
         memory: str,
     ) -> WholeArmBranch:
-        """An arm's branch; what it excludes is kept in a ``memory`` of that name."""
+        """An arm's branch, with the memory of that name."""
         assert tool.free is not None
-        exclude = self._exclude.setdefault(memory, ArmExclusionCache())
-        return WholeArmBranch(problem, collision_world, tool.free, tool.taut, arm_branch, exclude)
+        kept = self._memories.setdefault(memory, BranchMemory())
+        return WholeArmBranch(problem, collision_world, tool.free, tool.taut, arm_branch, kept)
 
 
 _Fault = tuple[WholeArmBranch, ArmNotClear]
@@ -165,7 +166,7 @@ def _first_motion(
     tool: Plan,
     faults: Sequence[_Fault],
     note: str,
-) -> Plan:
+) -> tuple[str, int, Plan]:
     """The plan on the first of the further branches that leads to a motion.
 
     Args:
@@ -174,18 +175,21 @@ def _first_motion(
         faults: why those tried before lead to none.
         note: sentence on why there are no further ones.
 
+    Returns:
+        Name and number of that branch, and the plan.
+
     Raises:
         ArmNotClear: there is none.
     """
     found: list[_Fault] = []
-    for branch in branches:
+    for number, branch in enumerate(branches):
         run = BranchRun(branch, tool.for_arm())
         try:
             run.move_arm(run.fit_curves(run.find_path()))
         except ArmNotClear as fault:
             found.append((branch, fault))
         else:
-            return run.plan
+            return branch.arm_branch.name, number, run.plan
     first, others = ([fault for _, fault in some] for some in (faults, found))
     error = ArmNotClear.of_all(first, others, note)
     error.explain = partial(_explained, faults, found, note)

@@ -76,6 +76,7 @@ class Planner:
         self._turn = threading.Lock()
         self._stages = ToolStages(searches)
         self._arm_aware, self._arm_aware_ms, self._arm_aware_interpreted = ArmAware(), 0.0, False
+        self._in_joints = False  # whether the mesh led to no motion last, and the joints did
 
     def skip_first(self) -> None:
         """Take the first plan, which does not wait for kernels to be loaded, for made elsewhere."""
@@ -83,8 +84,8 @@ class Planner:
 
     @property
     def keeps_branch(self) -> bool:
-        """Whether a hasty plan would try the last branch of a URDF arm alone."""
-        return bool(self._arm_aware.kept)
+        """Whether a hasty plan would try first, or alone, where a URDF arm moved in the last."""
+        return self._in_joints or bool(self._arm_aware.kept)
 
     def __call__(self, scene: Scene, chosen_only: bool = False, hasty: bool = False) -> Plan:
         """Plan a scene.
@@ -94,9 +95,9 @@ class Planner:
             chosen_only: whether to run only the search that ``scene.search.algorithm`` names, which
                 is faster.
             hasty: whether somebody waits for one of many plans: a URDF arm is then tried from the
-                start pose of the last plan alone, as long as there is a motion from that one; its
-                path may be a little longer than need be, and a quadratic that it does not follow is
-                that of least squares.
+                start pose of the last plan alone, or in the space of its joints if that had none,
+                as long as there is a motion there; its path may be a little longer than need be,
+                and a quadratic that it does not follow is that of least squares.
 
         Returns:
             The plan. If the scene has none, its ``error`` says why, and nothing is raised.
@@ -165,16 +166,23 @@ class Planner:
         refuted = tool.is_refuted(curve)
         if not refuted and run.move_arm(curve).is_clear:
             return run.plan
+        in_joints: NoJointMotion | None = None
+        if tool.problem.hasty and self._in_joints and may_search_joints(scene.arm):
+            with suppress(NoJointMotion):
+                return self._through_joints(tool, run.plan)
+        self._in_joints = False
         try:
             return self._avoid(tool, run.plan)
         except ArmNotClear as fault:
             on_mesh = fault
-        in_joints: NoJointMotion | None = None
         if may_search_joints(scene.arm):
             try:
-                return self._through_joints(tool, run.plan)
+                found = self._through_joints(tool, run.plan)
             except NoJointMotion as fault:
                 in_joints = fault
+            else:
+                self._in_joints = True
+                return found
         # what is shown and told where there is no motion at all takes a while
         moved = run.move_arm(curve)
         if on_mesh.explain is not None:

@@ -11,7 +11,7 @@ import numpy as np
 from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
-from abi.arm_planning.branch.arm_path import fit_clear, pull_clear, search_clear
+from abi.arm_planning.branch.arm_path import REFINEMENTS, fit_clear, pull_clear, search_clear
 from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.exclusion.arm_path_kernels import ROUNDS
 from abi.arm_planning.motion.arm_clearance import named
@@ -35,12 +35,24 @@ from abi.tet_mesh.exclusion import FreeMesh
 
 _SLACKS = (1.0, 4.0, 16.0)
 """Multiples of the slack with which a path is pulled taut, until there is a curve near it."""
-_HASTY_ROUNDS = 1
-"""Rounds in which it is, at most, in haste."""
+_HASTY_ROUNDS, _HASTY_REFINEMENTS = 1, 8
+"""Rounds in which it is, and refinements of a curve, at most, in haste."""
 
 
 _profile = lru_cache(maxsize=4)(motion_law)
 """While an obstacle is dragged that is not in the way the joints go along the same path."""
+
+
+class BranchMemory:
+    """What is kept of an arm's branch from one plan to the next.
+
+    Attributes:
+        exclude: what the arm excludes from the mesh.
+        slack: number of the multiple of the slack with which the last curve was found.
+    """
+
+    def __init__(self) -> None:
+        self.exclude, self.slack = ArmExclusionCache(), 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +65,7 @@ class WholeArmBranch:
         of_tool: the mesh that the tool may use.
         taut_of_tool: the path of the tool alone pulled taut; None if the scene does not ask for it.
         arm_branch: what the arm allows on this branch.
-        exclude: memory of what the arm excludes from the mesh.
+        memory: what is kept from one plan to the next.
     """
 
     problem: PlanningProblem
@@ -61,7 +73,7 @@ class WholeArmBranch:
     of_tool: FreeMesh
     taut_of_tool: TautPath | None
     arm_branch: ArmBranch
-    exclude: ArmExclusionCache
+    memory: BranchMemory
 
     def free_mesh(self) -> FreeMesh:
         """Stage 1: the tool's mesh without the nodes at which the arm is not clear.
@@ -74,7 +86,7 @@ class WholeArmBranch:
             fault = self.arm_branch.polyline_refutation(np.array([point]))
             if fault is not None:
                 raise self._not_clear_at(which, np.array(point), fault)
-        return self.exclude(self.of_tool, self.arm_branch, self.problem.obstacles)
+        return self.memory.exclude(self.of_tool, self.arm_branch, self.problem.obstacles)
 
     def graph(self, free: FreeMesh) -> Graph:
         """Stage 2: start and goal joined to the mesh."""
@@ -119,25 +131,34 @@ class WholeArmBranch:
         """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it.
 
         Where no curve near the taut path is proven clear, it is pulled with more room to round its
-        corners, which makes it a little longer.
+        corners, which makes it a little longer; in haste as much room as last time comes first.
 
         Raises:
             ArmNotClear: there is no curve.
         """
-        obstacles, wanted = self.problem.obstacles, self.problem.scene.spline
-        for times in _SLACKS if self.taut_of_tool is not None else _SLACKS[:1]:
+        obstacles, wanted, hasty = (
+            self.problem.obstacles,
+            self.problem.scene.spline,
+            self.problem.hasty,
+        )
+        slacks = list(range(len(_SLACKS) if self.taut_of_tool is not None else 1))
+        if hasty and self.memory.slack in slacks:
+            slacks = slacks[self.memory.slack :] + slacks[: self.memory.slack]
+        for slack in slacks:
             points, away, taut = shortest.path.points, shortest.clearance, None
             if self.taut_of_tool is not None:
-                looser = self.arm_branch.scaled(slack=times)
+                looser = self.arm_branch.scaled(slack=_SLACKS[slack])
                 taut = pull_clear(
                     *(self.taut_of_tool, obstacles, self.problem.margin, shortest.path, looser),
-                    rounds=_HASTY_ROUNDS if self.problem.hasty else ROUNDS,
+                    rounds=_HASTY_ROUNDS if hasty else ROUNDS,
                 )
                 points, away = taut.points, taut.clearance
             fit = fit_clear(
-                points, wanted.degree, obstacles, wanted.clearance, away, self.arm_branch
+                *(points, wanted.degree, obstacles, wanted.clearance, away, self.arm_branch),
+                refinements=_HASTY_REFINEMENTS if hasty else REFINEMENTS,
             )
             if fit is not None:
+                self.memory.slack = slack
                 return taut, fit
         raise self._not_clear("curve")
 

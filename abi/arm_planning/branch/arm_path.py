@@ -22,7 +22,8 @@ from abi.search.taut.tighten_near_meshes import clear_of
 from abi.search.without_edges import without_edges
 
 _MOST_REPAIRS = 60
-_REFINEMENTS = 30
+REFINEMENTS = 30
+"""Times that a curve is refined, at most, unless it is said how often."""
 _ROUNDING = 1e-9  # [unit]
 
 
@@ -103,6 +104,7 @@ def fit_clear(
     clearance: float,
     path_clearance: float,
     branch: ArmBranch,
+    refinements: int = REFINEMENTS,
 ) -> Fit[BSpline] | None:
     """Fit a B-spline that is clear for tool and arm to a path; None if none was found.
 
@@ -116,6 +118,7 @@ def fit_clear(
         clearance: distance to keep from them, [unit].
         path_clearance: the path's own, [unit].
         branch: the arm.
+        refinements: how often they are halved, at most.
     """
     fitted = fit_bspline(points, degree, obstacles, clearance, True, path_clearance)
     spline, fault = fitted.curve, None
@@ -128,7 +131,7 @@ def fit_clear(
         control, added = place_control_points(points, degree, obstacles, clearance)
         spline = clamped(control, degree, added)
         fault = branch.refutation(spline)
-    for _ in range(_REFINEMENTS):
+    for _ in range(refinements):
         if fault is None:
             fitted = proven_fit(spline, spline.extent, obstacles, clearance)
             if fitted.holds:

@@ -129,14 +129,30 @@ _WALLS: list[tuple[list[float], list[float], list[list[float]]]] = [
 
 
 @pytest.mark.slow
-def test_where_the_mesh_has_no_motion_one_is_found_in_the_space_of_the_joints() -> None:
-    fallen_back = 0
+def test_where_the_mesh_has_no_motion_one_is_found_in_the_space_of_the_joints(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fallen_back, asked = 0, list[bool]()
+    avoid = Planner._avoid
+
+    def noted(*args: Any) -> Plan:
+        asked.append(True)
+        return avoid(*args)
+
+    monkeypatch.setattr(Planner, "_avoid", noted)
     for start, goal, boxes in _WALLS:
         obstacles = [{"shape": "box", "size": row[:3], "position": row[3:]} for row in boxes]
         scene = kitchen().replace(start=start, goal=goal, obstacles=obstacles)
         on_mesh = plan(scene.replace(arm={"search": "mesh"}))
-        found = plan(scene)
+        planner = Planner()
+        found = planner(scene)
         assert found.is_arm_clear
+        if found.joint_search is not None:  # in haste it is sought there at once
+            asked.clear()
+            lower = {**obstacles[0], "position": (*boxes[0][3:5], boxes[0][5] - 1e-4)}
+            dragged = scene.replace(obstacles=[lower, *obstacles[1:]])
+            assert planner(dragged, chosen_only=True, hasty=True).is_arm_clear
+            assert not asked
         assert (found.joint_search is None) == (on_mesh.error is None)
         fallen_back += found.joint_search is not None
     assert fallen_back

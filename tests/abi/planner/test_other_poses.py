@@ -73,7 +73,8 @@ def test_a_motion_that_the_first_poses_do_not_lead_to_is_found_and_proven(
     name: str, axis: Any, ends: Ends, obstacles: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = scene_of(name, axis, ends, obstacles)
-    made, again = Planner()(scene), Planner()(scene)
+    planner = Planner()
+    made, again = planner(scene), Planner()(scene)
     motion, one, clearance = made.motion, made.arm, made.arm_clearance
     assert made.error is None
     assert isinstance(one, UrdfArm)
@@ -98,6 +99,12 @@ def test_a_motion_that_the_first_poses_do_not_lead_to_is_found_and_proven(
     monkeypatch.setattr(UrdfArmModel, "other_branches", no_others)
     before = Planner()(scene).error
     assert isinstance(before, ArmNotClear)
+
+    # in haste no others are looked for while the last one leads to a motion
+    x, y, z = obstacles[0]["position"]
+    dragged = scene.replace(obstacles=[{**obstacles[0], "position": (x, y, z + 1e-4)}])
+    hasty = planner(dragged, chosen_only=True, hasty=True)
+    assert hasty.is_arm_clear, hasty.error
 
 
 @pytest.mark.slow
