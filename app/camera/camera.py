@@ -100,6 +100,7 @@ class Viewpoint:
         self._told: float | None = None  # shape of the picture in which the text above has counted
         self._window = Window(camera.fov, _ASPECT)
         self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
+        self._fitted: tuple[object, ...] = ()  # what the camera was put in its place for
         self._shown = False
         self.show(scene)
 
@@ -108,6 +109,15 @@ class Viewpoint:
         self._scene, self._direction, self._shown = scene, USUAL, True
         self._extent, self._headline = None, _HEADLINE
         self._place()
+
+    def take(self, view: View) -> None:
+        """Look from a given place, as if the user had moved the camera there.
+
+        What the page tells of our places before may come later, and moves it no more.
+        """
+        if self._away(list(self._places), np.array(view.position)):
+            self._places.clear()
+        view.show(self._camera)
 
     def face(self, plan: Plan) -> None:
         """Turn around the scene to the side that shows most of a plan with a B-spline.
@@ -167,12 +177,13 @@ class Viewpoint:
             self.show(scene)
         self._scene = scene
         if view is not None and view != View.of_camera(self._camera):
-            view.show(self._camera)
+            self.take(view)
 
     def fit(self, area: PageArea | None, arrives: bool = False) -> None:
         """Adapt to the picture's shape and to what covers it, unless the user moved the camera.
 
-        In a picture of another shape, for which the camera moves anyway, the text above counts.
+        In a picture of another shape, for which the camera moves anyway, the text above counts. A
+        camera that the page tells to be in an earlier place of ours is sent to the last one again.
 
         Args:
             area: of the page; None while that is not known.
@@ -188,12 +199,15 @@ class Viewpoint:
         if area is not None and (arrives or (reshaped and _same(area.aspect, window.aspect))):
             least = _HEADLINE if reshaped else headline
             headline, self._told = max(least, min(area.above, _MOST_COVERED)), window.aspect
-        if (factor, window, headline) == (self._distance_factor, self._window, self._headline):
-            return
-        moved, self._distance_factor, self._window = self._is_moved(), factor, window
-        self._headline = headline
-        if not moved:
+        self._distance_factor, self._window, self._headline = factor, window, headline
+        position = self._camera.position
+        due = self._fitted != self._fit_for() or self._away(list(self._places)[-1:], position)
+        if due and not self._is_moved():
             self._place()
+
+    def _fit_for(self) -> tuple[object, ...]:
+        """What decides the camera's place, beside scene and direction."""
+        return self._distance_factor, self._window, self._headline
 
     def _free(self, area: PageArea | None) -> Window:
         """Uncovered part of the picture; while its shape stays, temporary text counts as covering.
@@ -215,8 +229,8 @@ class Viewpoint:
     def _place(self) -> None:
         """Move the camera to its place, unless the user moved it."""
         if self._points is None:
-            look_at(self._camera, self._scene, self._distance_factor, self._direction)
-            position, target, _ = _view(self._scene, self._distance_factor, self._direction)
+            position, target, size = _view(self._scene, self._distance_factor, self._direction)
+            self._camera.near, self._camera.far = _depths(size)
             position, target = lift(_outline(self._scene), position, target, self._window)
             window = replace(self._window, above=max(self._window.above, self._headline))
             if self._extent is not None and not holds(self._extent, position, target, window):
@@ -226,17 +240,25 @@ class Viewpoint:
             if self._wide:
                 direction = widest(self._points, direction, self._window)
             position, target = stand(self._points, direction, self._window)
+        # at once: a place on the way there, told by the page, would be none of ours
         self._camera.position, self._camera.look_at = position, target
         # not what the camera says now, which may be the page's word from before
         self._places.append(position)
+        self._fitted = self._fit_for()
 
     def _is_moved(self) -> bool:
         """Check whether the user has moved the camera.
 
         What the page tells may be older than our last word: a place before that is ours as well.
         """
+        return self._away(list(self._places), self._camera.position)
+
+    def _away(self, places: list[FloatArray], position: FloatArray) -> bool:
+        """Check whether a camera's position (3,), [unit], world, is none of these places."""
+        if not places:
+            return True
         size = _view(self._scene, self._distance_factor)[2]
-        away = np.linalg.norm(self._camera.position - np.array(self._places), axis=1)
+        away = np.linalg.norm(position - np.array(places), axis=1)
         return bool(away.min() >= _TOLERANCE * size)
 
 
@@ -258,7 +280,12 @@ def look_at(
 ) -> None:
     """Turn ``camera`` to workspace and arm, ``distance_factor`` times as far away as just fits."""
     camera.position, camera.look_at, size = _view(scene, distance_factor, direction)
-    camera.near, camera.far = size / 500, size * 50
+    camera.near, camera.far = _depths(size)
+
+
+def _depths(size: float) -> tuple[float, float]:
+    """Distances, [unit], between which a scene of such a size, [unit], is drawn."""
+    return size / 500, size * 50
 
 
 def _rounded(vector: FloatArray) -> tuple[float, ...]:

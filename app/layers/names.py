@@ -91,6 +91,9 @@ class NamesLayer(Layer):
         large = bool(oversize(plan.scene))
         if large:
             named = set()
+        search = plan.joint_search
+        if search is not None and search.path is not None:
+            named &= {"path", *style.ALGORITHMS}  # the joints follow none of the curves
         if 0 < self._camera.image_width < _NARROW and plan.followed in frame.shown:
             named = {plan.followed}
         for name, label in self._labels.items():

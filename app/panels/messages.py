@@ -12,7 +12,7 @@ from typing import Any
 import viser
 
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.errors import AbiError, NoPath, StageError
+from abi.errors import AbiError, ClearanceNotHeld, NoPath, PointBlocked, StageError
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
@@ -29,6 +29,7 @@ from app.shared.puzzles import is_puzzle
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
 from app.theatre.text import question
+from app.theatre.theatre import Theatre
 from app.ui import style
 from app.ui.arm_size import scene_size_note
 from app.ui.labels import LABELS, kept, sentence
@@ -111,6 +112,8 @@ class Messages:
             content = self._check.card(frame.checked)
         elif frame.outdated and frame.plan.mesh is None:
             content = _planning("Planning this scene")
+        elif frame.theatre is not None and not frame.lesson and not frame.stage:
+            content = f'<div class="abi-card">{_stepping(frame.theatre)}</div>'
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         elif frame.stage:
@@ -182,7 +185,7 @@ class Messages:
         alone = ""
         if reason is not None and isinstance(error, ArmNotClear):
             alone = "The plan shown is for the tool tip alone."
-        hints = (explained.hint, dots, base_sentence(self._bases, frame), alone)
+        hints = (explained.hint, dots, _marked(frame), base_sentence(self._bases, frame), alone)
         tell = _puzzle if is_puzzle(frame.plan.scene) else _error
         content = tell(explained.message, " ".join(filter(None, hints)))
         buttons = "".join(
@@ -224,19 +227,36 @@ def _progress(frame: Frame, still: bool = False) -> str:
     did = f"{preview}Planned{took}: {name} on {plan.free.nodes:,} nodes{length}."
     if frame.lesson:  # it says itself what there is to do
         return did
-    if frame.theatre is not None:
-        if frame.theatre.asking and not frame.theatre.state.done:
-            return question(frame.theatre)
-        return (
-            "<b>A search, step by step.</b> Point at a node, or tap it, for its g, h and f. "
-            "Paths, curves and arm are hidden until you close it."
-        )
     if still:  # what there is to do stands below, and it is not to drag
         return did
     invitation = _invitation(plan, _OBSTACLES in frame.shown)
     if frame.demonstrates:
         invitation = f"Demo: touch anything to take over. {invitation}"
     return f"<b>{invitation}</b> {did}"
+
+
+def _stepping(theatre: Theatre) -> str:
+    """What to do while a search is stepped through, also one that finds no path."""
+    if theatre.asking and not theatre.state.done:
+        return question(theatre)
+    return (
+        "<b>A search, step by step.</b> Point at a node, or tap it, for its g, h and f. "
+        "Paths, curves and arm are hidden until you close it."
+    )
+
+
+def _marked(frame: Frame) -> str:
+    """What the magenta points of a reason are, which the scene marks; empty where it has none."""
+    reason, error = frame.reason, frame.plan.error
+    if reason is None or not len(reason.points):
+        return ""
+    if isinstance(error, PointBlocked):
+        return "Magenta: the nearest free point."
+    if isinstance(error, NoPath):
+        return "Magenta: the narrowest place." if len(reason.points) == 1 else ""
+    if isinstance(error, ClearanceNotHeld):
+        return "Magenta: where the curve comes too near."
+    return "Magenta: where the tool tip is then." if isinstance(error, ArmNotClear) else ""
 
 
 def _longer_on_finer(before: Plan, plan: Plan) -> str:

@@ -96,6 +96,7 @@ class Session:
         self._broken = False
         self._planned = planned
         self._built = self._closed = False
+        self._touched = False  # whether there was input of a hand since the last step
         self._worker = worker = TabWorker(
             f"tab-{client.client_id}",
             prepare=lambda: self._memory.wait(),
@@ -107,7 +108,7 @@ class Session:
         page.install(client)
         watch = PageWatch(client, worker.wake)
         hear_of_refused_files(client)
-        self._memory = TabStorage(client, self.wake)
+        self._memory = TabStorage(client, self._hear)
         self._look = look
         with client.atomic():
             self._view = TabView(
@@ -171,6 +172,11 @@ class Session:
         What the worker writes into a widget comes back here too, without a client. Not ``async``:
         viser leaves coroutines behind when it stops.
         """
+        self._touched |= getattr(event, "client", None) is not None
+        self._hear(event)
+
+    def _hear(self, event: object) -> None:
+        """Wake the worker after a word of the page that no hand has caused, or after an input."""
         if getattr(event, "client", None) is not None:
             if self._built:  # until then no widget has been read
                 self.panels.note(event)
@@ -201,7 +207,8 @@ class Session:
     def _step(self, woken: bool) -> None:
         """Process input, idle work and playback."""
         demo = self._pause.demo
-        resized = self._view.fit(self.frame, woken)
+        touched, self._touched = self._touched, False
+        resized = self._view.fit(self.frame, touched)
         if woken:
             self._planner.overtaken = False  # before it is read what was chosen
             self._demonstrated = demo.running

@@ -233,16 +233,18 @@ class TabView:
             self.viewpoint.surround(corners if alone else extent(frame.plan), wide=alone)
         self._surrounded = surrounded
 
-    def fit(self, frame: Frame, woken: bool) -> bool:
+    def fit(self, frame: Frame, touched: bool) -> bool:
         """Adapt panels and camera to the page's size; whether ``frame`` must be drawn anew.
 
-        Once there is input, which has ``woken`` the tab, no text about a scene moves its camera.
+        Once a hand has ``touched`` the page, no text about a scene moves its camera. The page's own
+        words are no hand, nor is the demonstration.
         """
-        if woken:
+        if touched:
             self._faced = None
         area = self._watch.area()
         self._folding.update(area, self.panels.lecture.on)
-        self.viewpoint.fit(area, arrives=frame.plan is self._faced)
+        arrives = self._faced is not None and (frame.plan is self._faced or frame.demonstrates)
+        self.viewpoint.fit(area, arrives=arrives)
         shown = label_scale(area, frame.lecture), self._watch.plots
         return shown != (frame.label_scale, frame.plots)
 
@@ -269,7 +271,7 @@ class TabView:
         self.viewpoint.show(state.scene)
         if state.view is not None:
             self._to_face = False
-            state.view.show(self._client.camera)
+            self.viewpoint.take(state.view)
         self.playback.restore(state.time, state.playing)
         self.panels.history.begin(self.panels.step(state.scene))
         if state.before is not None:
@@ -305,7 +307,7 @@ class TabView:
             camera = setting.camera
             view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
             if view is not None:
-                view.show(self._client.camera)
+                self.viewpoint.take(view)
         if setting.time is not None or setting.play is not None:
             self.playback.restore(setting.time or 0.0, bool(setting.play))
 
@@ -325,7 +327,7 @@ class TabView:
         self.panels.go_back(state)
         self.look_at(state.scene, state.view is None)
         if state.view is not None:
-            state.view.show(self._client.camera)
+            self.viewpoint.take(state.view)
         self.playback.restore(state.time, state.playing)
         return state.scene
 

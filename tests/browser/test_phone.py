@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import pytest
@@ -99,6 +100,12 @@ def phone(chromium: Browser, server: Server) -> Iterator[Page]:
     page.close()
 
 
+def _reaches(button: Locator) -> float:
+    """How far down the page a button reaches, [px]; infinite for none."""
+    box = button.bounding_box() if button.count() else None
+    return math.inf if box is None else box["y"] + box["height"]
+
+
 def _fold(page: Page) -> None:
     title = page.tab.get_by_text(TITLE, exact=True)
     title.click()
@@ -141,6 +148,8 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(new_phone: Page) -> None
     phone.until(lambda: _in_sight(phone), "the lessons")
     phone.click("1. The mesh")
     phone.click("They are removed")
+    on = phone.tab.get_by_role("button", name="Next", exact=True)
+    phone.until(lambda: _reaches(on) <= 844, "what is said to the answer, and the way on")
     phone.click("Next")
     # at once, while what the clicks before asked for is still being drawn
     phone.click("Go to stage 1")

@@ -10,7 +10,8 @@ import viser
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.camera.camera import View
+from abi import load_scene
+from app.camera.camera import View, Viewpoint
 from app.camera.extent import extent
 from app.camera.framing import Window, axes, covered, holds, stand, widest
 from app.drawing.box import box_corners
@@ -237,6 +238,42 @@ def test_text_hides_none_of_the_arm_in_a_picture_of_another_shape(
     viewpoint.fit(PageArea(700.0, 900.0, above=0.35))
     window = Window(camera.fov, 700 / 900, above=0.35)
     assert holds(extent(plan), camera.position, camera.look_at, window)
+
+
+def test_late_words_of_the_page_neither_move_a_given_view_nor_keep_an_old_place() -> None:
+    camera = camera_at(USUAL)
+    camera._state.fov = math.radians(75)
+    camera._state.image_width, camera._state.image_height = 900, 900
+    viewpoint = Viewpoint(camera, load_scene("drag-a-box"))
+    viewpoint.fit(PageArea(900.0, 900.0))
+    first = camera.position
+    camera._state.image_width = 300
+    viewpoint.fit(PageArea(300.0, 900.0))
+    second = camera.position
+    assert not np.allclose(first, second)
+    camera._state.position = first  # what the page told before it heard of the second
+    viewpoint.fit(PageArea(300.0, 900.0))
+    np.testing.assert_allclose(camera.position, second)
+
+    viewpoint.take(View((1.0, -9.0, 2.0), (3.0, 3.0, 3.0), (0.0, 0.0, 1.0)))
+    camera._state.position = second
+    camera._state.image_width = 900
+    viewpoint.fit(PageArea(900.0, 900.0))
+    np.testing.assert_allclose(camera.position, second)  # nothing was sent
+
+
+def test_what_the_page_remembers_is_no_hand_and_any_widget_is(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting and not session._worker.is_woken())
+    session._view._faced = session.plan
+    before = session._memory._read
+    fake.set(session._memory._box, '{"student": "a"}')
+    until(lambda: session._memory._read != before and session.resting)
+    assert session._view._faced is session.plan
+    fake.set(session.panels.layer_switches.dark, True)
+    until(lambda: session._view._faced is None)
 
 
 def _goal(session: Session) -> Any:

@@ -70,6 +70,15 @@ def test_a_cloud_without_points_has_a_colour_which_the_page_asks_for(
         assert cloud._cloud.colors.size == 3 * max(count, 1)
 
 
+def test_no_distance_is_named_while_it_is_asked(tab: tuple[FakeTab, Session]) -> None:
+    _, session = tab
+    until(lambda: session.resting and not session._worker.is_woken())
+    names = layer(session, NamesLayer)
+    for asks in (False, True):
+        names.draw(replace(session.frame, asks=asks))
+        assert names._distance.visible == names._line.visible == (not asks)
+
+
 def test_a_lesson_has_notes_on_what_it_shows_alone(tab: tuple[FakeTab, Session]) -> None:
     _, session = tab
     until(lambda: session.resting)

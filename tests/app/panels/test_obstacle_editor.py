@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -407,3 +408,16 @@ def test_of_very_many_obstacles_those_that_a_message_names_are_numbered(tmp_path
 )
 def test_the_numbers_of_a_sentence_are_found(text: str, numbers: list[int]) -> None:
     assert numbers_of(text) == numbers
+
+
+def test_a_click_on_an_obstacle_means_a_node_behind_it_while_a_search_is_stepped_through(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    gizmos = session.panels.obstacles
+    clicked: Any = SimpleNamespace(target=gizmos.shown[0].body, client=session.client)
+    for searching in (True, False):
+        gizmos._faded, gizmos._touched = searching, False
+        gizmos._choose_clicked(clicked)
+        assert gizmos._touched == (not searching)
