@@ -25,7 +25,7 @@ from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set_kernels import polyline_distances, polyline_distances_near_meshes
 from abi.obstacles.packing import pack
-from abi.obstacles.per_shape import PerShape
+from abi.obstacles.per_shape import per_shape
 from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
 from abi.obstacles.surface_set import surface_set
@@ -318,7 +318,7 @@ class ObstacleSet(ShortRepr):
     @cached_property
     def _mesh_boxes(self) -> tuple[Box, ...]:
         """Bounding boxes of the meshes (m,)."""
-        return tuple(_bounding_box.of_all(self.meshes))
+        return tuple(_bounding_boxes(self.meshes))
 
     @cached_property
     def packed_mesh_boxes(self) -> FloatArray:
@@ -335,8 +335,8 @@ class ObstacleSet(ShortRepr):
 NO_OBSTACLES = ObstacleSet()
 
 
-@PerShape
-def _bounding_box(mesh: MeshShape) -> Box:
+@per_shape
+def _bounding_boxes(mesh: MeshShape) -> Box:
     low, high = mesh.bounds()
     x, y, z = np.maximum(high - low, 1e-9).tolist()
     a, b, c = ((low + high) / 2).tolist()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 _S = TypeVar("_S")
 _R = TypeVar("_R")
@@ -13,24 +13,22 @@ CROWD = 64
 """Number of shapes from which results are cached."""
 
 
-class PerShape(threading.local, Generic[_S, _R]):
-    """Function of a shape with its results for each thread's latest crowd.
+def per_shape(function: Callable[[_S], _R]) -> Callable[[Sequence[_S]], list[_R]]:
+    """Decorator that makes a function of a shape one of many, which caches each one's result.
 
-    Shapes are found by identity: to compare them by value, or to hash them, takes longer than all
-    else of a drag.
+    The results are those for each thread's latest crowd. Shapes are found by identity: to compare
+    them by value, or to hash them, takes longer than all else of a drag.
     """
+    of_thread = threading.local()
 
-    def __init__(self, function: Callable[[_S], _R]) -> None:
-        self._function = function
-        self._known: dict[int, tuple[_S, _R]] = {}
-
-    def of_all(self, shapes: Sequence[_S]) -> list[_R]:
-        """The function's result for each of the shapes."""
-        known, function = self._known, self._function
+    def of_all(shapes: Sequence[_S]) -> list[_R]:
+        known: dict[int, tuple[_S, _R]] = getattr(of_thread, "known", {})
         found = []
         for shape in shapes:
             entry = known.get(id(shape))
             found.append(entry or (shape, function(shape)))
         if len(shapes) >= CROWD:
-            self._known = {id(entry[0]): entry for entry in found}
+            of_thread.known = {id(entry[0]): entry for entry in found}
         return [result for _, result in found]
+
+    return of_all

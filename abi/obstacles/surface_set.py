@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from abi.arrays import FloatArray, read_only
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.per_shape import PerShape
+from abi.obstacles.per_shape import per_shape
 from abi.obstacles.triangle_mesh.signed_distance import body_frame, is_fine_quick
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_kernels import NO_SURFACES, SurfaceSet
@@ -26,7 +26,7 @@ def surface_set(meshes: Sequence[MeshShape], bounds: FloatArray) -> SurfaceSet:
     """The meshes as one, given the rows of their bounding boxes."""
     if not meshes:
         return NO_SURFACES
-    placed = _placed.of_all(meshes)
+    placed = _placed(meshes)
     surfaces = tuple(dict.fromkeys(surface for surface, _ in placed))
     number = {surface: k for k, surface in enumerate(surfaces)}
     whose = np.array([number[surface] for surface, _ in placed], dtype=np.int32)
@@ -35,7 +35,7 @@ def surface_set(meshes: Sequence[MeshShape], bounds: FloatArray) -> SurfaceSet:
     return joined._replace(whose=read_only(whose), poses=poses, bounds=bounds)
 
 
-@PerShape
+@per_shape
 def _placed(mesh: MeshShape) -> tuple[Surface, FloatArray]:
     """Surface of a mesh, and its row of ``poses``."""
     origin, axes, factor = mesh.placed[1]

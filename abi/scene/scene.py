@@ -18,7 +18,7 @@ from abi.errors import MISSING, SceneError
 from abi.length_text import with_minus
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
-from abi.obstacles.per_shape import PerShape
+from abi.obstacles.per_shape import per_shape
 from abi.obstacles.pose import LARGEST, METRES, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSource
 from abi.robot.urdf.robot import Robot
@@ -67,7 +67,7 @@ def _in_unit(unit: str, shape: MeshShape) -> MeshShape | SceneError:
         return error
 
 
-_IN_UNIT = {unit: PerShape(partial(_in_unit, unit)) for unit in METRES}
+_IN_UNIT = {unit: per_shape(partial(_in_unit, unit)) for unit in METRES}
 
 
 class Scene(Settings):
@@ -105,7 +105,7 @@ class Scene(Settings):
     def _scale_meshes(cls, obstacles: Obstacles, info: ValidationInfo) -> Obstacles:
         scaled = list(obstacles)
         meshes = [k for k, shape in enumerate(obstacles) if isinstance(shape, MeshShape)]
-        in_unit = _IN_UNIT[info.data.get("unit", "m")].of_all([obstacles[k] for k in meshes])
+        in_unit = _IN_UNIT[info.data.get("unit", "m")]([obstacles[k] for k in meshes])
         first_of: dict[str, MeshShape] = {}
         for index, shape in zip(meshes, in_unit, strict=True):
             if isinstance(shape, SceneError):

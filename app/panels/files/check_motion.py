@@ -23,9 +23,10 @@ from abi.certification.verdict_words import direction_sentences, limit_sentences
 from abi.errors import AbiError, MotionError, SeveralChoicesError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.panels.files.file_uploads import FileUploads, SeveralChoices, UploadJob
+from app.panels.files.file_uploads import FileUploads, UploadJob
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.reading.reader import READER
+from app.reading.stored_upload import StoredUpload
 from app.state.frame import Frame
 from app.ui import notices
 from app.ui.overlay import button
@@ -33,9 +34,6 @@ from app.ui.time_bar import legend
 
 _NONE = "choose one…"
 _SIGNS = {"clear": "✓", "touches": "✗", "undecided": "?"}
-
-
-_Read = Motion | MotionError | SeveralChoices
 
 
 class CheckMotionPanel:
@@ -65,8 +63,9 @@ class CheckMotionPanel:
             visible=False,
         )
         self.trajectory.on_update(wake)
-        self._several: SeveralChoices | None = None
+        self._several: StoredUpload | None = None
         self._bag, self._chosen = "", _NONE
+        self._choices: tuple[str, ...] = ()
         self.save = gui.add_button(
             "Save the verdict",
             color="gray",
@@ -100,8 +99,8 @@ class CheckMotionPanel:
         self._scene = scene
         before = self._motion
         for one in self.uploads.news():
-            if isinstance(one.result, SeveralChoices):
-                self._offer(one.name, one.result)
+            if isinstance(one.result, SeveralChoicesError):
+                self._offer(one.name, one.file, one.result.choices)
                 continue
             if one.name != self._bag:
                 self._offer("", None)
@@ -190,31 +189,27 @@ class CheckMotionPanel:
     def _refuse(self, name: str, error: AbiError) -> None:
         notices.notify_refused_file(self._client, f"{name} is not checked", _sentence(error))
 
-    def _offer(self, name: str, several: SeveralChoices | None) -> None:
+    def _offer(
+        self, name: str, several: StoredUpload | None, choices: tuple[str, ...] = ()
+    ) -> None:
         """Offer the trajectories of a bag; None for no such file."""
-        self._bag, self._several, self._chosen = name, several, _NONE
+        self._bag, self._several, self._choices, self._chosen = name, several, choices, _NONE
         self.trajectory.visible = several is not None
-        self.trajectory.options = (_NONE, *(several.choices if several else ()))
+        self.trajectory.options = (_NONE, *choices)
         self.trajectory.value = _NONE
 
     def _read_chosen(self) -> None:
         """Have the trajectory read that was chosen of several."""
         several, chosen = self._several, self.trajectory.value
-        if several is not None and chosen in several.choices and chosen != self._chosen:
+        if several is not None and chosen in self._choices and chosen != self._chosen:
             self._chosen = chosen
-            self.uploads.again(self._bag, several.file, partial(self._deal, topic=chosen))
+            self.uploads.again(self._bag, several, partial(self._deal, topic=chosen))
 
-    def _deal(self, job: UploadJob[_Read], topic: str | None = None) -> _Read:
+    def _deal(self, job: UploadJob[Motion], topic: str | None = None) -> Motion:
         """Read a motion's file for the robot that the tab has now."""
         job.step("reading", 0.5)
-        try:
-            robot = _with_robot(self._scene).arm.robot
-            slides = own_joints(robot)
-            return READER.motion(job.content, job.name, slides, topic, job.stopped, job.wait)
-        except SeveralChoicesError as error:
-            return SeveralChoices(job.file, error.choices)
-        except MotionError as error:
-            return error
+        slides = own_joints(_with_robot(self._scene).arm.robot)
+        return READER.motion(job.content, job.name, slides, topic, job.stopped, job.wait)
 
 
 def _with_robot(scene: Scene) -> Scene:

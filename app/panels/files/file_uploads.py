@@ -17,7 +17,7 @@ from typing import Generic, TypeVar
 
 import viser
 
-from abi.errors import SceneError
+from abi.errors import AbiError, SceneError, SeveralChoicesError
 from abi.progress import CancelledError
 from app.panels.widgets import Wake
 from app.reading.stored_upload import ROOM, StoredUpload
@@ -36,11 +36,13 @@ class UploadEvent(Generic[_T]):
         name: of the file.
         result: what was read, or why nothing was; None where it was stopped.
         done: whether it was dealt with; otherwise it is read, and still being prepared.
+        file: one with several of what one is read of, to read it again; None for others.
     """
 
     name: str
-    result: _T | SceneError | None
+    result: _T | AbiError | None
     done: bool = True
+    file: StoredUpload | None = None
 
 
 class UploadJob(Generic[_T]):
@@ -90,16 +92,8 @@ class UploadJob(Generic[_T]):
         self.tell(UploadEvent(self.name, result, done=False))
 
 
-@dataclass(frozen=True, eq=False)
-class SeveralChoices:
-    """A file with several of what one is read of: its content, and their names."""
-
-    file: StoredUpload
-    choices: tuple[str, ...]
-
-
 Deal = Callable[[UploadJob[_T]], _T]
-"""What comes of a file; may raise SceneError and CancelledError."""
+"""What comes of a file; may raise AbiError and CancelledError."""
 
 
 def shown_name(name: str) -> str:
@@ -217,13 +211,14 @@ class FileUploads(Generic[_T]):
             job = self._waiting.get()
             name, tell = job.name, job.tell
             result = _result(job)
+            file = job.file if isinstance(result, SeveralChoicesError) else None
             del job  # its room is for the next
             with self._lock:
                 self._pending -= 1
                 last = self._pending == 0
             if last:
                 self._show(None, 0.0)
-            tell(UploadEvent(name, None if self._stopped.is_set() else result))
+            tell(UploadEvent(name, None if self._stopped.is_set() else result, file=file))
             if last:
                 return
 
@@ -250,7 +245,7 @@ def _new_upload() -> StoredUpload:
     return StoredUpload(ROOM)
 
 
-def _result(job: UploadJob[_T]) -> _T | SceneError | None:
+def _result(job: UploadJob[_T]) -> _T | AbiError | None:
     """Read one file; None if that was stopped."""
     if job.stopped.is_set():
         return None
@@ -258,7 +253,7 @@ def _result(job: UploadJob[_T]) -> _T | SceneError | None:
         return SceneError("file", job.name, job.file.lost)
     try:
         return job.deal(job)
-    except SceneError as error:
+    except AbiError as error:
         return error
     except CancelledError:
         return None

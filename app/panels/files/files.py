@@ -7,7 +7,7 @@ from pathlib import Path
 
 import viser
 
-from abi.errors import SceneError
+from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
@@ -111,15 +111,15 @@ class FilesPanel:
         opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
         return self.loaded if any(opened) else None
 
-    def _open(self, name: str, found: SceneFile | SceneError | None, meshes: MeshSource) -> bool:
+    def _open(self, name: str, found: SceneFile | AbiError | None, meshes: MeshSource) -> bool:
         """Load what was read; False where that is no scene."""
         try:
             if found is None:
                 return False
-            if isinstance(found, SceneError):
+            if isinstance(found, AbiError):
                 raise found
             scene = parse(found, meshes)
-        except SceneError as error:
+        except AbiError as error:
             notices.notify_refused_file(self._client, f"{name} is not opened", error.message)
             return False
         if taken := borrowed(found, scene, meshes):

@@ -18,15 +18,12 @@ from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
-from app.panels.files.file_uploads import (
-    FileUploads,
-    SeveralChoices,
-    UploadJob,
-)
+from app.panels.files.file_uploads import FileUploads, UploadJob
 from app.panels.stages.gripper import GripperPanel
 from app.panels.stages.tool_direction import ToolDirectionPanel
 from app.panels.widgets import Wake
 from app.reading.reader import READER
+from app.reading.stored_upload import StoredUpload
 from app.ui import notices
 
 _PAPER = "the paper's arm"
@@ -44,9 +41,6 @@ _OTHER = "as in the scene"
 _OF_ONE_ARM: Mapping[str, Any] = {"srdf": None, "allowed": ()}
 """Fields that hold for one arm with one tip only, as they are for another."""
 _NONE = "choose one…"
-
-
-_Read = Robot | SeveralChoices
 
 
 class ArmModelPanel:
@@ -71,7 +65,8 @@ class ArmModelPanel:
             "robot in the file", (_NONE,), hint="The URDF file to take.", visible=False
         )
         self.robot.on_update(wake)
-        self._several: SeveralChoices | None = None
+        self._several: StoredUpload | None = None
+        self._choices: tuple[str, ...] = ()
         self._chosen = _NONE
         self.tip = gui.add_dropdown(
             "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
@@ -113,8 +108,8 @@ class ArmModelPanel:
         if self.model.value != self._model_shown:
             self.uploads.drop()
         for one in self.uploads.news():
-            if isinstance(one.result, SeveralChoices):
-                self._offer(one.result)
+            if isinstance(one.result, SeveralChoicesError):
+                self._offer(one.file, one.result.choices)
             elif isinstance(one.result, Robot):
                 if one.name != _zip_of(self._chosen):
                     self._offer(None)
@@ -186,20 +181,20 @@ class ArmModelPanel:
         # a page may send anything: only listed arms are taken
         return chosen if chosen in SHIPPED or chosen in self.files else None
 
-    def _offer(self, several: SeveralChoices | None) -> None:
+    def _offer(self, several: StoredUpload | None, choices: tuple[str, ...] = ()) -> None:
         """Offer the robots of a file that has several; None for no such file."""
-        self._several, self._chosen = several, _NONE
+        self._several, self._choices, self._chosen = several, choices, _NONE
         self.robot.visible = several is not None
-        self.robot.options = (_NONE, *(several.choices if several else ()))
+        self.robot.options = (_NONE, *choices)
         self.robot.value = _NONE
 
     def _read_chosen(self) -> None:
         """Have the robot read that was chosen of several."""
         several, chosen = self._several, self.robot.value
-        if several is not None and chosen in several.choices and chosen != self._chosen:
+        if several is not None and chosen in self._choices and chosen != self._chosen:
             self._chosen = chosen
             read = partial(_read, name=f"robots.zip/{chosen}")
-            self.uploads.again(_zip_of(chosen), several.file, read)
+            self.uploads.again(_zip_of(chosen), several, read)
 
     def _take(self, name: str, robot: Robot) -> None:
         """Choose an arm that was read."""
@@ -257,13 +252,10 @@ def _zip_of(file: str) -> str:
     return f"{PurePosixPath(file).stem}.zip"
 
 
-def _read(job: UploadJob[_Read], name: str = "") -> _Read:
-    """Read the file of an arm, or keep it where it has several; of an archive the robot named."""
+def _read(job: UploadJob[Robot], name: str = "") -> Robot:
+    """Read the file of an arm; of an archive the robot named."""
     job.step("reading", 0.5)
-    try:
-        return READER.arm(job.content, name or job.name, job.stopped, job.wait)
-    except SeveralChoicesError as error:
-        return SeveralChoices(job.file, error.choices)
+    return READER.arm(job.content, name or job.name, job.stopped, job.wait)
 
 
 def _choose(box: viser.GuiDropdownHandle[str], values: Mapping[str, object], value: object) -> None:

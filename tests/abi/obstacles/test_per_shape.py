@@ -9,7 +9,7 @@ from unittest.mock import Mock
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.obstacles.per_shape import CROWD, PerShape
+from abi.obstacles.per_shape import CROWD, per_shape
 from abi.obstacles.primitives import Sphere
 from abi.obstacles.triangle_mesh.per_surface import per_surface
 from abi.obstacles.triangle_mesh.repair import clean
@@ -19,17 +19,17 @@ from tests.abi import meshes
 
 def test_of_a_crowd_only_what_has_moved_is_asked_again() -> None:
     radius = Mock(side_effect=lambda one: one.radius)
-    radii = PerShape[Sphere, float](radius)
+    radii = per_shape(radius)
     crowd = [Sphere(radius=1.0 + k) for k in range(CROWD)]
-    assert radii.of_all(crowd) == [1.0 + k for k in range(CROWD)]
+    assert radii(crowd) == [1.0 + k for k in range(CROWD)]
     crowd[3] = Sphere(radius=0.5)
     radius.reset_mock()
-    assert radii.of_all(crowd)[3] == 0.5
+    assert radii(crowd)[3] == 0.5
     radius.assert_called_once_with(crowd[3])
-    assert radii.of_all(crowd[:2]) == [1.0, 2.0]
+    assert radii(crowd[:2]) == [1.0, 2.0]
     del crowd[5]
     radius.reset_mock()
-    assert len(radii.of_all([*crowd, crowd[0]])) == CROWD
+    assert len(radii([*crowd, crowd[0]])) == CROWD
     radius.assert_not_called()
 
 
