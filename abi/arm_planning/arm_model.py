@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, Protocol, Self
 
 from abi.arm_planning.arm_errors import LinkContact
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.exclusion.arm_path_kernels import ArmSegments
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.bspline import BSpline
+from abi.curves.clearance.certificate import Refutation
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
@@ -108,10 +108,10 @@ class ArmBranch(Protocol):
     def segments(self) -> ArmSegments | None:
         """Data with which compiled loops test segments; None if they do not support the arm."""
 
-    def refutation(self, curve: BSpline | Quadratic) -> ArmRefutation | None:
+    def refutation(self, curve: BSpline | Quadratic) -> Refutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
 
-    def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
+    def polyline_refutation(self, points: FloatArray) -> Refutation | None:
         """Why the arm is not clear along a polyline (k, 3), k >= 1; None if it is proven clear.
 
         The parameter of a refutation counts vertices: k is vertex k.

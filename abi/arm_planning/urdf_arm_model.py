@@ -17,7 +17,6 @@ from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
 from abi.arm_planning.branch.segment_memory import SegmentMemory
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
 from abi.arm_planning.motion.urdf_motion import (
@@ -29,6 +28,7 @@ from abi.arm_planning.world.chain_distances import inside_meshes
 from abi.arm_planning.world.collision_world import CollisionWorld, chain_world
 from abi.arm_planning.world.solid_rows import RowTable
 from abi.arrays import FloatArray
+from abi.curves.clearance.certificate import Refutation
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, Vec3
@@ -156,7 +156,7 @@ class UrdfArmModel:
 
     def _refutation(
         self, margin: float, followed: Followed, around: CollisionWorld, with_itself: bool
-    ) -> ArmRefutation | None:
+    ) -> Refutation | None:
         """Why the arm, standing still, is not proven clear."""
         joints = followed.joints
         return chain_refutation(self.arm, joints, around, margin, with_itself=with_itself)

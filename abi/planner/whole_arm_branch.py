@@ -12,7 +12,6 @@ from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.arm_path import REFINEMENTS, fit_clear, pull_clear, search_clear
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.exclusion.arm_path_kernels import ROUNDS
 from abi.arm_planning.motion.arm_clearance import named
 from abi.arm_planning.motion_law import motion_law
@@ -20,6 +19,7 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
 from abi.curves import fit_quadratic
 from abi.curves.bspline import BSpline
+from abi.curves.clearance.certificate import Refutation
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.errors import NoPath
@@ -201,7 +201,7 @@ class WholeArmBranch:
         return self._refutation(curve) is None
 
     @cached_property
-    def _refutation(self) -> Callable[[Quadratic], ArmRefutation | None]:
+    def _refutation(self) -> Callable[[Quadratic], Refutation | None]:
         """Where the arm is not clear along a curve; those asked about already are remembered."""
         return lru_cache(self.arm_branch.refutation)
 
@@ -224,7 +224,7 @@ class WholeArmBranch:
         contact = self.arm_branch.link_contact(point, pair, self.problem.obstacles)
         return ArmNotClear(fault.branch, where, *pair, has_elbow=fault.has_elbow, contact=contact)
 
-    def _not_clear_at(self, end: str, point: FloatArray, fault: ArmRefutation) -> ArmNotClear:
+    def _not_clear_at(self, end: str, point: FloatArray, fault: Refutation) -> ArmNotClear:
         """Error for a fault at start or goal, a point (3,)."""
         arm, branch = self.problem.model.arm, self.arm_branch.name
         link, obstacle = _named(fault, arm)
@@ -238,14 +238,14 @@ class WholeArmBranch:
         return ArmNotClear(self.arm_branch.name, where, has_elbow=self.problem.model.arm.has_elbow)
 
 
-def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:
+def _named(fault: Refutation, arm: AnyArm) -> tuple[str, int | str | None]:
     """Link and obstacle of a fault; the obstacle is None where the point is out of reach."""
     if fault.capsule < 0:
         return "", None
     return arm.capsule_links[fault.capsule], named(fault.obstacle, arm)
 
 
-def _note(fault: ArmRefutation, arm: AnyArm) -> str:
+def _note(fault: Refutation, arm: AnyArm) -> str:
     link, obstacle = _named(fault, arm)
     if obstacle is None:
         why = "the arm would pass its reach or a joint limit"

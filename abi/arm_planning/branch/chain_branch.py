@@ -13,7 +13,6 @@ from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.segment_memory import SegmentMemory
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES
@@ -27,6 +26,7 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arm_planning.world.link_contact import link_contact
 from abi.arrays import BoolArray, FloatArray
+from abi.curves.clearance.certificate import Refutation
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import REACHED, UrdfArm
@@ -80,7 +80,7 @@ class ChainBranch:
         """A copy with multiples of the slack and the tries."""
         return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
 
-    def refutation(self, curve: Curve) -> ArmRefutation | None:
+    def refutation(self, curve: Curve) -> Refutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
         points = curve(parameters)
@@ -89,7 +89,7 @@ class ChainBranch:
         refute = partial(self._refutation, self.clearance, CURVE_TRIES)
         return self.memory.examined(key, follow, refute)[1]
 
-    def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
+    def polyline_refutation(self, points: FloatArray) -> Refutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         return self._examined(arguments.polyline("points", points), None)[1]
 
@@ -182,7 +182,7 @@ class ChainBranch:
 
     def _examined(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray] | None
-    ) -> tuple[Followed, ArmRefutation | None]:
+    ) -> tuple[Followed, Refutation | None]:
         """Joints along a polyline, and where the arm is not clear; see :meth:`_follow_polyline`."""
         first = b"" if begin is None else begin[0].tobytes() + begin[1].tobytes()
         key = vertices.tobytes(), first, self._beyond, self.most_tries
@@ -228,14 +228,14 @@ class ChainBranch:
         followed: Followed,
         around: CollisionWorld,
         with_itself: bool = True,
-    ) -> ArmRefutation | None:
+    ) -> Refutation | None:
         """Place at which joint positions miss their points, or are not proven clear."""
         parameters, joints, missed = followed
         beyond = np.flatnonzero(missed > REACHED * self.arm.reach)
         if len(beyond):
-            return ArmRefutation(float(parameters[beyond[0]]), -1, -1, True)
+            return Refutation(float(parameters[beyond[0]]), -1, True)
         found = chain_refutation(self.arm, joints, around, margin, tries, with_itself)
         if found is None:
             return None
         at = float(np.interp(found.parameter, np.arange(len(parameters)), parameters))
-        return ArmRefutation(at, found.capsule, found.obstacle, found.decided)
+        return replace(found, parameter=at)

@@ -12,7 +12,7 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
 from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm_planning.exclusion import (
@@ -24,6 +24,7 @@ from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES, ArmSegments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.clearance.certificate import Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -76,7 +77,7 @@ class ElbowBranch:
         """A copy with multiples of the slack and the tries."""
         return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
 
-    def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
+    def refutation(self, curve: PolynomialCurve) -> Refutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         slide = Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
         result = certify_paper_arm(
@@ -84,7 +85,7 @@ class ElbowBranch:
         )
         return None if isinstance(result, ArmCertificate) else result
 
-    def polyline_refutation(self, points: FloatArray) -> ArmRefutation | None:
+    def polyline_refutation(self, points: FloatArray) -> Refutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         vertices = arguments.polyline("points", points)
         fault = self._refuted(vertices, self.segments.table)
@@ -94,7 +95,7 @@ class ElbowBranch:
             fault = fault if touching is None else touching
         return fault
 
-    def _refuted(self, vertices: FloatArray, table: ArmTable) -> ArmRefutation | None:
+    def _refuted(self, vertices: FloatArray, table: ArmTable) -> Refutation | None:
         """Find where an arm with the limits of a ``table`` is not clear along a polyline (k, 3)."""
         count = len(vertices) - 1
         segments = np.stack([vertices[:-1], vertices[1:]], axis=1)
@@ -114,7 +115,7 @@ class ElbowBranch:
             return None
         capsule, row = divmod(pair, len(self.collision_world.numbers)) if pair >= 0 else (-1, -1)
         decided = status in (REFUTED, UNREACHED)
-        return ArmRefutation(at, capsule, int(self.collision_world.numbers[row]), decided)
+        return Refutation(at, int(self.collision_world.numbers[row]), decided, capsule)
 
     def link_contact(
         self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet

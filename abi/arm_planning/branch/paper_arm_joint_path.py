@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm, slide_bounds
 from abi.arm_planning.exclusion import paper_arm_mask_kernels
 from abi.arm_planning.motion import trajectory
@@ -16,6 +15,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, flat, read_only
+from abi.curves.clearance.certificate import Refutation
 from abi.curves.cubic_profile import CubicProfile, PathProfile
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -86,7 +86,7 @@ class PaperArmJointPath:
             found = certify_paper_arm(
                 self.curve, slide, self.arm, elbow, collision_world, required, tries
             )
-            return isinstance(found, ArmRefutation) and found.decided
+            return isinstance(found, Refutation) and found.decided
         points = flat(self.curve(np.linspace(*self.curve.interval, _POSES_TO_REFUTE)))
         reached, touching = np.zeros((2, _POSES_TO_REFUTE), dtype=np.bool_)
         forearm = float(self.arm.forearm(low))

@@ -11,10 +11,10 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from abi.arm_planning.branch.followed import Followed
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.world_change import Change, World, world_change
+from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import Obstacle
 
 _MOST = 4_000
@@ -26,7 +26,7 @@ Key = tuple[object, ...]
 """Cache key beside the collision world, such as the bytes of a polyline."""
 
 
-Refute = Callable[[Followed, CollisionWorld, bool], ArmRefutation | None]
+Refute = Callable[[Followed, CollisionWorld, bool], Refutation | None]
 """Function that finds where joints are not clear of the world and, with the flag, of the arm
 itself."""
 
@@ -42,7 +42,7 @@ class SegmentMemory:
     def __init__(self) -> None:
         self.joint_path: tuple[bytes, ChainJointPath] | None = None
         # answers, and the number of the collision world for which each holds
-        self._known: dict[Key, tuple[Followed, ArmRefutation | None, int]] = {}
+        self._known: dict[Key, tuple[Followed, Refutation | None, int]] = {}
         self._worlds: deque[World] = deque(maxlen=_WORLDS)
         self._latest = -1
         self._around: CollisionWorld | None = None
@@ -57,7 +57,7 @@ class SegmentMemory:
 
     def examined(
         self, key: Key, follow: Callable[[], Followed], refute: Refute
-    ) -> tuple[Followed, ArmRefutation | None]:
+    ) -> tuple[Followed, Refutation | None]:
         """Joints along a polyline, and where the arm is not clear on it.
 
         Args:
@@ -96,6 +96,6 @@ class SegmentMemory:
         return world_change(self._worlds[world - first], self._worlds[-1], self._around)
 
 
-def _remains(change: Change, fault: ArmRefutation) -> bool:
+def _remains(change: Change, fault: Refutation) -> bool:
     """Check if a collision found before is still there: with itself, or what has not moved."""
     return fault.obstacle < 0 or fault.obstacle in change.stays

@@ -1,7 +1,8 @@
-"""Result of proving an arm clear along its path: the directions that prove it, or where it fails.
+"""Proof that an arm is clear along its path: the directions that prove it.
 
 :mod:`abi.arm_planning.certificates.paper_arm_certificate` makes it for the paper's arm,
 :mod:`abi.arm_planning.certificates.chain_certificate` for a URDF arm; :mod:`abi.verify` checks it.
+Where it fails they return a :class:`~abi.curves.clearance.certificate.Refutation`, as of a curve.
 """
 
 from __future__ import annotations
@@ -38,20 +39,3 @@ class ArmCertificate(ShortRepr):
     directions: FloatArray
     positions: FloatArray | None = None
     closer: BoolArray | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class ArmRefutation:
-    """A place where an arm is not proven clear.
-
-    Attributes:
-        parameter: where on the curve.
-        capsule: number of the capsule, -1 if the arm does not reach the point.
-        obstacle: number of the obstacle, or of what the collision world has besides.
-        decided: whether it is certain to be nearer than the margin there, or out of reach.
-    """
-
-    parameter: float
-    capsule: int
-    obstacle: int
-    decided: bool

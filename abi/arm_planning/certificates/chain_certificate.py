@@ -30,11 +30,12 @@ import math
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.arm_planning.world.collision_world import OWN, CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.curves.clearance.certificate import Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
 from abi.errors import ArgumentError
 from abi.robot.bodies.capsule_table import Bodies
@@ -50,7 +51,7 @@ def certify_chain(
     collision_world: CollisionWorld,
     margin: float,
     with_itself: bool = True,
-) -> ArmCertificate | ArmRefutation:
+) -> ArmCertificate | Refutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
     From the floor and from itself it keeps more than 0. The parameter of the k-th position is k.
@@ -93,7 +94,7 @@ def chain_refutation(
     margin: float,
     most_tries: int = MOST_TRIES,
     with_itself: bool = True,
-) -> ArmRefutation | None:
+) -> Refutation | None:
     """Find where :func:`certify_chain` finds that an arm does not keep clear; None if it does.
 
     Without ``with_itself`` it is not asked whether the arm keeps clear of itself.
@@ -117,12 +118,12 @@ def _task(
 
 def _refutation(
     arm: UrdfArm, collision_world: CollisionWorld, outcome: Outcome
-) -> ArmRefutation | None:
+) -> Refutation | None:
     status, at, pair, _, _ = outcome
     if status == CERTIFIED:
         return None
     capsules, others = _pairs(arm, collision_world, np.array([pair]))
-    return ArmRefutation(at, int(capsules[0]), int(others[0]), status == REFUTED)
+    return Refutation(at, int(others[0]), status == REFUTED, int(capsules[0]))
 
 
 def _pairs(

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world import paper_arm_distance_kernels
@@ -21,6 +21,7 @@ from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_wor
 from abi.arm_planning.world.paper_arm_distance_kernels import capsules_near_meshes
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact
@@ -204,7 +205,7 @@ def proven_clearance(
     contacts: Sequence[Contact],
     required: float,
     rows: int,
-    certify: Callable[[float], ArmCertificate | ArmRefutation],
+    certify: Callable[[float], ArmCertificate | Refutation],
 ) -> ArmClearance:
     """Prove as much as possible of the clearance that was measured at the samples of a motion.
 
@@ -246,7 +247,7 @@ def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
 
 
 def _best_proof(
-    certify: Callable[[float], ArmCertificate | ArmRefutation],
+    certify: Callable[[float], ArmCertificate | Refutation],
     measured: float,
     required: float,
     rows: int,

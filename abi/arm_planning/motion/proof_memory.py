@@ -15,11 +15,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from abi.arm_planning.certificates.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.world_change import Change, World, world_change
 from abi.arrays import BoolArray, FloatArray, read_only
+from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import Obstacle
 from abi.robot.urdf_arm import UrdfArm
 
@@ -36,7 +37,7 @@ class ProofMemory:
         self._arm = arm
         self._last: ArmCertificate | None = None
         self._required, self._world = 0.0, World((), 0.0, ())  # of the last
-        self._of_itself: ArmCertificate | ArmRefutation | None = None
+        self._of_itself: ArmCertificate | Refutation | None = None
         self._of: tuple[FloatArray, World] | None = None  # positions and world of that
 
     def certify(
@@ -45,7 +46,7 @@ class ProofMemory:
         obstacles: Sequence[Obstacle],
         around: CollisionWorld,
         margin: float,
-    ) -> ArmCertificate | ArmRefutation:
+    ) -> ArmCertificate | Refutation:
         """Certify as :func:`certify_chain` does, reusing what remains of the last proof.
 
         Args:
@@ -67,7 +68,7 @@ class ProofMemory:
 
     def _anew(
         self, positions: FloatArray, world: World, around: CollisionWorld, margin: float
-    ) -> ArmCertificate | ArmRefutation:
+    ) -> ArmCertificate | Refutation:
         """A proof at joint positions (k, n) of which at most the arm's own part is known."""
         own, of = self._of_itself, self._of
         if (
@@ -78,22 +79,22 @@ class ProofMemory:
         ):
             own = certify_chain(self._arm, positions, around.only(around.numbers < 0), 0.0)
             self._of_itself, self._of = own, (positions, world)
-        if isinstance(own, ArmRefutation):
+        if isinstance(own, Refutation):
             return own
         solids = around.only(around.numbers >= 0)
         new = certify_chain(self._arm, positions, solids, margin, with_itself=False)
-        return new if isinstance(new, ArmRefutation) else _both(own, new, new.margin)
+        return new if isinstance(new, Refutation) else _both(own, new, new.margin)
 
     def _updated(
         self, known: ArmCertificate, change: Change, margin: float
-    ) -> ArmCertificate | ArmRefutation:
+    ) -> ArmCertificate | Refutation:
         """Update a proof after a change."""
         assert known.positions is not None
         stays = (known.obstacle < 0) | np.isin(known.obstacle, [*change.stays])
         if not change.moved and stays.all():
             return known
         new = certify_chain(self._arm, known.positions, change.around, margin, with_itself=False)
-        if isinstance(new, ArmRefutation):
+        if isinstance(new, Refutation):
             return new
         margin = new.margin if change.moved else known.margin if change.stays else math.inf
         return _both(known, new, margin, stays)

@@ -65,20 +65,25 @@ class Certificate(ShortRepr):
 
 @dataclass(frozen=True, eq=False)
 class Refutation:
-    """A point of a curve that prevents a certificate.
+    """A place that prevents a certificate of a curve, or of an arm along it.
 
     Attributes:
         parameter: where on the curve.
-        obstacle: index of the obstacle that is too near there.
-        distance: signed distance to it, [unit].
-        decided: whether the curve is really nearer than the margin there; otherwise its distance
-            is so close to the margin that halving did not decide.
+        obstacle: number of the obstacle that is too near there, or of what an arm's collision world
+            has besides.
+        decided: whether it is certain to be nearer than the margin there, or out of the arm's
+            reach; otherwise it is so close to the margin that halving did not decide.
+        capsule: number of the arm's capsule; -1 of a curve alone, and where the arm does not reach
+            the place.
+        distance: signed distance of a curve from the obstacle there, [unit]; nan where it is not
+            measured, as that of an arm.
     """
 
     parameter: float
     obstacle: int
-    distance: float
     decided: bool
+    capsule: int = -1
+    distance: float = math.nan
 
 
 def certify(
@@ -107,7 +112,8 @@ def certify(
         numbers = obstacles.primitive_numbers
         status, at, which, distance, planes = _separate(pieces, obstacles.packed, margin)
         if status != CERTIFIED:
-            return Refutation(at, int(numbers[which]), distance, status == REFUTED)
+            number = int(numbers[which])
+            return Refutation(at, number, status == REFUTED, distance=distance)
         planes[:, 2] = numbers[planes[:, 2].astype(int)]
         tables.append(planes)
     near = np.ones(len(obstacles.meshes), dtype=np.bool_)
@@ -169,7 +175,7 @@ def _against_mesh(
     """Planes that separate the curve from all triangles of one mesh."""
     first = float(curve.breaks[0])
     if margin < 0:
-        return Refutation(first, index, math.nan, False)
+        return Refutation(first, index, False)
     tree = tree_of(mesh.surface)
     axes, position, factor = rotation(mesh.wxyz), np.array(mesh.position), mesh.factor
     points = _buffer(curve)
@@ -185,13 +191,13 @@ def _against_mesh(
         10 * _MOST_TRIES + 64 * len(curve.points),
     )
     if status != CERTIFIED:
-        return Refutation(at, index, distance * factor, status == REFUTED)
+        return Refutation(at, index, status == REFUTED, distance=distance * factor)
     start = curve.points[0, :1]
     # bounds first: far from a large mesh the nearest triangle takes long to find
     if mesh.closed and mesh.distance_bounds(start)[0][0] <= 0:
         at_start = float(mesh.signed_distance(start)[0])
         if at_start <= 0:
-            return Refutation(first, index, at_start, True)
+            return Refutation(first, index, True, distance=at_start)
     planes[:, 2] = index
     planes[:, 3:6] = planes[:, 3:6] @ axes.T
     return planes

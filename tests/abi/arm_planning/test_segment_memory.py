@@ -8,9 +8,9 @@ import numpy as np
 
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.segment_memory import SegmentMemory
-from abi.arm_planning.certificates.arm_certificate import ArmRefutation
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.world.collision_world import CollisionWorld, chain_world
+from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box
 from tests.abi.arm_planning.test_chain_certificate import joint_path, some_arm
@@ -27,7 +27,7 @@ class Asked:
 
     def refutation(
         self, followed: Followed, around: CollisionWorld, with_itself: bool
-    ) -> ArmRefutation | None:
+    ) -> Refutation | None:
         self.whole += with_itself
         self.parts += not with_itself
         return chain_refutation(self.arm, followed.joints, around, MARGIN, with_itself=with_itself)
