@@ -9,12 +9,15 @@ _OF_PLANS = (
     *("bspline.length", "quadratic.length", "timing.liquid_tilt"),
     "joint_search",
     *("arm.clearances", "arm.clearance_time", "arm.clearance_obstacle", "arm.nearest"),
-    *("arm.contacts", "arm.within_limits", "arm.limits_passed", "arm.joint_speed_limits"),
-    *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),
+    *("arm.contacts", "arm.limits_passed"),
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
     *("arm.axis.angle", "arm.axis.bound"),
 )
 _OF_URDF_PLANS = ("timing.t1", "timing.t2", "timing.t3", "timing.peak_speed", "arm.elbow")
+_OF_PAPER_PLANS = (
+    *("arm.within_limits", "arm.joint_speed_limits"),
+    *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),
+)
 _OF_MOTIONS = ("limits", "direction.angle", "time", "link", "obstacle", "notes")
 """Unchecked fields, the most telling ones of each section; computing times are left out."""
 
@@ -29,9 +32,8 @@ def unchecked(data: object) -> tuple[str, ...]:
         return ()
     if isinstance(legs := data.get("legs"), list):
         return tuple(dict.fromkeys(name for leg in legs for name in unchecked(leg)))
-    names = _OF_MOTIONS if "verdict" in data else _OF_PLANS
-    if _is_of_urdf(data.get("scene")):
-        names = (*names, *_OF_URDF_PLANS)
+    of_arm = _OF_URDF_PLANS if _is_of_urdf(data.get("scene")) else _OF_PAPER_PLANS
+    names = _OF_MOTIONS if "verdict" in data else (*_OF_PLANS, *of_arm)
     return tuple(name for name in names if _is_stated(data, name))
 
 

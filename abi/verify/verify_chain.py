@@ -40,6 +40,7 @@ from abi.verify.exact_path import ExactPath
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_at_samples
 from abi.verify.joint_motion import JointMotion, MovedHull
+from abi.verify.joint_rates import check_rates
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.samples import check_samples, check_tool_points
 from abi.verify.separation import check_apart
@@ -82,6 +83,7 @@ def check_chain(
     chain = exact_chain(scene.robot, scene.arm.tool, *stands)
     check_samples(section, timing, chain.coordinates)
     rows = _rows(certificate, section, chain)
+    check_rates(section, finite("timing.duration", timing.get("duration")), rows, chain, scene)
     motion = JointMotion(chain, ExactPath(tuple(itertools.pairwise(rows))))
     _check_ends(chain, rows, scene)
     check_tool_points(section, partial(_tool, chain), _tolerance(chain, rows))
