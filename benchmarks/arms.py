@@ -98,7 +98,7 @@ def _extended(exact: ExactArm, tree: _Tree, target: FloatArray, most: float) -> 
 
 
 def task(arm: UrdfArm, exact: ExactArm) -> tuple[FloatArray, FloatArray] | None:
-    """Two clear poses (2, n) whose tools are apart, and a box (2, 3) between, clear at both.
+    """Two clear poses (2, n) whose tools are apart, and a box (2, 3) between, clear of the arm.
 
     Args:
         arm: the arm.
@@ -119,7 +119,7 @@ def task(arm: UrdfArm, exact: ExactArm) -> tuple[FloatArray, FloatArray] | None:
                 continue
             box = np.stack([(a + b) / 2, np.full(3, 0.1 * arm.reach)])
             blocked = ExactArm(arm, box)
-            if not (blocked.hits(first) or blocked.hits(last)):
+            if blocked.box_stands_free() and not (blocked.hits(first) or blocked.hits(last)):
                 return np.stack([first, last]), box
     return None
 

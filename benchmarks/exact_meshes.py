@@ -45,6 +45,12 @@ class ExactArm:
         on_box = any(_collide(placed[name], self._box) for name in moving)
         return on_box or self._hits_itself(placed)
 
+    def box_stands_free(self) -> bool:
+        """Check whether no link that stands still collides with the box."""
+        placed = self._placed(self._arm.chain.usual_range().mean(axis=1))
+        standing = (name for name, one in self._carried.items() if one.frame < 0)
+        return not any(_collide(placed[name], self._box) for name in standing)
+
     def _hits_itself(self, placed: dict[str, _Placed]) -> bool:
         return any(_collide(placed[a], placed[b]) for a, b in self._pairs)
 

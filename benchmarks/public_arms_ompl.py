@@ -3,12 +3,12 @@
     pip install ompl
     python -m benchmarks.public_arms_ompl FOLDER… --match 'panda|ur5' --results ompl.jsonl
 
-The arms and tasks are those of :mod:`benchmarks.arms`. OMPL goes from joints to joints, both clear
-by the collision shapes; ours gets the same joints, and finds its motion in the space of the joints.
-OMPL asks coal whether poses are clear, in steps of a hundredth of its space; ours proves whole
-motions. Lengths are sums of ways in the joints [rad] or [m]; ours is that of the path found, before
-it is smoothed. Times are of the processor, [ms], OMPL's with its simplification; most of it goes to
-coal, which is called from Python.
+The arms and tasks are those of :mod:`benchmarks.arms`, without a floor. OMPL goes from joints to
+joints, both clear by the collision shapes; ours gets the same joints, and finds its motion in the
+space of the joints. OMPL asks coal whether poses are clear, in steps of a hundredth of its space;
+ours proves whole motions. Lengths are sums of ways in the joints [rad] or [m]; ours is that of the
+path found, before it is smoothed. Times are of the processor, [ms], OMPL's with its simplification;
+most of it goes to coal, which is called from Python.
 """
 
 from __future__ import annotations
@@ -94,6 +94,9 @@ def measure(name: str, files: MeshSource) -> Row | None:
     ends, box = found
     length, taken = ompl_path(ExactArm(arm, box), arm.chain.usual_range(), ends)
     scene = scene_of(name, arm, ends, box, files)
+    x, y, z = scene.workspace.min
+    z = min(z, float(arm.base[2]) - 2 * arm.reach)  # OMPL knows of no floor
+    scene = scene.replace(workspace={"min": (x, y, z)})
     first, last = ({"joints": dict(zip(arm.joints, pose, strict=True))} for pose in ends.tolist())
     scene = scene.replace(start=first, goal=last)
     Planner()(scene)  # what is known of an arm is kept
