@@ -128,10 +128,12 @@ def _touches_itself(bodies: Bodies, ends: FloatArray, poses: FloatArray, slack: 
         way = between_segments(
             p, sub(vec3_at(ends, 6 * i + 3), p), q, sub(vec3_at(ends, 6 * j + 3), q)
         )
-        if math.sqrt(dot(way, way)) > bodies.radii[i] + bodies.radii[j] + slack:
+        away = math.sqrt(dot(way, way))
+        if away > bodies.radii[i] + bodies.radii[j] + slack:
             continue
         need = bodies.roundings[i] + bodies.roundings[j] + slack
-        if between_hulls(bodies, poses, pair, (0.0, 0.0, 1.0), need, need, False)[0] != APART:
+        way = (-way[0] / away, -way[1] / away, -way[2] / away) if away > 0 else (0.0, 0.0, 1.0)
+        if between_hulls(bodies, poses, pair, way, need, need, False)[0] != APART:
             return True
     return False
 
@@ -185,10 +187,11 @@ def _touches(
     """
     (poses, ends, waiting), (around, rows, slack) = room, asked
     place_bodies(chain, bodies, configurations, node * (len(chain.limits) // 2), poses, ends)
-    touching = slack >= 0 and _touches_itself(bodies, ends, poses, slack)
+    touching = False
     for s in rows:
         touching = touching or touches_row(bodies, ends, poses, around, s, waiting)
-    return touching
+    # last, as it takes longest
+    return touching or (slack >= 0 and _touches_itself(bodies, ends, poses, slack))
 
 
 _BOX = 6

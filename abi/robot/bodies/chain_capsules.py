@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
 from typing import NamedTuple
@@ -85,19 +86,17 @@ def _from_origin(place: FloatArray) -> FloatArray:
 
 
 def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
-    """Ends (k, c, 2, 3) of capsules in frames with poses (k, m + 1, 3, 4), [m]."""
-    ends = np.empty((len(poses), len(capsules), 2, 3))
-    numbers: dict[int, list[int]] = {}
-    for k, capsule in enumerate(capsules):
-        numbers.setdefault(capsule.frame, []).append(k)
-    for frame, of_frame in numbers.items():
-        points = np.concatenate([capsules[k].ends for k in of_frame])
+    """Ends (k, c, 2, 3) of capsules, by frames, whose poses are (k, m + 1, 3, 4), [m]."""
+    ends, done = np.empty((len(poses), len(capsules), 2, 3)), 0
+    for frame, of_frame in itertools.groupby(capsules, attrgetter("frame")):
+        points = np.concatenate([one.ends for one in of_frame])
+        first, done = done, done + len(points) // 2
         if frame >= 0:
             pose = poses[:, frame]
             # one product for all poses: many small ones take far longer
             turned = (pose[..., :3].reshape(-1, 3) @ points.T).reshape(len(poses), 3, -1)
             points = (turned + pose[..., 3:]).swapaxes(1, 2)
-        ends[:, of_frame] = points.reshape(-1, len(of_frame), 2, 3)
+        ends[:, first:done] = points.reshape(-1, done - first, 2, 3)
     return ends
 
 
