@@ -28,9 +28,12 @@ class SearchOrderLayer(Layer):
         plan = frame.plan
         result = plan.path
         reached = getattr(plan.error, "reached", None)
-        if result is not None and plan.graph is not None:
+        state: object
+        if frame.theatre is not None:  # which has nodes in these colours of its own
+            order, state = np.zeros(0, np.int32), None
+        elif result is not None and plan.graph is not None:
             order = result.order[: frame.visited]
-            state: object = (result, len(order))
+            state = (result, len(order))
         else:
             order = np.zeros(0, np.int32) if reached is None else reached
             state = (plan.error, len(order))

@@ -572,6 +572,10 @@ def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]
     wanted = map(tuple, scale_colours(HEAT, np.arange(count) / (len(order) - 1)))
     assert [colour[tuple(place)] for place in places] == list(wanted)
     assert np.allclose(drawn_points(visited._latest), places[-1:])
+    fake.set(session.panels.theatre.on, True)  # which has nodes of its own in these colours
+    until(lambda: not cloud.visible)
+    fake.set(session.panels.theatre.on, False)
+    until(lambda: bool(cloud.visible))
     fake.set(session.panels.files.choice, "two-boxes")
     until(lambda: session.frame.plan.scene == load_scene("two-boxes") and session.resting)
     assert slider.value == session.frame.visited == 0

@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
+
 from abi import Planner, load_scene, plan
-from app.panels.messages import _error, _longer_on_finer
+from abi.explain.reason import Reason
+from app.panels.messages import _change_label, _changes, _error, _longer_on_finer
 
 
 def test_a_finer_grid_is_remarked_just_where_its_path_is_longer() -> None:
@@ -34,3 +38,15 @@ def test_a_plan_does_not_count_the_search_of_joints_of_the_scene_before() -> Non
     searched = planner(load_scene("kitchen-ur5e").replace(arm={"axis": None, "search": "joints"}))
     assert searched.ms["joint_search"] > 0
     assert planner(load_scene("paper")).ms["joint_search"] == 0
+
+
+def test_no_change_is_offered_that_only_leads_to_the_next_error() -> None:
+    change, other = {"spline": {"clearance": 0.5}}, {"mesh": {"pitch": 0.4}}
+    reason = Reason("", "", change, np.zeros((0, 3)), others=(other,))
+    assert _changes(reason) == (change, other)
+    labels = [_change_label(each, reason) for each in _changes(reason)]
+    assert labels == ["Set clearance to 0.5", "Set node spacing to 0.4"]
+    assert _changes(replace(reason, is_whole=False)) == _changes(None) == ()
+    both = replace(reason, change={**change, "obstacles": []}, moved=0, others=())
+    (only,) = _changes(both)
+    assert _change_label(only, both) == "Set clearance to 0.5 and move obstacle 1 there"
