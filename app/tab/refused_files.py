@@ -33,7 +33,7 @@ def hear_of_refused_files(client: viser.ClientHandle) -> None:
 def _tell(client: viser.ClientHandle, event: viser.GuiEvent[viser.GuiTextHandle]) -> None:
     refused = refusal(event.target.value)
     if refused is not None:
-        notices.notify_refused_file(client, *refused)
+        notices.notify_refusal(client, *refused, stays=True)
 
 
 def refusal(text: object) -> tuple[str, str] | None:

@@ -369,7 +369,7 @@ class Session:
                 f"What this tab remembers has {report.oversize:,} letters, more than the server "
                 "takes. Open the scene from its file."
             )
-            notices.notify_refusal(self.client, "Not brought back", reason)
+            notices.notify_refusal(self.client, "Not brought back", reason, stays=True)
         if not report.state:
             self._pause.demo.wanted = self._look.demo and report.query.get("demo") != "0"
             return False
@@ -377,13 +377,15 @@ class Session:
         try:
             state = TabState.decode(report.state, meshes)
         except SceneError as error:
-            notices.notify_refusal(self.client, "The link cannot be opened", error.message)
+            notices.notify_refusal(
+                self.client, "The link cannot be opened", error.message, stays=True
+            )
             return False
         if state.missing:
             notices.notify_missing(self.client, state.missing)
         if state.faults:
             notices.notify_warning(
-                self.client, "Part of the link is left out", " ".join(state.faults)
+                self.client, "Part of the link is left out", " ".join(state.faults), stays=True
             )
         state = replace(state, scene=self._budget.fitting(state.scene))
         self._view.restore(state)

@@ -6,20 +6,32 @@ from collections.abc import Iterable
 
 import viser
 
-
-def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> viser.NotificationHandle:
-    """Notify the user of what was refused, and why."""
-    return client.add_notification(title, reason, color="red", auto_close_seconds=12)
+_SECONDS = 12.0
+"""How long a notice is there that does not stay, [s]."""
 
 
-def notify_refused_file(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Notify the user of a refused file, and why, until the notice is closed."""
-    client.add_notification(title, reason, color="red", auto_close_seconds=None)
+def notify_refusal(
+    client: viser.ClientHandle, title: str, reason: str, *, stays: bool = False
+) -> viser.NotificationHandle:
+    """Notify the user of what was refused, and why.
+
+    Args:
+        client: whose tab it is.
+        title: what was refused.
+        reason: why.
+        stays: until the notice is closed, as what is told of files and of links: one who waits for
+            these, or whose page is still being drawn, would miss it.
+    """
+    seconds = None if stays else _SECONDS
+    return client.add_notification(title, reason, color="red", auto_close_seconds=seconds)
 
 
-def notify_warning(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Warn the user of a fault in what was done."""
-    client.add_notification(title, reason, color="orange", auto_close_seconds=12)
+def notify_warning(
+    client: viser.ClientHandle, title: str, reason: str, *, stays: bool = False
+) -> None:
+    """Warn the user of a fault in what was done; arguments as for :func:`notify_refusal`."""
+    seconds = None if stays else _SECONDS
+    client.add_notification(title, reason, color="orange", auto_close_seconds=seconds)
 
 
 def notify_missing(client: viser.ClientHandle, files: Iterable[str]) -> None:
@@ -29,7 +41,7 @@ def notify_missing(client: viser.ClientHandle, files: Iterable[str]) -> None:
         f"{names} was uploaded to another server, or too long ago. Everything else is here. "
         "A scene that is saved as a file has its meshes in it."
     )
-    client.add_notification("Without its mesh", reason, color="red", auto_close_seconds=20)
+    client.add_notification("Without its mesh", reason, color="red", auto_close_seconds=None)
 
 
 def notify_end(client: viser.ClientHandle) -> None:

@@ -187,7 +187,7 @@ class CheckMotionPanel:
         self.verdict, self._plan = found.verdict, checked_plan(found.verdict)
 
     def _refuse(self, name: str, error: AbiError) -> None:
-        notices.notify_refused_file(self._client, f"{name} is not checked", _sentence(error))
+        notices.notify_refusal(self._client, f"{name} is not checked", _sentence(error), stays=True)
 
     def _offer(
         self, name: str, several: StoredUpload | None, choices: tuple[str, ...] = ()

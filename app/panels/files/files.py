@@ -120,7 +120,7 @@ class FilesPanel:
                 raise found
             scene = parse(found, meshes)
         except AbiError as error:
-            notices.notify_refused_file(self._client, f"{name} is not opened", error.message)
+            notices.notify_refusal(self._client, f"{name} is not opened", error.message, stays=True)
             return False
         if taken := borrowed(found, scene, meshes):
             names = ", ".join(taken)

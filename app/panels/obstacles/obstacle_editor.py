@@ -156,7 +156,7 @@ class ObstacleEditor:
                 self._add_mesh(one.name, one.result, scene)
             elif one.result is not None:
                 title = f"{one.name} is not added"
-                notices.notify_refused_file(self._client, title, sentence(one.result))
+                notices.notify_refusal(self._client, title, sentence(one.result), stays=True)
             self._obstacles.forget_foreseen()
         if self.uploads.stopped:
             self._obstacles.forget_foreseen()

@@ -116,7 +116,7 @@ class ArmModelPanel:
                 self._take(one.name, one.result)
             elif one.result is not None:
                 title = f"{one.name} is not added"
-                notices.notify_refused_file(self._client, title, one.result.message)
+                notices.notify_refusal(self._client, title, one.result.message, stays=True)
         self._read_chosen()
         self._model_shown = self.model.value
         name = self._name()

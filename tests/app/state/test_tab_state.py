@@ -156,7 +156,7 @@ def test_a_state_that_is_too_long_to_come_back_is_told(
 ) -> None:
     fake, session = tab
     told: list[str] = []
-    monkeypatch.setattr(notices, "notify_refusal", lambda client, *words: told.extend(words))
+    monkeypatch.setattr(notices, "notify_refusal", lambda client, *words, **_: told.extend(words))
     fake.set(session._memory._box, json.dumps({"state": "", "oversize": 3_100_000}))
     until(lambda: len(told) == 2)
     assert told[0] == "Not brought back"
@@ -260,11 +260,18 @@ def test_a_link_with_a_camera_that_sees_nothing_says_so_and_shows_its_scene(
     data = {"version": 1, "name": "two-boxes", "scene": scene.to_dict(), "view": view}
     text = base64.urlsafe_b64encode(zlib.compress(json.dumps(data).encode())).decode()
     told: list[str] = []
-    monkeypatch.setattr(notices, "notify_warning", lambda client, *words: told.extend(words))
+    stayed: list[bool] = []
+
+    def tell(client: object, *words: str, stays: bool = False) -> None:
+        told.extend(words)
+        stayed.append(stays)
+
+    monkeypatch.setattr(notices, "notify_warning", tell)
     fake, session = _reloaded(server, text)
     until(lambda: session.plan is not None and session.plan.scene == scene and session.resting)
     assert told[0] == "Part of the link is left out"
     assert "nothing can be seen" in told[1]
+    assert stayed == [True]  # a page that is still being drawn shows it, too
     assert session._fault is None
     assert View.of_camera(session.client.camera) is not None
     fake.close()
