@@ -25,8 +25,7 @@ from app.panels.obstacles.obstacle_editor import ObstacleEditor
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.stages.comparison import ComparisonPanel
 from app.panels.stages.pitch_study import PitchStudyPanel
-from app.panels.stages.stage_headers import StageHeaders
-from app.panels.stages.stages import StagePanels
+from app.panels.stages.stages import StagePanels, stage_folders
 from app.panels.teach.figures import FiguresPanel
 from app.panels.teach.lecture import Lecture
 from app.panels.teach.lessons import LessonPanel
@@ -65,8 +64,7 @@ class AllPanels:
         library: Library,
     ) -> None:
         self._client = client
-        self.stage_headers = StageHeaders(client.gui)
-        self.layout = Layout.of(client, scene.unit, self.stage_headers.folders)
+        self.layout = Layout.of(client, scene.unit, stage_folders(client.gui))
         self.stages = StagePanels(self.layout, scene, wake)
         self.layer_switches = LayerSwitches(self.layout, switches, wake, dark)
         self.obstacles = ObstacleGizmos(client, scene, wake)
@@ -116,7 +114,7 @@ class AllPanels:
             Toolbar(self.layout, self.history, self.about, self.tour, self.lecture),
             self.tour,
             self.lecture,
-            self.stage_headers,
+            self.stages,
             self.stages.mesh,
             self.stages.search,
             self.stages.bases,

@@ -18,7 +18,7 @@ from app.panels.all_panels import AllPanels
 from app.panels.obstacles.control_handles import ControlHandles
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
-from app.panels.stages.stage_headers import StageHeaders
+from app.panels.stages.stages import StagePanels
 from app.panels.teach.classroom import ClassroomPanel
 from app.panels.teach.exercise import ExercisePanel
 from app.panels.widgets import Wake
@@ -40,7 +40,7 @@ SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
 """Entries of the legend."""
 SHOWN = frozenset(switch.name for switch in SWITCHES if switch.on)
 """Entries that are on in a new tab."""
-_DETAILS = (*DETAILS, StageHeaders)
+_DETAILS = (*DETAILS, StagePanels)
 
 
 class TabView:

@@ -1,4 +1,4 @@
-"""Inputs of all stages, each in its stage's folder on the left.
+"""Folders of all stages on the left, each with its heading and its stage's inputs.
 
 A panel has ``read()``, which returns sections of a scene as typed, for :meth:`abi.Scene.replace` to
 check, and ``write(scene)``, which shows another scene. ``wake`` is the only callback.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import viser
+
 from abi.scene.scene import Scene
 from app.panels.stages.arm import ArmPanel
 from app.panels.stages.find_base import FindBasePanel
@@ -15,15 +17,33 @@ from app.panels.stages.mesh import MeshPanel
 from app.panels.stages.motion import MotionPanel
 from app.panels.stages.search import SearchPanel
 from app.panels.stages.spline import SplinePanel
+from app.panels.stages.stage_headings import headings
 from app.panels.widgets import Wake
+from app.stages.catalogue import TITLES
+from app.state.frame import Frame
 from app.ui.layout import Layout
+
+_FOLDED = ("graph", "arm")
+"""Stages whose folders are closed at first."""
+
+
+def stage_folders(gui: viser.GuiApi) -> dict[str, viser.GuiFolderHandle]:
+    """Add the stages' folders, still without inputs, by the stages' names."""
+    folders = {}
+    for stage, title in TITLES.items():
+        # viser sets a folder that follows another right away further apart
+        gui.add_html("", visible=False)
+        folders[stage] = gui.add_folder(title, expand_by_default=stage not in _FOLDED)
+    return folders
 
 
 class StagePanels:
-    """The panels of stages 1 and 3 to 6; stage 2 has no inputs."""
+    """The stages' folders: the inputs of stages 1 and 3 to 6, as stage 2 has none, and headings."""
 
     def __init__(self, layout: Layout, scene: Scene, wake: Wake) -> None:
         gui, folders = layout.client.gui, layout.folders
+        self._folders = folders
+        self._drawn: tuple[object, ...] = ()
         with folders["mesh"]:
             self.mesh = MeshPanel(gui, scene, wake)
         with folders["search"]:
@@ -36,6 +56,16 @@ class StagePanels:
             self.arm = ArmPanel(layout.client, scene, wake)
             self.bases = FindBasePanel(layout.client, scene, wake)
         self._panels = (self.mesh, self.search, self.spline, self.motion, self.arm, self.bases)
+
+    def draw(self, frame: Frame) -> None:
+        """Write the plan's results into the headings, and where an error belongs."""
+        state = frame.plan, frame.outdated, frame.refused, frame.asks, frame.lesson and frame.shown
+        if state == self._drawn:
+            return
+        self._drawn = state
+        for stage, heading in headings(frame).items():
+            if self._folders[stage].label != heading:
+                self._folders[stage].label = heading
 
     def read(self) -> dict[str, Any]:
         """Read all sections as typed."""

@@ -9,7 +9,7 @@ import abi
 from abi.robot.urdf_arm import UrdfArm
 from app.drawing.lines import NO_SEGMENTS
 from app.layers.arm.joint_trees import tree_lines
-from app.panels.stages.stage_headers import _results
+from app.panels.stages.stage_headings import _results
 
 
 @pytest.mark.slow

@@ -421,15 +421,15 @@ def test_what_is_proven_is_not_said_of_a_scene_that_is_still_planned(
 ) -> None:
     _, session = tab
     until(lambda: session.resting)
-    layout, headers = session.panels.layout, session.panels.stage_headers
+    layout, stages = session.panels.layout, session.panels.stages
     lengths = layer(session, TablesLayer)
 
     def texts() -> list[str]:
-        headings = " ".join(str(folder.label) for folder in headers.folders.values())
+        headings = " ".join(str(folder.label) for folder in layout.folders.values())
         return [layout.overlay.shown["numbers"], lengths._tables.content, headings]
 
     for outdated in (True, False):
-        for one in (layer(session, HeadlineLayer), lengths, headers):
+        for one in (layer(session, HeadlineLayer), lengths, stages):
             one.draw(replace(session.frame, outdated=outdated))
         assert [" ✓" in text.replace("✓ keeps", "") for text in texts()] == 3 * [not outdated]
 

@@ -17,7 +17,7 @@ from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
 from app.layers.result.tables import TablesLayer, _searches, _stages
 from app.panels.messages import _progress, _replan_ms
-from app.panels.stages.stage_headers import StageHeaders
+from app.panels.stages.stage_headings import headings
 from app.state.frame import Frame
 from app.ui.numbers import format_length
 from app.ui.plan_notes import notes
@@ -122,16 +122,11 @@ def test_tables_are_as_high_where_there_is_no_path(partial: bool) -> None:
 
 
 def test_a_preview_is_marked_once() -> None:
-    gui = SimpleNamespace(
-        add_html=lambda *_, **__: None, add_folder=lambda label, **_: SimpleNamespace(label=label)
-    )
-    headers = StageHeaders(gui)  # type: ignore[arg-type]
     plan = abi.Planner()(load_scene("paper"))
     labels = []
     for coarse in (False, True):
         frame = Frame(plan, coarse=coarse, partial=coarse)
-        headers.draw(frame)
-        labels.append([folder.label for folder in headers.folders.values()])
+        labels.append(headings(frame))
         assert _progress(frame).count("≈") == coarse
     assert labels[0] == labels[1]
     assert _progress(Frame(plan, partial=True)).count("≈") == 1
@@ -144,7 +139,7 @@ def test_a_heading_and_the_table_judge_the_quadratic_alike() -> None:
         fit = made.quadratic
         noted = replace(made, quadratic=replace(fit, note="The arm cannot follow it."))
         for plan in (made, noted):
-            folders = _headings(Frame(plan))
+            folders = headings(Frame(plan))
             assert ("✓" in folders["quadratic"]) == fit.holds
             row = _stages(plan).split("quadratic")[1].split("</tr>")[0]
             assert ("✓" in row) == ("✓" in folders["quadratic"])
@@ -153,8 +148,8 @@ def test_a_heading_and_the_table_judge_the_quadratic_alike() -> None:
 def test_after_a_refused_change_no_result_is_called_good() -> None:
     plan = abi.Planner()(load_scene("paper"))
     error = SceneError("spline.degree", 9, "at most 5")
-    folders = _headings(Frame(plan, refused=error))
-    assert "✓" in str(_headings(Frame(plan)))
+    folders = headings(Frame(plan, refused=error))
+    assert "✓" in str(headings(Frame(plan)))
     assert "✓" not in str(folders)
     assert "not changed ✗" in folders["bspline"]
 
@@ -163,7 +158,7 @@ def test_a_plan_that_ends_in_the_timing_tells_so_beside_the_quadratic() -> None:
     plan = abi.plan(load_scene("paper").replace(motion={"time_step": 1e-5}))
     assert plan.error is not None
     assert plan.error.stage == "timing"
-    assert "✗" in _headings(Frame(plan))["quadratic"]
+    assert "✗" in headings(Frame(plan))["quadratic"]
 
 
 def test_the_time_told_is_that_of_all_stages() -> None:
@@ -174,12 +169,3 @@ def test_the_time_told_is_that_of_all_stages() -> None:
     third = planner(scene)  # has nothing to do
     assert third.total_ms < _replan_ms(third) == _replan_ms(second)
     assert _replan_ms(replace(third, ms=dict.fromkeys(third.ms, 0.0))) == 0
-
-
-def _headings(frame: Frame) -> dict[str, str]:
-    gui = SimpleNamespace(
-        add_html=lambda *_, **__: None, add_folder=lambda label, **_: SimpleNamespace(label=label)
-    )
-    headers = StageHeaders(gui)  # type: ignore[arg-type]
-    headers.draw(frame)
-    return {stage: str(folder.label) for stage, folder in headers.folders.items()}

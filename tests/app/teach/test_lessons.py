@@ -479,7 +479,7 @@ def test_a_lesson_gives_the_exercise_to_which_it_leads(
 def test_a_page_that_asks_gives_no_answer_away(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panel, shown = session.panels.lessons, session.panels.layout.overlay.shown
-    headings = session.panels.stage_headers.folders
+    headings = session.panels.layout.folders
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
     fake.set(panel.choice, panel.titles[list(LESSONS).index("05-quadratic")])
     until(lambda: session.frame.asks and session.resting)

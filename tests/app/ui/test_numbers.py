@@ -17,7 +17,7 @@ from abi.explain.arm_faults import limit_sentence
 from abi.length_text import format_proven
 from abi.scene.scene import scene_names
 from app.layers.result.tables import _searches, _stages
-from app.panels.stages.stage_headers import _results
+from app.panels.stages.stage_headings import _results
 from app.shared.puzzles import is_puzzle
 from app.stages.catalogue import TITLES
 from app.ui import style
