@@ -27,6 +27,12 @@ FLAGS = (
     # ... for the scene alone: the panels are drawn sooner without it ...
     "--disable-gpu-compositing",
     "--disable-gpu-rasterization",
+    # Each window would load a page for what is typed into the address, a sixth of opening a tab; as
+    # the last such flag is the one that counts, with those of Playwright's that matter here.
+    "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup,DestroyProfileOnBrowserClose,"
+    "HttpsUpgrades,HttpsFirstBalancedModeAutoEnable,MediaRouter,PaintHolding,"
+    "ThirdPartyStoragePartitioning,OptimizationHints,NetworkTimeServiceQuerying,AimEnabled,"
+    "PreconnectToSearch",
     # ... and not a word to the network.
     "--disable-background-networking",
     "--disable-component-update",
@@ -43,7 +49,8 @@ _RATIO = 0.05
 
 # In software a picture takes as long as ten steps of a test, and few look at it: the page does
 # all that it does for one but the last step, the graphics card's. ``window.draws`` has that done.
-_UNDRAWN = """for (const name of ["drawArrays", "drawElements", "drawRangeElements",
+# A canvas that is not even cleared is not put on the screen again, either.
+_UNDRAWN = """for (const name of ["clear", "drawArrays", "drawElements", "drawRangeElements",
     "drawArraysInstanced", "drawElementsInstanced"]) {
   const draw = WebGL2RenderingContext.prototype[name];
   WebGL2RenderingContext.prototype[name] = function (...numbers) {
