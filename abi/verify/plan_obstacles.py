@@ -41,7 +41,7 @@ class PlanMeshes(MeshSource):
                     surface = MeshSource(folder=assets.path("scenes")).surface(name)
                     self.shipped.append(name)
                     return surface
-            expected = f"{error.expected}, beside the plan or in the folder of --meshes"
+            expected = f"{error.expected}, beside the plan or in the folder or zip of --meshes"
             raise SceneError(error.field, name, expected) from None
 
 
