@@ -99,7 +99,9 @@ class Viewpoint:
         self._headline = _HEADLINE
         self._told: float | None = None  # shape of the picture in which the text above has counted
         self._window = Window(camera.fov, _ASPECT)
-        self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
+        # where the page opened, of which it may tell again before it hears of another place
+        first: FloatArray = np.array(camera.position)
+        self._places = deque([first], maxlen=_REMEMBERED)
         self._fitted: tuple[object, ...] = ()  # what the camera was put in its place for
         self._shown = False
         self.show(scene)

@@ -244,8 +244,12 @@ def test_late_words_of_the_page_neither_move_a_given_view_nor_keep_an_old_place(
     camera = camera_at(USUAL)
     camera._state.fov = math.radians(75)
     camera._state.image_width, camera._state.image_height = 900, 900
+    opened = camera.position
     viewpoint = Viewpoint(camera, load_scene("drag-a-box"))
+    begun = camera.position
+    camera._state.position = opened  # what the page told of itself, again
     viewpoint.fit(PageArea(900.0, 900.0))
+    np.testing.assert_allclose(camera.position, begun)
     first = camera.position
     camera._state.image_width = 300
     viewpoint.fit(PageArea(300.0, 900.0))
