@@ -146,6 +146,13 @@ def test_what_is_wrong_is_named(change: dict[str, Any], field: str, words: str) 
     assert "\n" not in caught.value.message
 
 
+def test_what_was_done_to_the_data_of_a_file_is_not_read_from_the_next() -> None:
+    for _ in range(2):
+        data: Any = parse_bytes(b"obstacles: [{size: [1, 2]}]", "a.yaml")
+        assert data == {"obstacles": [{"size": [1, 2]}]}
+        data["obstacles"][0]["size"].clear()
+
+
 def test_a_file_without_an_ending_is_no_missing_scene(tmp_path: Path) -> None:
     (tmp_path / "mine").write_text("version: 1")
     for path in (tmp_path / "mine", tmp_path, Path(os.devnull), tmp_path / "mine.txt"):
