@@ -35,9 +35,11 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_files.parts import Parts
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.urdf.link_names import names_anew
 from abi.robot.urdf.mesh_lookup import MeshLookup
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import archive_of, unpacked
+from abi.robot.urdf.strict_xml import parse
 from abi.robot.urdf.urdf_reader import read_urdf
 from benchmarks import mesh_readers, robot_readers
 from benchmarks.report import Row, table
@@ -103,6 +105,8 @@ def compare_robot(file: Path, folder: Path, states: int = _STATES) -> Outcome:
     ours = robot_readers.poses_of(robot, positions)
     if (gap := _gap_with_tip(robot, positions, ours)) > _NEAR:
         return Outcome(name, kind, "different", why=f"poses with a tip differ by {gap:.2g}")
+    anew = {new: own for own, new in names_anew(parse(file.read_bytes(), name)).items()}
+    ours = {anew.get(link, link): poses for link, poses in ours.items()}
     same, told = [], []
     for by, opened in robot_readers.READERS.items():
         most = robot_readers.MOST_STATES.get(by)

@@ -12,7 +12,7 @@ from abi.errors import SceneError
 from abi.robot.urdf.robot_files import SHIPPED, packed, unpacked
 from benchmarks.public_files import compare, compare_robot, rows_of
 from benchmarks.robot_campaign import check, measure
-from tests.abi.robot.robots import OWN, arm
+from tests.abi.robot.robots import OWN, arm, joint, link, urdf
 from tests.random_archives import RobotFile, random_file
 
 
@@ -63,3 +63,12 @@ def test_all_links_of_shipped_arms_are_where_another_reader_has_them(name: str) 
     folder = assets.path("urdf")
     outcome = compare_robot(folder / name / f"{name}.urdf", folder, states=20)
     assert outcome.by[0] == "yourdfpy", outcome.why
+
+
+def test_a_link_that_is_called_anew_is_where_another_reader_has_it_by_its_own_name(
+    tmp_path: Path,
+) -> None:
+    text = urdf(link("floor"), link("b"), joint("j", "floor", "b"))
+    (tmp_path / "a.urdf").write_text(text)
+    outcome = compare_robot(tmp_path / "a.urdf", tmp_path, states=3)
+    assert outcome.outcome == "read", outcome.why
