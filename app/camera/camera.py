@@ -99,9 +99,9 @@ class Viewpoint:
         self._headline = _HEADLINE
         self._told: float | None = None  # shape of the picture in which the text above has counted
         self._window = Window(camera.fov, _ASPECT)
+        self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
         # where the page opened, of which it may tell again before it hears of another place
-        first: FloatArray = np.array(camera.position)
-        self._places = deque([first], maxlen=_REMEMBERED)
+        self._opened: list[FloatArray] = [np.array(camera.position)]
         self._fitted: tuple[object, ...] = ()  # what the camera was put in its place for
         self._shown = False
         self.show(scene)
@@ -119,6 +119,7 @@ class Viewpoint:
         """
         if self._away(list(self._places), np.array(view.position)):
             self._places.clear()
+            self._opened.clear()
         view.show(self._camera)
 
     def face(self, plan: Plan) -> None:
@@ -253,7 +254,7 @@ class Viewpoint:
 
         What the page tells may be older than our last word: a place before that is ours as well.
         """
-        return self._away(list(self._places), self._camera.position)
+        return self._away([*self._opened, *self._places], self._camera.position)
 
     def _away(self, places: list[FloatArray], position: FloatArray) -> bool:
         """Check whether a camera's position (3,), [unit], world, is none of these places."""

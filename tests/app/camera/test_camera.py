@@ -266,6 +266,17 @@ def test_late_words_of_the_page_neither_move_a_given_view_nor_keep_an_old_place(
     np.testing.assert_allclose(camera.position, second)  # nothing was sent
 
 
+def test_a_view_that_is_brought_back_stays_also_where_the_page_has_it_already() -> None:
+    camera = camera_at(USUAL)
+    camera._state.fov = math.radians(75)
+    camera._state.image_width, camera._state.image_height = 900, 900
+    viewpoint = Viewpoint(camera, load_scene("drag-a-box"))
+    viewpoint.take(USUAL)
+    camera._state.image_width = 300
+    viewpoint.fit(PageArea(300.0, 900.0))
+    np.testing.assert_allclose(camera.position, USUAL.position)
+
+
 def test_what_the_page_remembers_is_no_hand_and_any_widget_is(
     tab: tuple[FakeTab, Session],
 ) -> None:
