@@ -32,6 +32,7 @@ def test_the_tour_goes_through_five_steps(page: Page) -> None:
             page.click("Back")
             page.reads(f"1 of {len(STEPS)}.")
             page.click("Next")
+            page.reads(f"2 of {len(STEPS)}.")
         page.click("Done" if number == len(STEPS) - 1 else "Next")
     page.until(lambda: "of 5." not in page.text(), "the tour's end")
     page.until(lambda: frames.count() == 0, "no frame")
