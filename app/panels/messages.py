@@ -254,9 +254,8 @@ def _marked(frame: Frame) -> str:
         return "Magenta: the nearest free point."
     if isinstance(error, NoPath):
         return "Magenta: the narrowest place." if len(reason.points) == 1 else ""
-    if isinstance(error, ClearanceNotHeld):
-        return "Magenta: where the curve comes too near."
-    return "Magenta: where the tool tip is then." if isinstance(error, ArmNotClear) else ""
+    # of an arm in the way the sentence says where
+    return "Magenta: where the curve comes too near." if isinstance(error, ClearanceNotHeld) else ""
 
 
 def _longer_on_finer(before: Plan, plan: Plan) -> str:
