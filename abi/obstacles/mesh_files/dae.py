@@ -20,7 +20,7 @@ from abi.obstacles.mesh_files.dae_geometry import GeometryReader
 from abi.obstacles.mesh_files.dae_pose import node_pose
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, joined, placed
 from abi.obstacles.mesh_files.units import length_of
-from abi.obstacles.mesh_files.words import counted, shown
+from abi.obstacles.mesh_files.words import counted, float_words, shown
 from abi.obstacles.mesh_files.xml_document import child, children, name_of, parse, where
 
 _MOST_NODES, _DEEPEST = 10_000, 200
@@ -159,7 +159,7 @@ class _Document:
 
 def _metres(element: etree._Element) -> float:
     try:
-        metres = float(str(element.get("meter", "1")))
+        metres = float(float_words([str(element.get("meter", "1")).strip().encode()], "")[0])
     except ValueError:
         metres = 0.0
     if not 0 < metres <= _LARGEST_UNIT:

@@ -161,7 +161,9 @@ def _unit(text: str) -> float | None:
 def _numbers(words: list[str], line: int) -> list[float]:
     """Coordinates of a vertex, perhaps followed by its weight or colour."""
     try:
-        if 3 <= len(words) <= 7 and max(map(len, words)) <= 40:
+        text = "".join(words)  # Python reads 1_0 and digits of other scripts, and others do not
+        is_plain = text.isascii() and "_" not in text
+        if is_plain and 3 <= len(words) <= 7 and max(map(len, words)) <= 40:
             return [float(word) for word in words][:3]
     except ValueError:
         pass

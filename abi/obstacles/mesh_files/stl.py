@@ -9,6 +9,7 @@ import numpy as np
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count
 from abi.obstacles.mesh_files.units import commented
+from abi.obstacles.mesh_files.words import float_table
 
 _HEADER = b"abi".ljust(80)
 _COLOURED = 1 << 15
@@ -94,6 +95,6 @@ def _text_facets(data: bytes, most_faces: int) -> FloatArray:
         raise ValueError(f"an STL text of facets with three vertices, facet {facet + 1:,} is not")
     check_count(count, most_faces)
     try:
-        return table[:, numbers[3:]].astype(np.float64).reshape(-1, 3, 3)
+        return float_table(table[:, numbers[3:]]).reshape(-1, 3, 3)
     except ValueError:
         raise ValueError("an STL text, one of its coordinates is not a number") from None

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
+from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
 
@@ -18,12 +20,21 @@ def float_words(words: Sequence[bytes], what: str) -> FloatArray:
         ValueError: one is none; says that ``what`` of numbers is expected.
     """
     if max(map(len, words), default=0) <= _LONGEST:
-        try:
-            return np.array(words, dtype=f"S{_LONGEST}").astype(np.float64)
-        except ValueError:
-            pass
+        with suppress(ValueError):
+            return float_table(np.array(words, dtype=f"S{_LONGEST}"))
     wrong = next((word for word in words if not _is_number(word)), b"")
     raise ValueError(f"{what}, one of them is {shown(wrong.decode('utf-8', 'replace'))}")
+
+
+def float_table(words: NDArray[np.bytes_]) -> FloatArray:
+    """Numbers of the same shape; other programs read no ``1_0`` as Python does.
+
+    Raises:
+        ValueError: a word is no number.
+    """
+    if b"_" in words.tobytes():
+        raise ValueError
+    return words.astype(np.float64)
 
 
 def shown(text: str) -> str:
@@ -38,6 +49,6 @@ def counted(number: int, noun: str, several: str = "") -> str:
 
 def _is_number(word: bytes) -> bool:
     try:
-        return len(word) <= _LONGEST and bool(np.array([word]).astype(np.float64).size)
+        return len(word) <= _LONGEST and bool(float_table(np.array([word])).size)
     except ValueError:
         return False

@@ -80,6 +80,7 @@ def controller(kind: str) -> bytes:
         ("a.dae", polygons(2), "2 lists in <polygons> in line 9, it has 1"),
         ("a.dae", dae("</geometry>", "<mesh/></geometry>"), "one mesh in <geometry>"),
         ("a.dae", dae("<asset/>", '<asset><unit meter="-1"/></asset>'), "unit is a length"),
+        ("a.dae", dae("<asset/>", '<asset><unit meter="0.0_1"/></asset>'), "unit is a length"),
         ("a.dae", dae("<asset/>", "<asset><up_axis>UP</up_axis></asset>"), "'UP'"),
         ("a.dae", dae("<node>", "<node><matrix>1 2 3</matrix>"), "16 numbers in <matrix>"),
         ("a.dae", dae("<scene>", "<scena>").replace(b"</scene>", b"</scena>"), "with a scene"),

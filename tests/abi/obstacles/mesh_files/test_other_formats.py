@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from collections.abc import Callable
 
@@ -15,6 +16,7 @@ from abi.obstacles.triangle_mesh.mesh_reader import read
 from abi.obstacles.triangle_mesh.repair import clean
 
 SUFFIXES = (".ply", ".off", ".3mf", ".dae")
+TETRAHEDRON = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
 
 ENTITY = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><a>&b;</a>'
 
@@ -88,3 +90,18 @@ def test_what_is_damaged_or_meant_to_harm_is_refused(
 ) -> None:
     with pytest.raises(SceneError, match=expected):
         read(content, name)
+
+
+@pytest.mark.parametrize("suffix", ["obj", "off", "ply", "stl"])
+@pytest.mark.parametrize("word", ["1_0", "1_0.5e0", "\N{ARABIC-INDIC DIGIT ONE}"])
+def test_a_number_that_python_alone_reads_is_refused(suffix: str, word: str) -> None:
+    mesh = trimesh.Trimesh([[12345, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]], TETRAHEDRON)
+    kind = {"ply": {"encoding": "ascii"}}.get(suffix, {})
+    text = mesh.export(file_type="stl_ascii" if suffix == "stl" else suffix, **kind)
+    content = text if isinstance(text, bytes) else str(text).encode()
+    assert len(read(content, f"a.{suffix}")[1]) == 4
+    found = re.sub(rb"(?<=\s)12345(\.0*)?(?=\s)", word.encode(), content)
+    found = re.sub(rb"(?<=\s)1\.2345\d*e\+0?4(?=\s)", word.encode(), found)
+    assert found != content
+    with pytest.raises(SceneError, match=r"numbers|not a number"):
+        read(found, f"a.{suffix}")
