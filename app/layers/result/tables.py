@@ -184,7 +184,7 @@ def _arm_row(plan: Plan) -> tuple[str, ...]:
     hint = f"Of the links, {required} {unit} are asked for: stage 6."
     title = f'<span title="{hint}">whole arm (≥ {required})</span>'
     if lacks_motion(plan):  # what the arm touches that is drawn instead is another matter
-        return title, "–", "–", "no motion ✗"
+        return title, "–", "–", '<span title="It has no motion: stage 6.">none ✗</span>'
     clearance = _clearance(kept.distance, kept.required, kept.certified, alarming=False)
     if kept.contacts:  # those with the floor and itself, too
         worst = kept.contacts[0]

@@ -52,7 +52,7 @@ def test_an_arm_without_a_motion_has_one_reason_everywhere(
     assert plan.error.message in unescape(first)
     assert "<details" not in rest.partition("tool tip alone.")[0]
     row = unescape(_stages(plan)).partition("whole arm")[2].partition("</tr>")[0]
-    assert "no motion ✗" in row
+    assert "none ✗" in row
     assert "<b> ▸</b>" not in _stages(plan)  # nothing is followed
     assert not re.search(r"\d ✗", row)
 
