@@ -49,7 +49,7 @@ def test_neither_address_nor_copied_link_has_the_teachers_secret(
     page.close()
 
     student = Page(chromium, server.url)
-    student.until(lambda: len(server.sessions) == 1, "a student")
+    student.until(lambda: len(server.sessions) == 1 and not _teaches(server), "a student alone")
     (session,) = server.sessions.values()
     student.until(lambda: session.plan is not None, "a plan")
     assert not _teaches(server)

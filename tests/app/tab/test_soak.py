@@ -78,6 +78,8 @@ def test_all_tabs_end_with_the_right_curve_beside_a_slow_and_a_frozen_one(
 @pytest.mark.slow
 def test_what_a_frozen_tab_has_not_read_does_not_grow(crowd: Server) -> None:
     async def freeze(tab: WebTab) -> None:
+        # the first picture may come before the server has noted whose it is
+        await tab.until(lambda: len(crowd.sessions) == 1)
         (session,) = crowd.sessions.values()
         number = session.client.client_id
         connection = crowd.viser._websock_server._live_connections[number]
@@ -109,6 +111,7 @@ def test_a_tab_that_reads_nothing_for_long_is_given_up_and_comes_back_with_its_s
 
     async def run() -> None:
         (tab,) = await open_tabs(crowd.url, 1)
+        await tab.until(lambda: len(crowd.sessions) == 1)
         await shut(tab, 1.0)
         ((_, server_side),) = crowd.viser._websock_server._live_connections.items()
         # as long as some of it is read, it may go on
