@@ -7,7 +7,7 @@ most readers do without, such as the nodes of the mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,14 +23,18 @@ from abi.curves.bspline import BSpline
 from abi.curves.clearance.certificate import Certificate
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.fit import Fit
+from abi.curves.fit_quadratic import Mode
 from abi.curves.quadratic import Quadratic
 from abi.curves.three_phase_profile import ThreePhaseProfile
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_certificate_json import arm_certificate
-from abi.planner.stage_results import StageResults
 from abi.robot.any_arm import AnyArm
-from abi.scene.scene import Scene
+from abi.search.graph import Graph
+from abi.search.search import SearchResult
+from abi.search.taut.lower_bound import Bound
+from abi.search.taut.taut_path import TautPath
+from abi.tet_mesh.exclusion import FreeMesh
 
 SAMPLES = 200
 """Largest number of samples of the arm's motion, unless the JSON is full."""
@@ -39,9 +43,8 @@ Section = dict[str, Any] | None
 Times = Mapping[str, float]
 
 
-def mesh(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
+def mesh(free: FreeMesh | None, ms: Times, full: bool) -> Section:
     """Stage 1; ``full`` adds nodes and edges."""
-    free = results.free
     if free is None:
         return None
     mesh = free.mesh
@@ -60,9 +63,8 @@ def mesh(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     return section
 
 
-def graph(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
+def graph(graph: Graph | None, ms: Times) -> Section:
     """Stage 2."""
-    graph = results.graph
     if graph is None:
         return None
     return {
@@ -73,11 +75,9 @@ def graph(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section
     }
 
 
-def searches(
-    results: StageResults, scene: Scene, ms: Times, full: bool
-) -> list[dict[str, Any]] | None:
+def searches(results: Sequence[SearchResult], ms: Times) -> list[dict[str, Any]] | None:
     """Stage 3, every search that ran."""
-    if not results.searches:
+    if not results:
         return None
     return [
         {
@@ -92,13 +92,12 @@ def searches(
             "relaxed": result.relaxed,
             "ms": ms[result.algorithm],
         }
-        for result in results.searches
+        for result in results
     ]
 
 
-def path(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
+def path(path: SearchResult | None) -> Section:
     """Stage 3, the path of the chosen search."""
-    path = results.path
     if path is None:
         return None
     return {
@@ -108,9 +107,8 @@ def path(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     }
 
 
-def taut(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
+def taut(taut: TautPath | None, ms: Times) -> Section:
     """Stage 3½."""
-    taut = results.taut
     if taut is None:
         return None
     return {
@@ -121,9 +119,8 @@ def taut(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
     }
 
 
-def bspline(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
+def bspline(fit: Fit[BSpline] | None, ms: Times) -> Section:
     """Stage 4."""
-    fit = results.bspline
     if fit is None:
         return None
     spline = fit.curve
@@ -139,13 +136,12 @@ def bspline(results: StageResults, scene: Scene, ms: Times, full: bool) -> Secti
     }
 
 
-def quadratic(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
+def quadratic(fit: Fit[Quadratic] | None, mode: Mode, ms: Times) -> Section:
     """Stage 5, the curve."""
-    fit = results.quadratic
     if fit is None:
         return None
     return {
-        "mode": scene.quadratic.mode,
+        "mode": mode,
         "pieces": [
             {"t0": t0, "t1": t1, "coefficients": coefficients.tolist()}
             for t0, t1, coefficients in fit.curve.pieces
@@ -157,34 +153,21 @@ def quadratic(results: StageResults, scene: Scene, ms: Times, full: bool) -> Sec
     }
 
 
-def optimum(results: StageResults, scene: Scene, ms: Times, full: bool) -> Section:
-    """Lower bound, ``exact`` where it is the optimum, beside the best length of this plan.
+def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None) -> Section:
+    """Lower bound, ``exact`` where it is the optimum, beside the best of the lengths ``kept``.
 
-    The followed curve has a ratio to the bound only if it keeps the clearance.
+    Those are of the paths and curves that keep the clearance, by stage; the followed curve has a
+    ratio to the bound only if it is among them.
     """
-    bound, kept = results.optimum, results.kept_lengths
     if bound is None:
         return None
-    length = kept.get(results.followed or "")
+    length = kept.get(followed or "")
     return {
         "lower_bound": bound.length,
         "exact": bound.exact,
-        "best_known": results.best_known,
+        "best_known": min(kept.values(), default=None),
         "ratio": None if length is None else length / bound.length,
     }
-
-
-SECTIONS: Mapping[str, Callable[[StageResults, Scene, Times, bool], Any]] = {
-    "mesh": mesh,
-    "graph": graph,
-    "searches": searches,
-    "path": path,
-    "taut": taut,
-    "bspline": bspline,
-    "quadratic": quadratic,
-    "optimum": optimum,
-}
-"""Sections that follow from the results of the stages, the scene and the times, in order."""
 
 
 def timing(

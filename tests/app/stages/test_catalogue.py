@@ -23,7 +23,7 @@ def test_errors_and_the_page_know_the_same_stages() -> None:
 @pytest.mark.parametrize("name", SHOWN_STAGES)
 def test_a_stage_is_everywhere(name: str) -> None:
     number, _, title = TITLES[name].partition(" · ")
-    assert PLAN.to_dict().get(SECTIONS.get(name, name)), "abi/planner/plan_json.py, SECTIONS"
+    assert PLAN.to_dict().get(SECTIONS.get(name, name)), "abi/planner/plan.py, to_dict"
     assert SHOWN_STAGES[name].result(PLAN), "app/stages/catalogue.py, result"
     assert SHOWN_STAGES[name].numbers(PLAN), "app/stages/catalogue.py, numbers"
     assert SHOWN_STAGES[name].layers <= {one.name for one in SWITCHES}, "app/layers/catalogue.py"
