@@ -19,6 +19,12 @@ def missing_browser() -> str:
     return f"The browser here, {name}, shows only text." if name in _TEXT else ""
 
 
-def open_in_background(link: str) -> None:
-    """Open ``link`` in the browser without waiting, as some return only when they are closed."""
-    threading.Thread(target=webbrowser.open, args=(link,), name="browser", daemon=True).start()
+def open_in_background(link: str) -> threading.Thread:
+    """Open ``link`` in the browser in a thread, as some return only when they are closed.
+
+    No other is tried where it fails: the next one may be a text browser, which takes the terminal.
+    """
+    chosen = webbrowser.get()
+    thread = threading.Thread(target=chosen.open, args=(link,), name="browser", daemon=True)
+    thread.start()
+    return thread

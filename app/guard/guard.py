@@ -31,6 +31,7 @@ Pages: TypeAlias = Callable[[ServerConnection, Request], Response | None]
 """viser's own handler, which serves the page's files."""
 
 _PAGES = ("/", "/index.html")
+_HEALTH = "/healthz"
 _CONNECTION = "/connection"
 """Path where a page asks why it gets no connection; see ``assets/page/connecting.js``."""
 
@@ -95,7 +96,9 @@ class Guard:
         found, reason = self._answer(pages, connection, request), ""
         if isinstance(found, str):
             reason, found = found, responses.text(http.HTTPStatus.FORBIDDEN, f"{found}\n")
-        if found is not None and found.status_code >= http.HTTPStatus.BAD_REQUEST:
+        # what watches over the server asks again and again while it starts
+        is_health = request.path.partition("?")[0] == _HEALTH
+        if found is not None and found.status_code >= http.HTTPStatus.BAD_REQUEST and not is_health:
             status = http.HTTPStatus(found.status_code)
             self.refusals.note(status, request.path, connection.remote_address, reason)
         return found
@@ -120,7 +123,7 @@ class Guard:
     ) -> Response | str | None:
         """Answer to a request, or what is wrong with it, for the operator to know, too."""
         path = request.path.partition("?")[0]
-        if path == "/healthz":
+        if path == _HEALTH:
             return self._health()
         # a proxy that knows the token has its own ways to tell its users from others
         trusted = self.policy.token is not None and token.is_bearer(

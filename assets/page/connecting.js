@@ -9,6 +9,7 @@
       content: "ABI path planning is loading \u2026"; position: fixed; inset: 45% 0 auto; text-align: center;
       font: 16px/1.4 system-ui, sans-serif; color: #777; pointer-events: none;
     }
+    .abi-unconnected body::after, .abi-unconnected .mantine-Notification-root { display: none !important; }
   </style>`);
   const PERIOD = 4000, SLOW = 3;  // milliseconds between two looks; looks after which none is to be expected
   const LOST = "This page's server does not answer. It may have stopped; the page goes on trying.";
@@ -37,12 +38,15 @@
     }
     card.textContent = text;
     card.hidden = text === "";
+    document.documentElement.classList.toggle("abi-unconnected", !card.hidden);
   };
   const look = async () => {
     looks += 1;
     const text = window.abi ? "" : await reason();
-    if (window.abi) card?.remove();
-    else {
+    if (window.abi) {
+      card?.remove();
+      document.documentElement.classList.remove("abi-unconnected");
+    } else {
       show(text);
       setTimeout(look, PERIOD);
     }

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Page as Tab
 
 from app.guard.policy import policy_for
 from app.server.address import Address
@@ -151,9 +152,16 @@ def test_the_page_says_why_nothing_comes_through_a_proxy(
             cards.append((tab.locator("#abi-connecting"), words.format(url=url)))
         for card, words in cards:
             expect(card).to_contain_text(words, timeout=60_000)
+            assert not _is_loading(card.page)
             # as the first word through a websocket does
             card.page.evaluate("window.abi = {}")
             expect(card).to_have_count(0, timeout=60_000)
+
+
+def _is_loading(tab: Tab) -> bool:
+    """Whether the page still says that it is loading."""
+    style = "getComputedStyle(document.body, '::after')"
+    return bool(tab.evaluate(f"{style}.display !== 'none' && {style}.content !== 'none'"))
 
 
 def test_a_proxy_of_http_1_0_shows_what_it_has_to_do(server: Server, tmp_path: Path) -> None:

@@ -224,6 +224,17 @@ def test_health_is_told_without_a_token(locked: Server) -> None:
     assert ask(locked, "/healthz", Host="evil.example")[::2] == (200, "ok\n")
 
 
+def test_a_server_that_starts_is_no_refusal(
+    locked: Server, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(locked.guard, "ready", False)
+    with caplog.at_level(logging.INFO, "abi.web"):
+        assert ask(locked, "/healthz")[0] == 503
+        assert not caplog.records
+        assert ask(locked, "/nothing", Host="evil.example")[0] == 403
+        assert caplog.records
+
+
 def test_malformed_messages_are_dropped_and_many_of_them_close_only_their_tab(
     server: Server, tab: tuple[FakeTab, Session], caplog: pytest.LogCaptureFixture
 ) -> None:

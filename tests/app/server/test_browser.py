@@ -15,10 +15,10 @@ from pathlib import Path
 
 import pytest
 
-from abi.browser import missing_browser
+from abi.browser import missing_browser, open_in_background
 from tests.app.fake_tab import until
 
-_WAITING = "#!/bin/sh\necho opened >> {log}\nexec sleep 600\n"
+_WAITING = "#!/bin/sh\necho opened >> {log}\nexec /bin/sleep 600\n"
 
 
 def _is_ready(url: str) -> bool:
@@ -73,3 +73,21 @@ def test_no_browser_is_told_of_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
     assert missing_browser() == "There is no browser here."
     monkeypatch.setattr(webbrowser, "get", lambda: webbrowser.GenericBrowser("firefox"))
     assert missing_browser() == ""
+
+
+def test_no_text_browser_takes_the_terminal_where_the_chosen_one_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = tmp_path / "log"
+    text = tmp_path / "w3m"
+    text.write_text(_WAITING.format(log=log))
+    text.chmod(0o755)
+    monkeypatch.setattr(webbrowser, "_tryorder", None)
+    for name, value in {"BROWSER": "/nowhere/x", "TERM": "xterm", "PATH": str(tmp_path)}.items():
+        monkeypatch.setenv(name, value)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    opening = open_in_background("http://127.0.0.1:1")
+    opening.join(20)
+    assert not opening.is_alive()
+    assert not log.exists()
