@@ -135,9 +135,11 @@ def check_chain(
 
 
 def _claimed_axis(scene: Scene, section: dict[str, Any]) -> HeldAxis | None:
-    """What a plan claims of a direction that is held exactly at samples; None for nothing."""
-    if scene.arm.exact_axis is None or section.get("axis") is None:
+    """What a plan claims of a direction that its scene holds exactly; None if it holds none."""
+    if scene.arm.exact_axis is None:
         return None
+    if section.get("axis") is None:
+        raise Fault("it does not say how far the gripper turns from the direction that is held")
     claimed = mapping("arm.axis", section["axis"])
     tolerance = finite("arm.axis.tolerance", claimed.get("tolerance"))
     if not _LEAST_ANGLE <= tolerance <= math.pi / 2:
@@ -187,8 +189,8 @@ def _rows(
     if len(rows) < 2 or any(len(row) != count for row in rows):
         raise Fault(f"its positions are not two or more of {count} joints")
     wanted = [numbers_of("arm.positions", row) for row in section.get("positions", [])]
-    step = (len(rows) - 1) // max(len(wanted) - 1, 1)
-    if step < 1 or rows[::step] != wanted:
+    step, left = divmod(len(rows) - 1, max(len(wanted) - 1, 1))
+    if step < 1 or left > 0 or rows[::step] != wanted:
         raise Fault("its positions are not those of the motion")
     exact = [[Fraction(number) for number in row] for row in rows]
     for name, column, (low, high) in zip(

@@ -186,6 +186,25 @@ def test_a_changed_number_is_refused(honest: Data, path: tuple[Any, ...], value:
     assert not of_arm(data).proven
 
 
+def test_a_motion_whose_end_is_not_written_is_refused() -> None:
+    scene = NEAR.replace(motion={"samples": 6}, arm={"axis": None})
+    data: Data = json.loads(json.dumps(Planner()(scene).to_dict()))
+    assert of_arm(data).proven
+    for key in ("positions", "tool"):
+        data["arm"][key] = data["arm"][key][:-1:2]
+    data["arm"]["time"] = [moment * 5 / 4 for moment in data["arm"]["time"][:-1:2]]
+    assert "positions are not those of the motion" in of_arm(data).reason
+
+
+def test_a_direction_that_is_held_must_be_claimed(honest: Data) -> None:
+    data = copy.deepcopy(honest)
+    data["scene"]["arm"]["axis"] = [0.0, 1.0, 0.0]
+    for claim in (data["arm"]["axis"], None):
+        data["arm"]["axis"] = claim
+        assert "direction" in of_arm(data).reason
+        assert not of_arm(data).proven
+
+
 def test_links_without_a_capsule_are_refused(honest: Data) -> None:
     data = copy.deepcopy(honest)
     certificate = data["arm"]["certificate"]
