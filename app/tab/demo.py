@@ -25,11 +25,12 @@ class Demo:
     Attributes:
         wanted: whether it is still to come.
         running: whether it is under way.
+        interrupted: whether the last input found it under way: the scene is where it was left.
     """
 
     def __init__(self, obstacles: ObstacleGizmos) -> None:
         self._obstacles = obstacles
-        self.wanted = self.running = False
+        self.wanted = self.running = self.interrupted = False
         self._origin: FloatArray = np.zeros(3)
         self._size: FloatArray = np.zeros(3)
         self._begun = 0.0
@@ -55,6 +56,11 @@ class Demo:
         phase = 2 * math.pi * elapsed / _PERIOD
         shift = np.array(_REACH) * (0.0, math.sin(phase), math.sin(2 * phase))
         self._obstacles.place(0, self._origin + weight * shift * self._size)
+
+    def interrupt(self) -> None:
+        """End it, as the user has done something."""
+        self.interrupted = self.running
+        self.end()
 
     def end(self) -> None:
         """Put the obstacle back unless the user holds it, or cancel what has not begun."""

@@ -51,6 +51,8 @@ class TabView:
         layers: all layers.
         parts: what draws a frame: at once, and after that what takes longer.
         viewpoint: the tab's camera.
+        classroom: panel of the class that the tab has joined; None for none.
+        exercise: panel of a student's file; None for none.
     """
 
     def __init__(
@@ -78,7 +80,8 @@ class TabView:
         self._before: TabState | None = None
         self._rested: Plan | None = None
         self._rested_before: Plan | None = None
-        self._class: ClassroomPanel | None = None
+        self.classroom: ClassroomPanel | None = None
+        self.exercise: ExercisePanel | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
         self._folding = PanelFolding(self.panels.layout)
         layers = [layer(self.panels.layout) for layer in LAYERS]
@@ -100,26 +103,31 @@ class TabView:
         wake: Wake,
         nudge: Callable[[], None],
         hurry: Callable[[], None],
-    ) -> ClassroomPanel:
+    ) -> None:
         """Add the panel of the class that the tab joins; ``hurry`` wakes a teacher's tab."""
         with self.panels.layout.learn:
             overlay = self.panels.layout.overlay
             lessons = self.panels.lessons
             panel = ClassroomPanel(self._client, overlay, classroom, lessons, wake, nudge, hurry)
-        self._class = panel
-        quick, slow = self.parts
-        self.parts = ((*quick, panel), slow)
-        return panel
+        self.classroom = panel
+        self._add(panel)
 
-    def watch_exercise(
-        self, watch: ExerciseWatch, wake: Wake, nudge: Callable[[], None]
-    ) -> ExercisePanel:
+    def watch_exercise(self, watch: ExerciseWatch, wake: Wake, nudge: Callable[[], None]) -> None:
         """Add the panel of a student's file."""
         with self.panels.layout.learn:
             panel = ExercisePanel(self._client, watch, self.panels.theatre, wake, nudge)
+        self.exercise = panel
+        self._add(panel)
+
+    def _add(self, panel: Drawable) -> None:
         quick, slow = self.parts
         self.parts = ((*quick, panel), slow)
-        return panel
+
+    def close(self) -> None:
+        """Leave the class and the student's file, and stop reading uploads."""
+        for panel in (self.classroom, self.exercise, self.panels):
+            if panel is not None:
+                panel.close()
 
     def draw(self, frame: Frame) -> Frame:
         """Draw a frame at the playback's time; the frame as drawn.
@@ -183,7 +191,7 @@ class TabView:
         return self.playback.until_end(frame.duration)
 
     def _plays_on(self, frame: Frame) -> bool:
-        follows = self._class is not None and not self._class.teaches  # the teacher's tab
+        follows = self.classroom is not None and not self.classroom.teaches  # the teacher's tab
         return not follows and self.panels.messages.legs.plays_on(frame)
 
     def _now(self, frame: Frame) -> Frame:
@@ -198,8 +206,8 @@ class TabView:
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
         frame = replace(frame, plots=self._watch.plots)
         frame = replace(frame, bent=self.panels.control.bent(frame))
-        if self._class is not None:
-            self._class.hold_back(self.panels.theatre)
+        if self.classroom is not None:
+            self.classroom.hold_back(self.panels.theatre)
         theatre = self.panels.theatre.advance(frame)
         told = frame.lecture or frame.lesson  # what is shown is chosen for the student
         hidden = theatre is not None or (told and "arm" not in frame.shown)

@@ -37,7 +37,7 @@ def _edit(page: Page, session: Session, degree: int) -> abi.Scene:
 
 def _is_kept(page: Page, session: Session) -> None:
     page.until(
-        lambda: page.tab.evaluate(_STORED) == session._state().encode(), "the page to remember"
+        lambda: page.tab.evaluate(_STORED) == session.state().encode(), "the page to remember"
     )
 
 
@@ -75,7 +75,7 @@ def test_reload_and_back_and_a_link_bring_everything_back(tabs: Tabs, server: Se
         _is_back(page, session, scene, camera)
 
     # by a link, in a tab of its own; what is changed after that is not the link's any more
-    other = tabs(f"?state={session._state().encode()}")
+    other = tabs(f"?state={session.state().encode()}")
     session = server.sessions[other.client]
     _is_back(other, session, scene, camera)
     assert "state" not in other.tab.url

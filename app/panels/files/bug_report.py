@@ -12,6 +12,7 @@ from abi.scene.scene_file import dump
 from app.panels.widgets import Wake
 from app.process.versions import version_text
 from app.state.frame import Frame
+from app.ui import notices
 
 _ROOT = Path(__file__).parents[3]
 
@@ -68,6 +69,16 @@ def describe_fault(error: Exception) -> str:
         if "site-packages" not in frame.filename or len(own) == len(frames)
     ]
     return "\n".join((f"{type(error).__name__}: {error}"[:500], *places[-12:]))
+
+
+def notify_fault(client: viser.ClientHandle, error: Exception) -> None:
+    """Notify the user of a fault, after which the last picture stays."""
+    words = (
+        "There was not enough memory for this; a coarser mesh takes less."
+        if isinstance(error, MemoryError)
+        else "The visualiser met a fault of its own. The Scene tab has a text for a bug report."
+    )
+    notices.notify_refusal(client, "This did not work", f"{words} The last picture stays.")
 
 
 def _is_own(file: Path) -> bool:

@@ -138,7 +138,7 @@ def test_a_scene_whose_choice_was_undone_can_be_chosen_again(tab: tuple[FakeTab,
         fake.set(session.panels.history.undo, True)
         until(lambda: session.frame.plan.scene == paper)
         until(lambda: session.resting)
-    assert session._state().name == "paper"
+    assert session.state().name == "paper"
     fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
     until(lambda: session.frame.plan.scene != paper)
     fake.set(files.reset, True)
@@ -154,7 +154,7 @@ def test_what_was_changed_just_before_another_scene_was_opened_is_not_lost(
     until(lambda: session.resting)
     for degree in (2, 3):
         fake.set(panels.stages.spline.degree, degree)
-        until(lambda degree=degree: session._scene.spline.degree == degree)  # type: ignore[misc]
+        until(lambda degree=degree: session.scene.spline.degree == degree)  # type: ignore[misc]
         fake.set(panels.files.choice, "two-boxes")  # not yet at rest
         until(lambda: session.frame.plan.scene == load_scene("two-boxes"))
         fake.set(panels.history.undo, True)
@@ -189,8 +189,8 @@ def test_what_was_changed_just_before_a_drag_is_a_step_of_its_own(
     panels, gizmo = session.panels, session.panels.obstacles.gizmos[0]
     until(lambda: session.resting)
     fake.set(panels.stages.spline.degree, 2)
-    until(lambda: session._scene.spline.degree == 2)
-    changed = session._scene
+    until(lambda: session.scene.spline.degree == 2)
+    changed = session.scene
     fake.hold(gizmo)  # not yet at rest
     fake.drag(gizmo, [3.0, 3.0, 2.0])
     until(lambda: session.frame.plan.scene.obstacles[0].position == (3.0, 3.0, 2.0))

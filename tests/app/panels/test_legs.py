@@ -163,7 +163,7 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
     until(partial(at_leg, session, 3))
     assert session.frame.time == 0
 
-    text = session._state().encode()
+    text = session.state().encode()
     state = TabState.decode(text, MeshSource())
     assert state.tasks is not None
     scenes = [leg.scene for leg in legs._legs[:3]]

@@ -199,7 +199,7 @@ def test_a_challenge_waits_while_another_scene_is_shown_and_can_be_ended(
     panels, shown = session.panels, session.panels.layout.overlay.shown
     challenge = challenge_of("make it shorter", session.frame)
     assert challenge is not None
-    state = replace(session._state(), challenge=challenge.model_dump_json())
+    state = replace(session.state(), challenge=challenge.model_dump_json())
     panels.restore(state)
     fake.set(panels.files.choice, "two-boxes")
     until(lambda: panels.files.name == "two-boxes" and not shown.get("challenge"))
@@ -224,7 +224,7 @@ def test_nobody_is_invited_to_drag_what_a_challenge_keeps(
     until(lambda: "Drag the orange box." in shown["message"])
     challenge = challenge_of(goal, session.frame)
     assert challenge is not None
-    panels.restore(replace(session._state(), challenge=challenge.model_dump_json()))
+    panels.restore(replace(session.state(), challenge=challenge.model_dump_json()))
     fake.set(panels.stages.spline.degree, 3)
     until(lambda: bool(shown.get("challenge")))
     until(lambda: ("Drag" in shown["message"]) == (challenge.task == ""))

@@ -133,24 +133,24 @@ def test_a_link_gets_the_mesh_that_fits_and_a_typed_spacing_is_refused(
     fake, session = opened(server)
     text = TabState("paper", _scene(0.05)).encode()
     fake.set(session._memory._box, json.dumps({"state": text, "query": {}, "dark": False}))
-    until(lambda: session._scene.mesh.pitch != PAPER.mesh.pitch and session.resting)
-    pitch = session._scene.mesh.pitch
+    until(lambda: session.scene.mesh.pitch != PAPER.mesh.pitch and session.resting)
+    pitch = session.scene.mesh.pitch
     assert told[0] == "Coarser than asked for"
     assert f"at least {pitch:g} cm" in told[1]
     assert session.panels.stages.mesh.pitch.value == pitch
-    assert _needed(session._scene) <= SMALL
+    assert _needed(session.scene) <= SMALL
 
     fake.set(session.panels.stages.mesh.pitch, 0.06)
     until(lambda: session.frame.refused is not None)
-    assert session._scene.mesh.pitch == pitch
+    assert session.scene.mesh.pitch == pitch
     (gizmo, *_) = session.panels.obstacles.gizmos
     fake.drag(gizmo, [3.5, 3.0, 3.0])
-    until(lambda: session._scene.obstacles[0].position[0] == 3.5)  # a drag goes on beside it
-    assert session._scene.mesh.pitch == pitch
+    until(lambda: session.scene.obstacles[0].position[0] == 3.5)  # a drag goes on beside it
+    assert session.scene.mesh.pitch == pitch
     fake.set(session.panels.stages.mesh.pitch, 1.0)
-    until(lambda: session._scene.mesh.pitch == 1.0 and session.frame.refused is None)
+    until(lambda: session.scene.mesh.pitch == 1.0 and session.frame.refused is None)
     number = session.client.client_id
-    assert server.budget.taken(number) == _needed(session._scene)
+    assert server.budget.taken(number) == _needed(session.scene)
     fake.close()
     until(lambda: not server.sessions)
 

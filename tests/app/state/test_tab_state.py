@@ -291,15 +291,15 @@ def test_after_a_reload_a_figure_still_leads_back(
     state = _with_before()
     assert state.before is not None
     fake, session = _reloaded(server, state.encode())
-    until(lambda: session._scene == state.scene and session.resting)
-    kept = session._state()
+    until(lambda: session.scene == state.scene and session.resting)
+    kept = session.state()
     assert kept.before == state.before
     assert kept.figure == 3
     fake.set(session.panels.figures.back, True)
     until(lambda: session.plan is not None and session.plan.scene == state.before.scene)  # type: ignore[union-attr]
     assert session.client.camera.position == pytest.approx(state.before.view.position)  # type: ignore[union-attr]
     assert session.panels.layer_switches.shown() == {"arm"}
-    assert session._state().before is None
+    assert session.state().before is None
     fake.close()
     until(lambda: not server.sessions)
 
@@ -315,7 +315,7 @@ def test_after_a_reload_a_lesson_still_leads_back(
     until(lambda: len(lessons.choice.options) > 1)
     fake.set(lessons.choice, lessons.choice.options[1])
     until(lambda: session.resting and session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
-    text = session._state().encode()
+    text = session.state().encode()
     fake.close()
     until(lambda: not server.sessions)
 

@@ -108,7 +108,7 @@ def test_what_is_typed_during_a_drag_counts(tab: tuple[FakeTab, Session]) -> Non
         fake.drag(panels.ends.gizmos["goal"], [5.0, 5.0, 4.0 + 0.1 * step])
 
         def arrived(step: int, spacing: float, clearance: float) -> bool:
-            scene = session._scene
+            scene = session.scene
             return (
                 scene.obstacles[0].position == pytest.approx((3.0, 3.0, 2.05 + 0.1 * step))
                 and scene.goal == pytest.approx((5.0, 5.0, 4.0 + 0.1 * step))
@@ -150,12 +150,12 @@ def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session
         assert session.frame.refused is not None
         # what was typed wrongly is left out, and all else is planned
         until(partial(_stands, session, place))
-        assert session._scene.motion.speed > 0
+        assert session.scene.motion.speed > 0
     fake.set(session.panels.stages.motion.speed, 1.5)
     fake.set(pitch, 1.1)
-    until(lambda: session.frame.refused is None and session._scene.mesh.pitch == 1.1)
-    assert session._scene.motion.speed == 1.5
-    assert session._scene.obstacles[0].position == pytest.approx((3.0, 3.0, 2.4))
+    until(lambda: session.frame.refused is None and session.scene.mesh.pitch == 1.1)
+    assert session.scene.motion.speed == 1.5
+    assert session.scene.obstacles[0].position == pytest.approx((3.0, 3.0, 2.4))
 
 
 def test_where_a_link_touches_something_a_button_avoids_that(tab: tuple[FakeTab, Session]) -> None:

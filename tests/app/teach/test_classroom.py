@@ -41,8 +41,8 @@ def open_tab(server: Server, teach: str = "") -> tuple[FakeTab, Session]:
 
 
 def panel(session: Session) -> ClassroomPanel:
-    assert session._class is not None
-    return session._class
+    assert session._view.classroom is not None
+    return session._view.classroom
 
 
 def over_scene(session: Session) -> str:

@@ -18,8 +18,8 @@ _RIGHT = "def priority(g, h):\n    return g + h\n"
 
 
 def panel(session: Session) -> ExercisePanel:
-    assert session._exercise is not None
-    return session._exercise
+    assert session._view.exercise is not None
+    return session._view.exercise
 
 
 def told(session: Session) -> str:
@@ -36,7 +36,7 @@ def test_a_file_is_checked_when_it_is_saved_and_its_case_opens(tmp_path: Path) -
         until(lambda: len(server.sessions) == 1)
         session = next(iter(server.sessions.values()))
         until(lambda: session.plan is not None and "is waiting with a smaller" in told(session))
-        own = session._scene
+        own = session.scene
 
         fake.set(panel(session).open, True)
         until(lambda: session.frame.theatre is not None and len(session.frame.theatre.race) == 2)
@@ -54,7 +54,7 @@ def test_a_file_is_checked_when_it_is_saved_and_its_case_opens(tmp_path: Path) -
         until(lambda: "All 20 hidden scenes are right" in told(session))
         assert not panel(session).open.visible
         fake.set(panel(session).back, True)
-        until(lambda: session._scene == own and session.frame.theatre is None)
+        until(lambda: session.scene == own and session.frame.theatre is None)
 
         file.write_text("def priority(g, h)\n")
         until(lambda: "line 1" in told(session))

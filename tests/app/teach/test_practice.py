@@ -108,11 +108,11 @@ def test_a_tab_asks_and_its_memory_brings_the_question_back() -> None:
         fake.set(panel.look, True)
         shown = asked.scene
         assert shown is not None
-        until(lambda: session._scene.obstacles == shown.obstacles)
-        kept = session._state()
+        until(lambda: session.scene.obstacles == shown.obstacles)
+        kept = session.state()
         assert decoded(kept.practice) == panel.practice
         fake.set(panel.back, True)
-        until(lambda: len(session._scene.obstacles) == 1 and session._scene != shown)
+        until(lambda: len(session.scene.obstacles) == 1 and session.scene != shown)
 
         other, second = opened(server)
         second.panels.practice.restore(kept.practice)

@@ -406,14 +406,14 @@ def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
     panel.set(on=True, algorithm="dijkstra", step=25)
     fake.set(panel.edges, "one")
     until(lambda: session.frame.theatre is not None and session.frame.theatre.state.step == 25)
-    kept = session._state().theatre
+    kept = session.state().theatre
     panel.restore("")
     assert not panel.on.value
     for nonsense in ("{", "[]", '{"algorithm": "none"}', '{"edges": "three"}', '{"step": -1}'):
         panel.restore(nonsense)
         assert not panel.on.value
     panel.restore(kept)
-    until(lambda: session._state().theatre == kept)
+    until(lambda: session.state().theatre == kept)
     assert session.frame.theatre is not None
     assert session.frame.theatre.name == "dijkstra"
     assert session.frame.theatre.state.step == 25
