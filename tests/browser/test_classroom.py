@@ -23,7 +23,8 @@ def room() -> Iterator[tuple[Server, Classroom]]:
 
 
 def _teaches(server: Server) -> bool:
-    return any(one._class is not None and one._class.teaches for one in server.sessions.values())
+    panels = (one._view.classroom for one in server.sessions.values())
+    return any(panel is not None and panel.teaches for panel in panels)
 
 
 def test_neither_address_nor_copied_link_has_the_teachers_secret(
