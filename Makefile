@@ -1,5 +1,5 @@
-# One way in, for people and for CI. Everything is installed into .venv from the lock files, by uv
-# when it is there and by pip otherwise; what is installed already is not installed again.
+# One way in, for people and for CI. Everything is installed into .venv from the lock files, by uv,
+# which pip brings where it is missing; what is installed already is not installed again.
 #
 #   make run ARGS="--port 8123 --no-open"    start the visualiser
 #   make install                             what the tests need, into .venv
