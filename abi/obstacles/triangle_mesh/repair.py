@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from abi import arguments
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.words import counted
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, in_rows
 from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
-from abi.obstacles.triangle_mesh.shells import Shells, areas_of, shells_of
+from abi.obstacles.triangle_mesh.shells import Shells, areas_of, have_both_sides, shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.t_junctions import split_at_corners
 from abi.obstacles.triangle_mesh.union import united
@@ -27,6 +27,7 @@ from abi.obstacles.triangle_mesh.welding import (
     weld_nearby,
     without_duplicates,
 )
+from abi.obstacles.triangle_mesh.winding import windings
 
 _WELD = 1e-6
 """Relative distance, over the mesh's size, within which corners are joined if that closes the
@@ -38,6 +39,8 @@ _CLOSED_GAPS = "Small gaps between its triangles were closed."
 _SPLIT = "Triangles were split where corners of others lie on their edges."
 _AS_THEY_WERE = "Where that moved corners, the triangles count as they were, too."
 
+_MOST_WOUND = 2 * 10**8
+"""Most pairs of triangles that are tested for one inside the other; else it counts as a sheet."""
 _MOST = 500_000
 """Most triangles of a united surface, so that its file can be read again."""
 
@@ -75,7 +78,7 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
             *notes,
             f"{counted(lines, 'triangle')} left out: without area, and along no other.",
         )
-    is_solid = shells.is_solid
+    is_solid = shells.is_solid & ~_is_thin(vertices, shells)
     faces, sheets = shells.faces[is_solid], shells.faces[~is_solid]
     most, is_as_in_file = _MOST if shells.closed.any() else 0, True
     if (parts := int(shells.closed.sum())) > 1:
@@ -104,6 +107,23 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     vertices, faces = in_order(*weld(vertices, faces[areas_of(vertices, faces) > 0]))
     faces = faces if is_as_in_file else faces_in_order(faces)
     return Surface(read_only(vertices), read_only(faces), parts > 0, notes)
+
+
+def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:
+    """Mask (m,) of faces of solids that are there with both their sides, and have no solid around.
+
+    A wall between two solids has one on each side. What has none adds nothing to what winds around
+    a point: it is a sheet, though the solid that it touches is closed.
+    """
+    is_solid = shells.is_solid
+    thin = is_solid.copy()
+    thin[is_solid] = have_both_sides(shells.faces[is_solid])
+    if not thin.any():
+        return thin
+    rest, walls = shells.faces[is_solid & ~thin], shells.faces[thin]
+    if len(rest) * len(walls) <= _MOST_WOUND:
+        thin[thin] = windings(vertices, rest, vertices[walls].mean(axis=1)) == 0
+    return thin
 
 
 def _split(
@@ -159,5 +179,5 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
         ordered = shells_of(vertices, faces_in_order(turned.faces))
         shells = replace(ordered, notes=turned.notes)
     dropped = len(faces) - len(kept)
-    twice = (f"{dropped} triangles were there twice and count once.",) if dropped else ()
+    twice = (f"{counted(dropped, 'triangle')} there twice, and once is enough.",) if dropped else ()
     return replace(shells, notes=(*twice, *shells.notes))

@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.obstacles.mesh_files.words import counted
 from abi.obstacles.triangle_mesh.distinct_rows import first_of_distinct_rows, in_groups, in_rows
 
 _FLAT = 1e-9
@@ -81,13 +82,14 @@ def _split(
     flipped = edges.flipped()
     if (edges.sides > 3).any():
         # a triangle with both its sides agrees with any neighbour: the others have to by themselves
-        single = ~_have_both_sides(faces)
+        single = ~have_both_sides(faces)
         flipped = np.zeros(len(faces), dtype=np.bool_)
         flipped[single] = _Edges.of(faces[single]).flipped() if single.any() else False
     if flipped.any():
         faces[flipped] = faces[flipped, ::-1]
         edges = _Edges.of(faces)
-        notes.append(f"{flipped.sum()} triangles were inside out and have been turned.")
+        count = counted(int(flipped.sum()), "triangle")
+        notes.append(f"{count} inside out, and turned.")
     count, label = edges.shells()
     # a shell without a boundary winds a whole number of times around every point
     loose = edges.balance != 0
@@ -184,7 +186,7 @@ class _Edges:
         return np.asarray((turned > as_is) | ((turned == as_is) & (half[m:] < half[:m])))
 
 
-def _have_both_sides(faces: IntArray) -> BoolArray:
+def have_both_sides(faces: IntArray) -> BoolArray:
     """Mask (m,) of the faces that occur twice, once from each side."""
     corners = np.sort(faces, axis=1)
     rest = np.ones(len(faces), dtype=np.bool_)
