@@ -90,6 +90,9 @@ def _plan_verdicts(
     verdicts = [_curve_verdict(name, plan[name], scene, obstacles) for name in curves]
     if "arm" in plan or needs_arm:
         verdicts.append(_arm_verdict(plan, scene, obstacles))
+    if len(scene.tasks) > 1:
+        rest = f"; the plan is of the first of {len(scene.tasks)} legs, and of none of the others"
+        verdicts = [replace(one, reason=one.reason + rest) for one in verdicts]
     return tuple(verdicts)
 
 

@@ -56,7 +56,8 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
         if number > 0 and gripper != before:
             moving.append(str(number + 1))
         last = whole["tasks"][number - 1] if number > 0 else {}
-        if whole["tasks"] and data["arm"]["grasping"] and not (_grasps(task) or _grasps(last)):
+        may_grasp = _grasps(task) or _grasps(last) if whole["tasks"] else whole["arm"]["grasping"]
+        if data["arm"]["grasping"] and not may_grasp:
             raise Fault(
                 f"{label} keeps less distance than where objects are neither taken nor left"
             )
@@ -96,6 +97,13 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
         raise Fault("its trajectory's samples have not one time each, that of their legs")
     if [numbers_of("trajectory", row) for row in trajectory.get("positions", [])] != rows:
         raise Fault("its trajectory is not that of the legs")
+    counts = [len(_positions(leg)) - (number > 0) for number, leg in enumerate(legs)]
+    if trajectory.get("leg") != np.repeat(np.arange(len(legs)), counts).tolist():
+        raise Fault("its trajectory's samples are said to be of other legs")
+    begins = numbers_of("trajectory.begins", trajectory.get("begins"))
+    joins = [times[end - 1] for end in (1, *np.cumsum(counts))]
+    if len(begins) != len(joins) or np.abs(np.subtract(begins, joins)).max() > _SAME:
+        raise Fault("its trajectory's legs are said to begin at other times")
     moved = sum(task.attach is not None for task in scene.tasks)
     carried = ", and what is held is where the gripper took it" if moved else ""
     unproven = f"; not proven is how the gripper moves before leg {', '.join(moving)}"

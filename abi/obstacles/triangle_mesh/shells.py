@@ -88,8 +88,7 @@ def _split(
     if flipped.any():
         faces[flipped] = faces[flipped, ::-1]
         edges = _Edges.of(faces)
-        count = counted(int(flipped.sum()), "triangle")
-        notes.append(f"{count} inside out, and turned.")
+        notes.append(f"{counted(int(flipped.sum()), 'triangle')} inside out, and turned.")
     count, label = edges.shells()
     # a shell without a boundary winds a whole number of times around every point
     loose = edges.balance != 0

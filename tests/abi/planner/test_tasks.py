@@ -184,6 +184,20 @@ def test_what_is_taken_or_left_is_apart_and_all_else_keeps_the_clearance() -> No
         assert isinstance(failed, NoJointMotion)
 
 
+def test_the_first_leg_is_not_taken_for_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("abi.verify.verify.check_chain", lambda *_: "")
+    whole = copy.deepcopy(written())
+    alone = whole["legs"][0] | {"scene": whole["scene"]}
+    assert "the first of 5 legs" in joined(alone).reason
+
+    # and without tasks the only leg keeps what its scene asks for
+    one_leg = copy.deepcopy(whole) | {"legs": whole["legs"][:1]}
+    one_leg["scene"] = copy.deepcopy(whole["legs"][0]["scene"])
+    one_leg["scene"]["arm"]["grasping"] = False
+    one_leg["legs"][0]["scene"]["arm"]["grasping"] = True
+    assert "keeps less distance" in joined(one_leg).reason
+
+
 def test_every_leg_is_proven_and_so_is_that_they_join() -> None:
     verdicts = verify(written(), planned().scene.meshes)
     clear = [
@@ -306,6 +320,14 @@ def run_faster(plan: dict[str, Any]) -> None:
     plan["trajectory"]["time"] = [0.5 * time for time in plan["trajectory"]["time"]]
 
 
+def belong_to_other_legs(plan: dict[str, Any]) -> None:
+    plan["trajectory"]["leg"][1:] = plan["trajectory"]["leg"][:-1]
+
+
+def join_at_other_times(plan: dict[str, Any]) -> None:
+    plan["trajectory"]["begins"][1] += 0.1
+
+
 def begin_elsewhere(plan: dict[str, Any]) -> None:
     plan["scene"]["start"] = plan["scene"]["arm"]["start"] = {"joints": JOINTS[4]}
 
@@ -320,7 +342,7 @@ def end_the_first_leg_elsewhere(plan: dict[str, Any]) -> None:
         *(begin_elsewhere, end_the_first_leg_elsewhere, run_faster),
         *(jump, move_what_is_left, hold_another, forget_it, leave_out_a_leg),
         *(keep_less, slacken, go_elsewhere, tell_another_motion),
-        *(name_other_joints, run_backwards),
+        *(name_other_joints, run_backwards, belong_to_other_legs, join_at_other_times),
     ],
 )
 def test_legs_that_do_not_join_are_found(
