@@ -1,13 +1,15 @@
 """Messages that a tab may send, with the exact fields of each.
 
-Fields are those of viser 1.1.1. Here a number must only be a number, but for the camera's; whether
-it makes sense is checked by the panel that reads it.
+Those that this package reads have a class; of the others, which viser alone reads, only the fields
+are checked. Fields are those of viser 1.1.1. Here a number must only be a number, but for the
+camera's; whether it makes sense is checked by the panel that reads it.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, TypeAlias
+from collections.abc import Mapping
+from typing import Annotated, Literal, TypeAlias, Union
 
 import msgspec
 
@@ -32,18 +34,11 @@ _Vec3: TypeAlias = tuple[float, float, float]
 _Quaternion: TypeAlias = tuple[float, float, float, float]
 
 
-class _AllowedMessage(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
-    """Base of the allowed messages; any missing or additional field is refused."""
+class Message(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
+    """A message that a tab may send; any missing or additional field is refused."""
 
 
-class _NodeMessage(_AllowedMessage, frozen=True):
-    """Base of messages about a node of the scene."""
-
-    name: _Name
-    owner: _Id
-
-
-class CameraMoved(_AllowedMessage, frozen=True, tag="ViewerCameraMessage"):
+class CameraMoved(Message, frozen=True, tag="ViewerCameraMessage"):
     """The camera has moved.
 
     What it sees is computed from these numbers at once, so they must make sense.
@@ -72,62 +67,23 @@ class Value(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     value: object
 
 
-class WidgetUpdate(_AllowedMessage, frozen=True, tag="GuiUpdateMessage"):
+class WidgetUpdate(Message, frozen=True, tag="GuiUpdateMessage"):
     """A widget was used; only its value can be set."""
 
     uuid: _Id
     updates: Value
 
 
-class GizmoUpdate(_NodeMessage, frozen=True, tag="TransformControlsUpdateMessage"):
+class GizmoUpdate(Message, frozen=True, tag="TransformControlsUpdateMessage"):
     """A gizmo was moved."""
 
+    name: _Name
+    owner: _Id
     wxyz: _Quaternion
     position: _Vec3
 
 
-class GizmoDragStart(_NodeMessage, frozen=True, tag="TransformControlsDragStartMessage"):
-    """The user has taken hold of a gizmo."""
-
-
-class GizmoDragEnd(_NodeMessage, frozen=True, tag="TransformControlsDragEndMessage"):
-    """The user has released a gizmo."""
-
-
-class NodeClick(_NodeMessage, frozen=True, tag="SceneNodeClickMessage"):
-    """Something in the scene was clicked."""
-
-    instance_index: _Instance
-    ray_origin: _Vec3
-    ray_direction: _Vec3
-    screen_pos: _Vec2
-    modifier: _Modifier
-
-
-class ScenePointer(_AllowedMessage, frozen=True, tag="ScenePointerMessage"):
-    """The scene was clicked, with or without an object there."""
-
-    event_type: Literal["click"]
-    ray_origin: _Vec3
-    ray_direction: _Vec3
-    screen_pos: tuple[_Vec2]
-    modifier: _Modifier
-
-
-class NodeDrag(_NodeMessage, frozen=True, tag="SceneNodeDragMessage"):
-    """Something in the scene was dragged by its body."""
-
-    phase: Literal["start", "update", "end"]
-    instance_index: _Instance
-    start_position: _Vec3
-    start_screen_pos: _Vec2
-    end_position: _Vec3
-    end_screen_pos: _Vec2
-    button: Literal["left", "middle", "right"]
-    modifier: _Modifier
-
-
-class UploadStart(_AllowedMessage, frozen=True, tag="FileTransferStartUpload"):
+class UploadStart(Message, frozen=True, tag="FileTransferStartUpload"):
     """Announcement of an upload."""
 
     source_component_uuid: _Id
@@ -138,7 +94,7 @@ class UploadStart(_AllowedMessage, frozen=True, tag="FileTransferStartUpload"):
     size_bytes: Annotated[int, msgspec.Meta(ge=0, le=MAX_UPLOAD)]
 
 
-class UploadPart(_AllowedMessage, frozen=True, tag="FileTransferPart"):
+class UploadPart(Message, frozen=True, tag="FileTransferPart"):
     """A part of an upload."""
 
     source_component_uuid: _Id | None
@@ -147,44 +103,58 @@ class UploadPart(_AllowedMessage, frozen=True, tag="FileTransferPart"):
     content: bytes
 
 
-class Command(_AllowedMessage, frozen=True, tag="CommandTriggerMessage"):
-    """A command was chosen, or its key pressed."""
+_CLICK = {
+    "ray_origin": _Vec3,
+    "ray_direction": _Vec3,
+    "modifier": _Modifier,
+}
+_NODE = {"name": _Name, "owner": _Id}
+_CHECKED_ONLY: Mapping[str, Mapping[str, object]] = {
+    "TransformControlsDragStartMessage": _NODE,
+    "TransformControlsDragEndMessage": _NODE,
+    "SceneNodeClickMessage": {
+        **_NODE,
+        **_CLICK,
+        "instance_index": _Instance,
+        "screen_pos": _Vec2,
+    },
+    "ScenePointerMessage": {
+        **_CLICK,
+        "event_type": Literal["click"],
+        "screen_pos": tuple[_Vec2],
+    },
+    "SceneNodeDragMessage": {
+        **_NODE,
+        "phase": Literal["start", "update", "end"],
+        "instance_index": _Instance,
+        "start_position": _Vec3,
+        "start_screen_pos": _Vec2,
+        "end_position": _Vec3,
+        "end_screen_pos": _Vec2,
+        "button": Literal["left", "middle", "right"],
+        "modifier": _Modifier,
+    },
+    "CommandTriggerMessage": {"uuid": _Id},
+    "LocalStorageGetItemResponseMessage": {
+        "value": _Text | None,
+        "error": _Name | None,
+        "request_uuid": _Id,
+    },
+    "GetRenderResponseMessage": {"payload": bytes, "render_uuid": _Id},
+}
+"""Fields of the messages that viser alone reads: hands on a gizmo or in the scene, commands, and
+answers to what the server has requested."""
 
-    uuid: _Id
-
-
-class StoredItem(_AllowedMessage, frozen=True, tag="LocalStorageGetItemResponseMessage"):
-    """Item of the browser's storage that the server requested."""
-
-    value: _Text | None
-    error: _Name | None
-    request_uuid: _Id
-
-
-class Picture(_AllowedMessage, frozen=True, tag="GetRenderResponseMessage"):
-    """Picture that the server requested."""
-
-    payload: bytes
-    render_uuid: _Id
-
-
-Message: TypeAlias = (
-    CameraMoved
-    | WidgetUpdate
-    | GizmoUpdate
-    | GizmoDragStart
-    | GizmoDragEnd
-    | NodeClick
-    | ScenePointer
-    | NodeDrag
-    | UploadStart
-    | UploadPart
-    | Command
-    | StoredItem
-    | Picture
+_READ = (CameraMoved, WidgetUpdate, GizmoUpdate, UploadStart, UploadPart)
+_DECODER: msgspec.msgpack.Decoder[Message] = msgspec.msgpack.Decoder(
+    Union[
+        *_READ,
+        *(
+            msgspec.defstruct(name, tuple(fields.items()), bases=(Message,), frozen=True, tag=name)
+            for name, fields in _CHECKED_ONLY.items()
+        ),
+    ]
 )
-
-_DECODER: msgspec.msgpack.Decoder[Message] = msgspec.msgpack.Decoder(Message)
 
 
 def decode(frame: bytes | bytearray | memoryview | str) -> Message | None:
