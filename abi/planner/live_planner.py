@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from abi.planner.joint_space_motion import HASTY
 from abi.planner.node_budget import NodeBudget
 from abi.planner.plan import Plan
@@ -16,36 +18,30 @@ class LivePlanner:
 
     Attributes:
         budget: number of nodes that fit a frame.
-        coarse: whether the last plan has a coarser mesh than its scene.
-        partial: whether it was made in haste: with a coarser mesh, one search, or one branch of a
-            URDF arm.
     """
 
     def __init__(self) -> None:
         self.budget = NodeBudget()
-        self.coarse = self.partial = False
         self._last_settings: tuple[object, ...] = ()
         self.forget()
 
     def __call__(self, scene: Scene) -> Plan:
-        """Plan within a frame if possible: in full, with one search, or on a coarser mesh."""
+        """Plan within a frame if possible: in full, by one search, or on a coarser mesh."""
         settings = _path_settings(scene)
         if settings == self._last_settings:
             return self.finish(scene)
         coarser = self.budget.coarser(scene)
-        self.coarse = coarser is not None
-        planner = self._planner if coarser is None else self._coarse_planner
-        self.partial = (
-            self.coarse or planner.keeps_branch or not self.budget.fits_all_searches(scene)
-        )
-        if coarser is None:
-            self._last_settings = () if self.partial else settings
-        plan = planner(coarser or scene, chosen_only=self.partial, hasty=self.partial)
+        coarse = coarser is not None
+        planner = self._coarse_planner if coarse else self._planner
+        partial = coarse or planner.keeps_branch or not self.budget.fits_all_searches(scene)
+        if not coarse:
+            self._last_settings = () if partial else settings
+        plan = planner(coarser or scene, chosen_only=partial, hasty=partial)
         if plan.mesh is not None and plan.path is not None:
             # the arm's time is an earlier plan's where this one ended before it
             arm = plan.ms["arm"] if plan.motion is not None else 0.0
             self.budget.learn(len(plan.mesh.points), plan.total_ms - arm)
-        return plan
+        return replace(plan, coarse=coarse, partial=partial) if partial else plan
 
     def forget(self) -> None:
         """Drop the memory of earlier plans, but not what the budget has learnt from them."""
@@ -55,14 +51,12 @@ class LivePlanner:
 
     def finish(self, scene: Scene) -> Plan:
         """Plan in full, however long it takes."""
-        self.coarse = self.partial = False
         self.budget.release()
         self._last_settings = _path_settings(scene)
         return self._planner(scene)
 
-    def adopt(self, scene: Scene, coarse: bool = False, partial: bool = False) -> None:
-        """Continue from a plan of ``scene`` that another planner has made."""
-        self.coarse, self.partial = coarse, partial
+    def adopt(self, scene: Scene, partial: bool = False) -> None:
+        """Continue from a plan of ``scene`` that another planner has made, in part or in full."""
         self._planner.skip_first()
         self._coarse_planner.skip_first()
         if not partial:

@@ -51,6 +51,9 @@ class Plan(ShortRepr):
         ms: time of each stage when it last ran, [ms].
         interpreted: stages whose inner loops were not compiled then: their times say little.
         total_ms: time of this call, [ms].
+        coarse: whether its mesh is coarser than the one asked for.
+        partial: whether it was made in haste: with a coarser mesh, one search, or one branch of a
+            URDF arm.
         free: stage 1, the mesh without the nodes and edges that the obstacles exclude.
         graph: stage 2, the free mesh with start and goal.
         searches: stage 3, the result of each search.
@@ -76,6 +79,8 @@ class Plan(ShortRepr):
     ms: Mapping[str, float] = field(default_factory=dict)
     interpreted: frozenset[str] = frozenset()
     total_ms: float = 0.0
+    coarse: bool = False
+    partial: bool = False
     _: KW_ONLY
     free: FreeMesh | None = None
     graph: Graph | None = None

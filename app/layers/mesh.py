@@ -85,8 +85,8 @@ class MeshLayer(Layer):
             cloud.show(known and name in frame.shown and not fits_not)
         if self._stale and frame.outdated:
             return
-        if (state := (frame.plan, frame.partial, self._note)) != self._written:
-            counts = _COUNTS_PENDING if frame.partial else _counts(frame.plan, self._note)
+        if (state := (frame.plan, self._note)) != self._written:
+            counts = _COUNTS_PENDING if frame.plan.partial else _counts(frame.plan, self._note)
             self._written, self._text.content = state, counts
 
     def _draw_mesh(self, frame: Frame) -> None:

@@ -57,7 +57,7 @@ class LegsCard:
     def see(self, frame: Frame) -> None:
         """Take note of the plan that is shown: of a leg, or of another scene."""
         plan = frame.plan
-        if frame.outdated or frame.coarse:
+        if frame.outdated or frame.plan.coarse:
             return
         if plan.scene.tasks:
             self._whole = plan.scene
@@ -66,7 +66,7 @@ class LegsCard:
             self.number = None
         else:
             self._take(number, plan)
-        complete = self._complete if frame.partial else [*self._complete, plan]
+        complete = self._complete if frame.plan.partial else [*self._complete, plan]
         plans = [leg.plan for leg in self._legs]
         self._complete = [one for one in complete if one in plans]
         self._asked = None

@@ -85,7 +85,7 @@ class Messages:
     def draw(self, frame: Frame) -> None:
         """Write the sentence for a frame."""
         shown = frame.plan, frame.current, frame.refused, frame.reason, frame.interactive
-        preview = frame.demonstrates, frame.coarse, frame.partial, _was_whole(frame.before)
+        preview = frame.demonstrates, _was_whole(frame.before)
         still = self._share.keeps_task
         told = (
             self._mark,
@@ -214,8 +214,8 @@ def _progress(frame: Frame, still: bool = False) -> str:
     if plan.free is None or plan.path is None or not frame.tells_curve:
         return ""
     name = style.ALGORITHMS[plan.path.algorithm][0]
-    preview = "≈ one search while you drag · " if frame.partial else ""
-    if frame.coarse:
+    preview = "≈ one search while you drag · " if frame.plan.partial else ""
+    if frame.plan.coarse:
         preview = "≈ coarser while you drag · "
     length = ""
     if plan.followed_arc is not None and plan.followed is not None:

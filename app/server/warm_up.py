@@ -93,11 +93,10 @@ class WarmUp:
                 return
             if foreseen := kernels_foreseen(self._scene):
                 compiling.foresee(foreseen)
-            planner = LivePlanner()
-            plan = planner(self._scene)
+            plan = LivePlanner()(self._scene)
             # as of a tab: of code that is not compiled the times say nothing
             plan = replace(plan, ms=MappingProxyType(dict.fromkeys(plan.ms, 0.0)), total_ms=0.0)
-            self._opening.keep(self._scene, plan, planner.coarse, planner.partial)
+            self._opening.keep(self._scene, plan)
         self.planned.set()
 
     def _load(self) -> None:
@@ -108,8 +107,8 @@ class WarmUp:
         compiling.wait_for_kept()
         compiling.wait_for_loading()
         found = self._opening.find(self._scene)
-        if found is not None and found.plan.arm is not None:
-            prepare_bodies(found.plan.arm)
+        if found is not None and found.arm is not None:
+            prepare_bodies(found.arm)
 
     @staticmethod
     def _call_kernels() -> None:

@@ -6,7 +6,6 @@ import contextlib
 import threading
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from abi import progress
 from abi.planner.plan import Plan
@@ -17,46 +16,29 @@ _MAX_NODES = 30_000
 """Most nodes of a mesh that is kept; a larger one takes much memory."""
 
 
-@dataclass(frozen=True, eq=False)
-class SharedPlan:
-    """A plan that a tab has made.
-
-    Attributes:
-        scene: what was to be planned; the plan's own scene may have a coarser mesh.
-        plan: what came out.
-        coarse: whether its mesh is coarser than the scene's.
-        partial: whether it is, or some searches are left out.
-    """
-
-    scene: Scene
-    plan: Plan
-    coarse: bool
-    partial: bool
-
-
 class SharedPlans:
     """The latest plans; thread-safe, as a plan never changes."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._plans: deque[SharedPlan] = deque(maxlen=_KEPT)
+        # by what was to be planned: the plan's own scene may have a coarser mesh
+        self._plans: deque[tuple[Scene, Plan]] = deque(maxlen=_KEPT)
         self._claims: list[tuple[Scene, threading.Event]] = []
 
-    def find(self, scene: Scene, full: bool = False) -> SharedPlan | None:
+    def find(self, scene: Scene, full: bool = False) -> Plan | None:
         """The plan of an equal scene, a ``full`` one if requested; None if there is none."""
         with self._lock:
             plans = tuple(self._plans)
-        usable = [one for one in plans if _equal(one.scene, scene)]
+        usable = [plan for asked, plan in plans if _equal(asked, scene)]
         wanted = (one for one in usable if not (full and one.partial))
         return min(wanted, key=lambda one: one.partial, default=None)
 
-    def keep(self, scene: Scene, plan: Plan, coarse: bool = False, partial: bool = False) -> None:
+    def keep(self, scene: Scene, plan: Plan) -> None:
         """Keep a plan of ``scene`` for other tabs, unless it is large."""
         if plan.mesh is None or len(plan.mesh.points) > _MAX_NODES:
             return
-        kept = SharedPlan(scene, plan, coarse, partial)
         with self._lock:
-            self._plans.appendleft(kept)
+            self._plans.appendleft((scene, plan))
 
     @contextlib.contextmanager
     def claim(self, scene: Scene) -> Iterator[bool]:

@@ -46,8 +46,6 @@ class Frame:
             of the tab's own.
         reason: diagnosis of its error.
         refused: error in the last input, which the plan leaves out.
-        coarse: whether the plan's mesh is coarser than the scene's, while the input changes.
-        partial: whether the mesh is coarser, or two of the searches wait for a pause in the input.
         interactive: whether the input may still change: what takes long to draw can wait.
         outdated: whether a newer plan is being made.
         demonstrates: whether an obstacle moves by itself.
@@ -74,8 +72,6 @@ class Frame:
     checked: MotionVerdict | None = None
     reason: Reason | None = None
     refused: AbiError | None = None
-    coarse: bool = False
-    partial: bool = False
     interactive: bool = False
     outdated: bool = False
     demonstrates: bool = False

@@ -73,7 +73,7 @@ class Pause:
         """Time until there is something to do, [s]."""
         if self.demo.running:
             return FRAME
-        incomplete = frame.interactive or frame.partial or self._is_undiagnosed(frame.plan)
+        incomplete = frame.interactive or frame.plan.partial or self._is_undiagnosed(frame.plan)
         idle = self._has_lights and not incomplete and not self.demo.wanted
         bases = self._panels.stages.bases.timeout()
         usual = IDLE if idle else REST

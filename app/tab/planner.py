@@ -62,10 +62,10 @@ class TabPlanner:
         """The plan of ``scene`` that another tab has made, a ``full`` one if requested; or None."""
         if (found := shared.find(scene, full)) is None:
             return None
-        self.live.adopt(scene, found.coarse, found.partial)
-        self._ms, self.processor_ms = found.plan.ms, found.plan.total_ms
+        self.live.adopt(scene, found.partial)
+        self._ms, self.processor_ms = found.ms, found.total_ms
         compiling.begin()
-        return found.plan
+        return found
 
     def __call__(self, scene: Scene, shared: SharedPlans | None) -> Plan:
         """Plan within a frame if possible; ``shared`` plans are offered to other tabs.
@@ -78,7 +78,7 @@ class TabPlanner:
             with shared.claim(scene) as mine:
                 if mine:
                     plan = self._make(self.live, scene)
-                    shared.keep(scene, plan, self.live.coarse, self.live.partial)
+                    shared.keep(scene, plan)
                     return plan
             with self._watched():
                 shared.wait(scene)

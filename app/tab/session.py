@@ -161,7 +161,7 @@ class Session:
     @property
     def resting(self) -> bool:
         """Whether the plan is complete, all of it is drawn, and no input is waiting."""
-        waiting = self.frame.interactive or self.frame.partial or self._worker.is_woken()
+        waiting = self.frame.interactive or self.frame.plan.partial or self._worker.is_woken()
         return self.plans > 0 and not waiting
 
     def wake(self, event: object) -> None:
@@ -261,7 +261,7 @@ class Session:
             reason = "The motion that is checked is a file already. Go back to your own plan first."
             notices.notify_refusal(self.client, "Not exported", reason)
             return
-        if self._planner.live.partial:
+        if self.frame.plan.partial:
             self._show(self._planner.finish(self.scene, self._input.shared_plans))
         self.panels.exports.send(self.frame.plan)
 
@@ -313,7 +313,7 @@ class Session:
         if loaded and self.plans:
             # nothing that is told of the last scene is true of this one, nor of the right size
             self.playback.restore(0.0, self.playback.playing)
-            frame = replace(self.frame, plan=Plan(scene), reason=None, coarse=False, partial=False)
+            frame = replace(self.frame, plan=Plan(scene), reason=None)
             self._view.draw(replace(frame, outdated=True))
         elif self._planner.processor_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
@@ -341,11 +341,9 @@ class Session:
         frame = self.panels.apply_switches(self.frame)
         if plan is not frame.plan:
             frame = replace(frame, plan=plan, reason=None, checked=self.panels.check.verdict)
-        live = self._planner.live
         self._view.face(plan)
-        frame = replace(frame, coarse=live.coarse, partial=live.partial, interactive=interactive)
-        demonstrates = self._pause.demo.running
-        self._draw(replace(frame, outdated=False, demonstrates=demonstrates))
+        frame = replace(frame, interactive=interactive, demonstrates=self._pause.demo.running)
+        self._draw(replace(frame, outdated=False))
         if interactive and self.plans:
             metrics.UPDATES.observe(time.monotonic() - self._woken)
         self._drawn = self.panels.step(plan.scene)
@@ -362,7 +360,7 @@ class Session:
         """Complete what a drag has left incomplete; after that do idle work."""
         if not self.panels.held:  # before what takes longer, in which there may be a hand again
             self.panels.history.note(self.panels.step(self.scene), self._woken)
-        if self._planner.live.partial:
+        if self.frame.plan.partial:
             self._complete()
             return
         if not self.panels.held:
@@ -381,7 +379,7 @@ class Session:
         with contextlib.nullcontext(True) if shared is None else shared.claim(self.scene) as mine:
             if not mine:
                 return
-            if self._planner.live.coarse:
+            if self.frame.plan.coarse:
                 self._draw(replace(self.frame, outdated=True))
             self._show(self._planner.finish(self.scene, shared))
 

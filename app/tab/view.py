@@ -223,7 +223,7 @@ class TabView:
         """The last plan at rest before that of a frame, which is kept once it rests itself."""
         if frame.plan is not self._rested:
             self._rested_before = self._rested
-            if not (frame.interactive or frame.partial or frame.outdated):
+            if not (frame.interactive or frame.plan.partial or frame.outdated):
                 self._rested = frame.plan
         return self._rested_before
 

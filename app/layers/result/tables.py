@@ -50,11 +50,11 @@ class TablesLayer(Layer):
     def draw(self, frame: Frame) -> None:
         """Write the plan's numbers."""
         plan = frame.plan
-        state = plan, frame.partial, frame.current
+        state = plan, frame.current
         if state == self._drawn:
             return
         self._drawn = state
-        if frame.partial:
+        if plan.partial:
             old = self._last
         else:
             # the first picture of another scene has no plan yet: its searches begin with nothing

@@ -70,7 +70,7 @@ class FilesPanel:
 
     def draw(self, frame: Frame) -> None:
         """Show what the scenes are about, once there is time, and which one is chosen."""
-        if self._shown != self.name and not (frame.interactive or frame.partial):
+        if self._shown != self.name and not (frame.interactive or frame.plan.partial):
             self._shown = self.name
             self._cards.content = cards(self.choice, scene_cards(self.name), few=True)
 

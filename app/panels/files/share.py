@@ -101,7 +101,7 @@ class SharePanel:
         """Show the challenge, and whether it is met."""
         text = ""
         if self.challenge is not None and not self.paused:
-            resting = not (frame.interactive or frame.partial)
+            resting = not (frame.interactive or frame.plan.partial)
             met = resting and self.challenge.is_met(frame)
             end = button(self._end, "End", hint="Ends the challenge; the scene stays.")
             text = f'<div class="abi-card">{self.challenge.html(met, frame)} {end}</div>'

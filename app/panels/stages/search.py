@@ -58,7 +58,7 @@ class SearchPanel:
     def draw(self, frame: Frame) -> None:
         """Let the slider end where the search did, once the hand rests."""
         path = frame.plan.path
-        if frame.interactive or frame.partial or not frame.current or path is None:
+        if frame.interactive or frame.plan.partial or not frame.current or path is None:
             return
         most = max(path.expanded, 1)
         if self.shown.max != most:

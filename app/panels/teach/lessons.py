@@ -185,7 +185,7 @@ class LessonPanel:
 
     def draw(self, frame: Frame) -> None:
         """Show the page with the frame's numbers; go on where its task is done."""
-        resting = not (frame.interactive or frame.partial or not frame.current)
+        resting = not (frame.interactive or frame.plan.partial or not frame.current)
         if resting and self._lessons is NO_LESSONS:
             self._list()
         step = self._step

@@ -191,7 +191,7 @@ class TheatrePanel:
             self._last = None
             return None
         if not self._searches.are_of(plan):
-            if frame.interactive or frame.partial or frame.outdated:
+            if frame.interactive or frame.plan.partial or frame.outdated:
                 return None
             self._searches, self._last = TheatreSearches(plan), None
             self._answer = JudgedGuess()  # the node was one of another graph

@@ -26,22 +26,23 @@ def test_in_haste_one_search_runs_on_a_coarser_mesh_and_then_all_on_the_whole() 
     planner.budget.nodes = LEAST_NODES
     hasty = planner(scene)
 
-    assert planner.coarse
+    assert hasty.coarse
+    assert hasty.partial
     assert hasty.error is None
     assert hasty.mesh is not None
     assert len(hasty.mesh.points) <= LEAST_NODES
     assert [found.algorithm for found in hasty.searches] == [scene.search.algorithm]
 
     whole = planner.finish(scene)
-    assert not planner.coarse
-    assert not planner.partial
+    assert not whole.coarse
+    assert not whole.partial
     assert whole.mesh is not None
     assert len(whole.mesh.points) == nodes(scene)
     assert len(whole.searches) == 3
 
     # what does not touch the path needs no coarser mesh
     faster = planner(scene.replace(motion={"speed": 5}))
-    assert not planner.coarse
+    assert not faster.coarse
     assert faster.quadratic is whole.quadratic
     assert faster.profile is not None
     assert faster.profile.peak_speed == pytest.approx(5)
@@ -52,12 +53,12 @@ def test_in_haste_one_search_may_do_on_the_whole_mesh_and_the_rest_keeps_it() ->
     planner.budget.nodes = nodes(scene)
     hasty = planner(scene)
 
-    assert planner.partial
-    assert not planner.coarse
+    assert hasty.partial
+    assert not hasty.coarse
     assert [found.algorithm for found in hasty.searches] == [scene.search.algorithm]
 
     whole = planner.finish(scene)
-    assert not planner.partial
+    assert not whole.partial
     assert len(whole.searches) == 3
     assert whole.path is hasty.path
     assert whole.bspline is hasty.bspline
@@ -65,8 +66,9 @@ def test_in_haste_one_search_may_do_on_the_whole_mesh_and_the_rest_keeps_it() ->
 
 def test_what_is_quick_is_planned_with_all_searches() -> None:
     planner, scene = LivePlanner(), scene_of(1.3)
-    assert len(planner(scene).searches) == 3
-    assert not planner.partial
+    plan = planner(scene)
+    assert len(plan.searches) == 3
+    assert not plan.partial
 
 
 def test_what_was_planned_is_freed_once_it_is_forgotten_and_planned_the_same_again() -> None:

@@ -210,19 +210,20 @@ def test_a_drag_keeps_to_its_start_pose_and_rests_on_what_a_fresh_plan_has(kitch
     aside = KITCHEN.to_dict()["obstacles"]
     aside[0]["position"][2] += 0.01
     begun = live(KITCHEN.replace(obstacles=aside))
-    assert not live.partial
+    assert not begun.partial
     dragged = live(KITCHEN)
-    assert live.partial
+    assert dragged.partial
     assert dragged.arm_clearance is not None
     assert dragged.arm_clearance.certified
     poses, quadratics = [], []
-    for plan in (begun, dragged, live.finish(KITCHEN), kitchen):
+    finished = live.finish(KITCHEN)
+    for plan in (begun, dragged, finished, kitchen):
         assert plan.motion is not None
         assert plan.quadratic is not None
         poses.append(plan.motion.positions)
         quadratics.append(plan.quadratic)
     assert np.array_equal(poses[0][0], poses[1][0])
-    assert not live.partial
+    assert not finished.partial
     assert np.array_equal(poses[2], poses[3])
     # one that the arm does not follow is not sought in haste
     assert [one.holds for one in quadratics] == [True, False, True, True]

@@ -83,7 +83,7 @@ class _Tables:
 
     def show(self, plan: Plan, partial: bool = False) -> list[list[str]]:
         """The cells of every row, and the paragraphs."""
-        self._layer.draw(Frame(plan, coarse=partial, partial=partial))
+        self._layer.draw(Frame(replace(plan, coarse=partial, partial=partial)))
         rows = re.findall(r"<tr>(.*?)</tr>|<div[^>]*>(?!<table)(.*?)</div>", self._html.content)
         return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) or [text] for row, text in rows]
 
@@ -125,11 +125,11 @@ def test_a_preview_is_marked_once() -> None:
     plan = abi.Planner()(load_scene("paper"))
     labels = []
     for coarse in (False, True):
-        frame = Frame(plan, coarse=coarse, partial=coarse)
+        frame = Frame(replace(plan, coarse=coarse, partial=coarse))
         labels.append(headings(frame))
         assert _progress(frame).count("≈") == coarse
     assert labels[0] == labels[1]
-    assert _progress(Frame(plan, partial=True)).count("≈") == 1
+    assert _progress(Frame(replace(plan, partial=True))).count("≈") == 1
 
 
 def test_a_heading_and_the_table_judge_the_quadratic_alike() -> None:

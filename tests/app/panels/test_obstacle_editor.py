@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -175,7 +176,7 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
 
     # at rest the good scene is planned in full, where that had to wait
     plans = session.plans
-    session._planner.live.partial = True
+    session.frame = replace(session.frame, plan=replace(session.frame.plan, partial=True))
     until(lambda: session.plans > plans and session.resting)
     assert "The cruise speed must be" in shown["message"]
     assert session.frame.refused is not None
