@@ -37,6 +37,10 @@ _SI = (
     "SI",
     {"angle": "rad", "length": "m"},
 )
+_POINT = ("positions", "velocities", "accelerations", "time_from_start")
+_DURATIONS = (("sec",), ("sec", "nanosec"), ("sec", "nsec"), ("secs",), ("secs", "nsecs"))
+"""Names of a duration's seconds, and of the nanoseconds beside them."""
+_LARGEST = 10**300
 _STATE, _LONGEST_STATE = "state", 500
 _MESSAGE = frozenset(
     (
@@ -68,6 +72,7 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
         if not isinstance(found, dict):
             break
         _check_base(found)
+        _check_single(found)
         notes += told(found.get(_STATE))
         start = next((_state(found[name]) for name in _STATES if name in found), start)
         if "joint_names" in found and "points" in found:
@@ -125,6 +130,15 @@ def _check_base(message: Mapping[str, Any]) -> None:
         )
 
 
+def _check_single(message: Mapping[str, Any]) -> None:
+    """Raise where a message holds two motions."""
+    held = [name for name in (*_INSIDE, "points", "positions") if message.get(name)]
+    if len(held) > 1 and not isinstance(message.get("scene"), dict):
+        raise MotionError(
+            f"The file holds more than one motion: {', '.join(held)}.", "Give one of them."
+        )
+
+
 def _state(state: object) -> RobotState:
     """Where a message says that the robot stands, and what it holds."""
     if not isinstance(state, dict):
@@ -177,8 +191,8 @@ def _trajectory(message: dict[str, Any]) -> Motion:
     notes = []
     if len(times) and times[0] > 0:
         notes.append(f"The motion begins at {times[0]:g} s; how the robot gets there is not known.")
-    if rates[0] is None:
-        rates[1] = None
+    given = {name: value for point in points for name, value in point.items() if value != []}
+    notes += [one.replace("the file", "the points") for one in _unused(given, {*_POINT})]
     return Motion(names, times, positions, rates[0], rates[1], notes=tuple(notes))
 
 
@@ -268,10 +282,10 @@ def _time(row: int, point: dict[str, Any]) -> float:
     """Time of a point [s], a duration of ROS 2 or ROS 1, or a number."""
     value = point.get("time_from_start")
     if isinstance(value, dict):
-        seconds = value.get("sec", value.get("secs"))
-        parts = value.get("nanosec", value.get("nsecs", 0))
-        if _is_number(seconds) and _is_number(parts):
-            return float(seconds) + 1e-9 * float(parts)  # type: ignore[arg-type]
+        names = next((one for one in _DURATIONS if {*one} == {*value}), ())
+        if names and all(map(_is_number, value.values())):
+            seconds, *rest = (float(value[name]) for name in names)
+            return seconds + 1e-9 * sum(rest)
     if _is_number(value):
         return float(value)  # type: ignore[arg-type]
     raise MotionError(
@@ -325,4 +339,6 @@ def _table(name: str, value: object) -> FloatArray:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    if isinstance(value, int) and not isinstance(value, bool):
+        return abs(value) < _LARGEST  # a whole number of Python may be larger than any other
+    return isinstance(value, float)

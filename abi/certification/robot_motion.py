@@ -110,6 +110,7 @@ def robot_motion(
     robot, given = scene.robot, motion
     motion, notes = _matched(motion, robot, scene.arm.tool)
     _suspect_degrees(motion, robot)
+    notes += _long_turns(motion, robot)
     if start is None:
         start = {name: at for name, at in motion.start.joints.items() if name in motion.joints}
     notes += check_start(motion, robot, start)
@@ -223,6 +224,20 @@ def _suspect_degrees(motion: Motion, robot: Robot) -> None:
             row=int(row) + 1,
             joint=name,
         )
+
+
+def _long_turns(motion: Motion, robot: Robot) -> list[str]:
+    """Sentences on continuous joints that turn by more than half a turn between two waypoints."""
+    found, kinds = [], {joint.name: joint.kind for joint in robot.joints}
+    for name, column in zip(motion.joints, motion.positions.T, strict=True):
+        turns = np.abs(np.diff(column))
+        if kinds[name] == "continuous" and turns.max() > math.pi:
+            row = int(turns.argmax()) + 1
+            found.append(
+                f"Between rows {row} and {row + 1} {name} turns by {turns[row - 1]:.4g} rad, as "
+                "its numbers say; a controller that takes the shorter turn moves otherwise."
+            )
+    return found
 
 
 def _standing(chain: Chain) -> list[str]:

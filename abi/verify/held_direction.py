@@ -65,20 +65,19 @@ def check_held_in_motion(
 
     Args:
         data: the verdict on a motion from elsewhere.
-        scene: its scene, which asks for the direction.
+        scene: its scene, which may ask for the direction.
         chain: the robot.
         path: the joints' motion.
 
     Raises:
         Fault: the direction is said to be kept, and is not proven to be.
     """
-    told = data.get("direction")
-    if told is None:
+    told, axis, exact = data.get("direction"), scene.arm.held_axis, scene.arm.exact_axis
+    if told is None and axis is None and exact is None:
         return ""
-    told = mapping("direction", told)
+    told = {} if told is None else mapping("direction", told)
     if told.get("state") != "kept":
         return ", its tool's direction not said to be kept"
-    axis, exact = scene.arm.held_axis, scene.arm.exact_axis
     if exact is not None:
         tolerance = finite("direction.tolerance", told.get("tolerance"))
         axis = HeldAxis(direction=exact, tolerance=tolerance)

@@ -6,19 +6,28 @@ from typing import Any
 
 _OF_PLANS = (
     *("mesh", "graph", "searches", "path", "taut", "optimum"),
-    *("bspline.length", "quadratic.length", "timing.liquid_tilt"),
-    "joint_search",
+    *("bspline.length", "bspline.inserted", "bspline.moved"),
+    *("quadratic.length", "quadratic.mode", "quadratic.note"),
+    *("timing.theorem_residual", "timing.liquid_tilt", "joint_search", "error", "notes"),
     *("arm.clearances", "arm.clearance_time", "arm.clearance_obstacle", "arm.nearest"),
-    *("arm.contacts", "arm.limits_passed"),
+    *("arm.contacts", "arm.limits_passed", "arm.capsules"),
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
     *("arm.axis.angle", "arm.axis.bound"),
 )
-_OF_URDF_PLANS = ("timing.t1", "timing.t2", "timing.t3", "timing.peak_speed", "arm.elbow")
+_OF_URDF_PLANS = (
+    "timing.curve",
+    "timing.t1",
+    "timing.t2",
+    "timing.t3",
+    "timing.peak_speed",
+    "arm.elbow",
+)
 _OF_PAPER_PLANS = (
     *("arm.within_limits", "arm.joint_speed_limits"),
     *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),
 )
-_OF_MOTIONS = ("limits", "direction.angle", "time", "link", "obstacle", "notes")
+_OF_DIRECTION = tuple(f"direction.{name}" for name in ("angle", "stretches", "time", "why"))
+_OF_MOTIONS = ("limits", *_OF_DIRECTION, "time", "link", "obstacle", "notes")
 """Unchecked fields, the most telling ones of each section; computing times are left out."""
 
 

@@ -368,6 +368,10 @@ def test_a_continuous_joint_may_have_turned_before(tmp_path: Path) -> None:
         (proof,) = verify(json.loads(json.dumps(verdict.to_dict())), scene.meshes)
         assert proof.proven, proof.reason
     np.testing.assert_allclose(found, found[0], atol=1e-9)
+    for far, is_told in ((3.0, False), (6.0, True)):
+        way = np.array([[0.1, far, 0.1], [0.3, 0.0, -0.4]])
+        notes = abi.certify(None, ["p", "turn", "q"], [0, 9], way, scene).to_dict()["notes"]
+        assert any("turn turns by 6 rad" in note for note in notes) == is_told
 
 
 def test_degrees_are_suspected_only_where_angles_are_large() -> None:

@@ -151,6 +151,9 @@ def test_another_direction_or_part_than_the_scene_s_is_refused(degree: int) -> N
     chain = exact_joints(scene.arm.robot, JOINTS, scene.arm.base, 1, scene.arm.base_wxyz)
     path = exact_path(data["motion"], [1] * len(JOINTS))
     assert "of its direction" in check_held_in_motion(data, scene, chain, path)
+    silent = {**data, "direction": None}
+    assert "not said to be kept" in check_held_in_motion(silent, scene, chain, path)
+    assert check_held_in_motion(silent, alone().replace(arm={"axis": None}), chain, path) == ""
     for damage in ({"tolerance": 0.2}, {"last": 1.0}):
         wrong = {**data, "direction": data["direction"] | damage}
         with pytest.raises(Fault):

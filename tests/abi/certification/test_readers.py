@@ -94,6 +94,63 @@ def test_waypoints_without_times_are_numbered() -> None:
     assert motion.times.tolist() == [0, 1, 2]
 
 
+def timed(**parts: object) -> dict[str, Any]:
+    points = message()["points"]
+    return message(points=[*points[:-1], points[-1] | {"time_from_start": parts}])
+
+
+@pytest.mark.parametrize(
+    ("seconds", "rest"), [("sec", "nanosec"), ("sec", "nsec"), ("secs", "nsecs")]
+)
+def test_a_duration_is_read_whole(seconds: str, rest: str) -> None:
+    motion = read_message(timed(**{seconds: 1, rest: 250_000_000}), [])
+    assert motion.times[-1] == TIMES[-1]
+    assert read_message(timed(**{seconds: 1}), []).times[-1] == 1
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        *(
+            (timed(**parts), "row 3 time_from_start is")
+            for parts in (
+                {"sec": 1, "nanoseconds": 900_000_000},
+                {"secs": 1, "nanosec": 900_000_000},
+                {"sec": 1, "nanosec": 1, "nsec": 900_000_000},
+                {"nanosec": 900_000_000},
+                {"sec": 1, "nanosec": 10**400},
+                {},
+            )
+        ),
+        (
+            message(points=[one | {"unit": "deg"} for one in message()["points"]]),
+            "unit of the motion is 'deg'",
+        ),
+        ({"joint_trajectory": message(), "trajectory": message()}, "more than one motion"),
+        (message(points=[one | {"velocities": [], "accelerations": [0.1] * 6}
+                         for one in message()["points"]]), "accelerations but no velocities"),
+        ({"joints": ["a"], "positions": [[0], [10**400]]}, "Row 2 of positions"),
+        ({"joints": ["a"], "positions": [[0], [1]], "times": [0, 10**400]}, "Row 1 of times"),
+    ],
+)  # fmt: skip
+def test_what_would_be_read_otherwise_is_refused(data: dict[str, Any], words: str) -> None:
+    with pytest.raises(MotionError, match=words):
+        read_message(data, [])
+
+
+def test_what_points_say_beside_their_motion_is_told() -> None:
+    points = [one | {"velocity": [3.0], "effort": []} for one in message()["points"]]
+    notes = read_message(message(points=points), []).notes
+    assert notes == ("Not used of the points: velocity.",)
+
+
+@pytest.mark.parametrize("number", ["010", "-07", "0o17", "00"])
+def test_numbers_that_two_versions_of_yaml_read_otherwise_are_refused(number: str) -> None:
+    text = yaml_text(message()).replace("0.1", number, 1)
+    with pytest.raises(MotionError, match="octal"):
+        read_motion("a.yaml", text.encode(), own_joints(ROBOT))
+
+
 @pytest.mark.parametrize("untimed", [{}, {"timed": False, "times": TIMES}])
 def test_velocities_without_times_leave_the_way_open_and_are_refused(
     untimed: dict[str, Any],
