@@ -6,7 +6,6 @@ It lies over the scene, so that no control moves under the user's hand when it c
 from __future__ import annotations
 
 import html
-import math
 from typing import Any
 
 import viser
@@ -21,6 +20,8 @@ from app.panels.base_offer import base_buttons, base_card, base_sentence
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
 from app.panels.legs import LegsCard
+from app.panels.offered_changes import change_label, offered_changes
+from app.panels.plan_sentence import OBSTACLES, longer_on_finer, plan_sentence
 from app.panels.stages.find_base import FindBasePanel
 from app.panels.teach.lesson_mark import lesson_mark
 from app.panels.teach.lessons import LessonPanel
@@ -30,15 +31,11 @@ from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
 from app.theatre.text import question
 from app.theatre.theatre import Theatre
-from app.ui import style
 from app.ui.arm_size import scene_size_note
-from app.ui.labels import LABELS, kept, sentence
+from app.ui.labels import kept, sentence
 from app.ui.layout import Layout
-from app.ui.numbers import format_length, format_setting, format_time
 from app.ui.overlay import button
 
-_OBSTACLES = "obstacles"
-"""Switch of the layers that shows them."""
 _ARM = "arm"
 
 _MOST_CHANGES = 3
@@ -48,11 +45,6 @@ _NOT_CHANGED = "Not changed. "
 
 _TOOL_ALONE = (
     "As in the paper, only the path of the tool tip is planned: links may touch obstacles."
-)
-
-_JOINTS_ALONE = (
-    "The arm finds its way by its joints here: the mesh has none for the tool tip. Purple: where "
-    "the tool goes in the joint poses that were tried."
 )
 
 
@@ -93,7 +85,7 @@ class Messages:
             _ARM in frame.shown,
             frame.theatre is not None,
             still,
-            _OBSTACLES in frame.shown,
+            OBSTACLES in frame.shown,
             frame.stage,
         )
         state = *shown, *preview, *told, self._bases.running, frame.bases, *self.legs.state()
@@ -120,7 +112,7 @@ class Messages:
             content = f'<div class="abi-card">{SHOWN_STAGES[frame.stage].sentence}</div>'
             contact = self.banner.html(frame.plan) if _ARM in frame.shown else ""
         else:
-            progress = f"{_progress(frame, still)} {self._remark(frame)}".strip()
+            progress = f"{plan_sentence(frame, still)} {self._remark(frame)}".strip()
             content = f'<div class="abi-card">{progress}</div>' if progress else ""
             if not frame.lesson or (_ARM in frame.shown and not frame.asks):
                 contact = self.banner.html(frame.plan)
@@ -147,7 +139,7 @@ class Messages:
         """The change of the scene whose button was pressed since the last call."""
         if (change := self.banner.accepted_change()) is not None:
             return change
-        changes = _changes(self._reason)
+        changes = offered_changes(self._reason)
         accepted = [pressed(accept) for accept in self._accepts]
         return next((one for one, was in zip(changes, accepted, strict=False) if was), None)
 
@@ -164,7 +156,7 @@ class Messages:
         scene = frame.plan.scene
         if frame.lesson or frame.theatre is not None or is_puzzle(scene):
             return ""
-        if frame.before is not None and (longer := _longer_on_finer(frame.before, frame.plan)):
+        if frame.before is not None and (longer := longer_on_finer(frame.before, frame.plan)):
             return longer
         if scene.arm.avoid:
             return ""
@@ -189,8 +181,8 @@ class Messages:
         tell = _puzzle if is_puzzle(frame.plan.scene) else _error
         content = tell(explained.message, " ".join(filter(None, hints)))
         buttons = "".join(
-            button(accept, _change_label(change, reason))
-            for accept, change in zip(self._accepts, _changes(reason), strict=False)
+            button(accept, change_label(change, reason))
+            for accept, change in zip(self._accepts, offered_changes(reason), strict=False)
         )
         if reason is not None and reason.obstacle is not None:
             buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
@@ -204,35 +196,6 @@ def _planning(what: str) -> str:
     """What is done for a plan that is being made, over a bar."""
     bar = '<progress style="display:block;width:100%"></progress>'
     return f'<div class="abi-card" role="status">{html.escape(what)} …{bar}</div>'
-
-
-def _progress(frame: Frame, still: bool = False) -> str:
-    """Task, and what the last plan did, in numbers; ``still`` where nothing is to be dragged."""
-    plan = frame.plan
-    if plan.path is None and plan.joint_search is not None and not frame.lesson:
-        return _JOINTS_ALONE
-    if plan.free is None or plan.path is None or not frame.tells_curve:
-        return ""
-    name = style.ALGORITHMS[plan.path.algorithm][0]
-    preview = "≈ one search while you drag · " if frame.plan.partial else ""
-    if frame.plan.coarse:
-        preview = "≈ coarser while you drag · "
-    length = ""
-    if plan.followed_arc is not None and plan.followed is not None:
-        length = f"{format_length(plan.followed_arc.length)} {plan.scene.unit}"
-        length = f", a {_whole(style.CURVES[plan.followed][0])} of {_whole(length)}"
-    if plan.joint_search is not None:
-        length = "; the joints follow a curve of their own"
-    took = f" in {_whole(format_time(max(time, 1)))}" if (time := _replan_ms(plan)) else ""
-    did = f"{preview}Planned{took}: {name} on {plan.free.nodes:,} nodes{length}."
-    if frame.lesson:  # it says itself what there is to do
-        return did
-    if still:  # what there is to do stands below, and it is not to drag
-        return did
-    invitation = _invitation(plan, _OBSTACLES in frame.shown)
-    if frame.demonstrates:
-        invitation = f"Demo: touch anything to take over. {invitation}"
-    return f"<b>{invitation}</b> {did}"
 
 
 def _stepping(theatre: Theatre) -> str:
@@ -258,92 +221,9 @@ def _marked(frame: Frame) -> str:
     return "Magenta: where the curve comes too near." if isinstance(error, ClearanceNotHeld) else ""
 
 
-def _longer_on_finer(before: Plan, plan: Plan) -> str:
-    """Why a plan's path is longer than the one before, though its grid is finer; else empty."""
-    old, new, unit = before.path, plan.path, plan.scene.unit
-    if old is None or new is None or plan.scene.mesh.pitch >= before.scene.mesh.pitch:
-        return ""
-    same = before.scene.model_copy(update={"mesh": plan.scene.mesh}) == plan.scene
-    if not same or format_length(new.length) == format_length(old.length):
-        return ""
-    if new.length < old.length:
-        return ""
-    lengths = _whole(f"{format_length(old.length)} → {format_length(new.length)} {unit}")
-    return f"The path on this finer grid is longer, {lengths}: its nodes lie elsewhere."
-
-
-def _replan_ms(plan: Plan) -> float:
-    """Time of all stages, [ms], also of those that an earlier pass over the same mesh has done.
-
-    0 where it is not known: of code that was not compiled the time says nothing.
-    """
-    left_out = set(style.ALGORITHMS) - {result.algorithm for result in plan.searches}
-    if plan.taut is None:
-        left_out.add("taut")
-    needed = plan.ms.get("mesh", 0.0), plan.ms.get("graph", 0.0), plan.total_ms
-    return sum(ms for name, ms in plan.ms.items() if name not in left_out) if all(needed) else 0.0
-
-
-def _whole(text: str) -> str:
-    """HTML of a text in which no line ends."""
-    return f'<span style="white-space:nowrap">{html.escape(text)}</span>'
-
-
-def _invitation(plan: Plan, seen: bool) -> str:
-    """What to drag; no obstacle while none is ``seen``."""
-    obstacles = plan.scene.obstacles
-    if not obstacles or not seen:
-        return "Drag start or goal."
-    if len(obstacles) > 1:
-        return "Drag an orange obstacle."
-    return f"Drag the orange {'obstacle' if obstacles[0].shape == 'mesh' else obstacles[0].shape}."
-
-
 def _was_whole(before: Plan | None) -> bool:
     """Check whether there was a plan without an error before, to which one may go back."""
     return before is not None and before.error is None
-
-
-def _changes(reason: Reason | None) -> tuple[dict[str, Any], ...]:
-    """Changes of the scene that give a plan; none that only leads to the next error."""
-    if reason is None or reason.change is None or not reason.is_whole:
-        return ()
-    return reason.change, *reason.others
-
-
-def _change_label(change: dict[str, Any], reason: Reason | None) -> str:
-    """Text of the button that makes one of a diagnosis' changes of the scene."""
-    if reason is not None and reason.obstacle is not None:
-        return f"Remove obstacle {reason.obstacle + 1}"
-    parts = []
-    for section, value in change.items():
-        if section == "obstacles" and reason is not None and reason.moved is not None:
-            parts.append(f"move obstacle {reason.moved + 1} there")
-        elif section in ("start", "goal"):
-            parts.append(f"move the {section}")
-        elif isinstance(value, dict):
-            for name, number in value.items():
-                label = LABELS.get(f"{section}.{name}", name)
-                kept = isinstance(number, dict)
-                parts.append(_kept(number) if kept else f"set {label} to {_setting(number)}")
-        else:
-            parts.append(f"change {section}")
-    text = " and ".join(parts)
-    return text[:1].upper() + text[1:]
-
-
-def _kept(axis: dict[str, Any]) -> str:
-    """Advice on how to hold the tool's direction for a part of the motion only."""
-    begin, end = 100 * axis["from"], 100 * axis["to"]
-    within = math.degrees(axis["tolerance"])
-    return f"keep the direction within {within:.3g}° from {begin:.3g} to {end:.3g} % of the time"
-
-
-def _setting(value: object) -> str:
-    """A setting as it is written on the page; coordinates in parentheses."""
-    if isinstance(value, list | tuple):
-        return f"({', '.join(map(_setting, value))})"
-    return format_setting(value) if isinstance(value, float) else str(value)
 
 
 def _with_buttons(content: str, buttons: str) -> str:

@@ -33,7 +33,8 @@ from app.layers.result.tables import TablesLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.panels.base_offer import _may_help
-from app.panels.messages import _change_label, _progress
+from app.panels.offered_changes import change_label
+from app.panels.plan_sentence import plan_sentence
 from app.panels.teach.lecture import VIEWS
 from app.server.address import Address
 from app.server.server import Server, start
@@ -86,7 +87,7 @@ def test_a_lesson_has_notes_on_what_it_shows_alone(tab: tuple[FakeTab, Session])
     assert note
     for shown in ({"edges", "bspline"}, {"edges", "quadratic"}, {"edges"}):
         frame = replace(session.frame, lesson=True, shown=frozenset(shown))
-        assert bool(_progress(frame)) == (frame.plan.followed in shown)
+        assert bool(plan_sentence(frame)) == (frame.plan.followed in shown)
         written.draw(frame)
         assert (unbroken(note) in written._notes["quadratic"].content) == ("quadratic" in shown)
 
@@ -465,8 +466,8 @@ def test_the_sentence_tells_of_the_curve_that_the_arm_follows() -> None:
         result = plan(load_scene("paper").replace(motion={"curve": followed}))
         assert result.followed == followed
         length = headline(result).split("<b>")[1].split("</b>")[0]
-        assert f"{CURVES[followed][0]}</span> of" in _progress(Frame(result))
-        assert length in _progress(Frame(result))
+        assert f"{CURVES[followed][0]}</span> of" in plan_sentence(Frame(result))
+        assert length in plan_sentence(Frame(result))
 
 
 def test_what_the_start_reaches_has_no_second_mark() -> None:
@@ -484,8 +485,8 @@ def test_what_the_start_reaches_has_no_second_mark() -> None:
 
 def test_a_demonstration_says_that_it_is_one() -> None:
     frame = Frame(plan(load_scene("paper")))
-    assert "Demo:" not in _progress(frame)
-    assert "Demo:" in _progress(replace(frame, demonstrates=True))
+    assert "Demo:" not in plan_sentence(frame)
+    assert "Demo:" in plan_sentence(replace(frame, demonstrates=True))
 
 
 @pytest.mark.parametrize(
@@ -541,14 +542,14 @@ def test_an_obstacle_in_the_way_is_moved_by_a_button_beside_find_a_base() -> Non
     assert reason is not None
     assert reason.moved is not None
     assert reason.change is not None
-    assert _change_label(reason.change, reason) == f"Move obstacle {reason.moved + 1} there"
+    assert change_label(reason.change, reason) == f"Move obstacle {reason.moved + 1} there"
     assert _may_help(Frame(result, reason=reason))
 
 
 def test_a_direction_that_can_be_kept_for_a_part_is_a_button() -> None:
     axis = {"direction": [0.0, 0.0, -1.0], "tolerance": 0.1, "from": 0.0, "to": 0.9}
     label = "Keep the direction within 5.73° from 0 to 90 % of the time"
-    assert _change_label({"arm": {"axis": axis}}, None) == label
+    assert change_label({"arm": {"axis": axis}}, None) == label
 
 
 def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:

@@ -16,7 +16,7 @@ from abi.planner.arm_words import arm_result, contact_sentence
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
 from app.layers.result.tables import TablesLayer, _searches, _stages
-from app.panels.messages import _progress, _replan_ms
+from app.panels.plan_sentence import _replan_ms, plan_sentence
 from app.panels.stages.stage_headings import headings
 from app.state.frame import Frame
 from app.ui.numbers import format_length
@@ -127,9 +127,9 @@ def test_a_preview_is_marked_once() -> None:
     for coarse in (False, True):
         frame = Frame(replace(plan, coarse=coarse, partial=coarse))
         labels.append(headings(frame))
-        assert _progress(frame).count("≈") == coarse
+        assert plan_sentence(frame).count("≈") == coarse
     assert labels[0] == labels[1]
-    assert _progress(Frame(replace(plan, partial=True))).count("≈") == 1
+    assert plan_sentence(Frame(replace(plan, partial=True))).count("≈") == 1
 
 
 def test_a_heading_and_the_table_judge_the_quadratic_alike() -> None:

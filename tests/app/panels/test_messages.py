@@ -7,7 +7,9 @@ import numpy as np
 
 from abi import Planner, load_scene, plan
 from abi.explain.reason import Reason
-from app.panels.messages import _change_label, _changes, _error, _longer_on_finer
+from app.panels.messages import _error
+from app.panels.offered_changes import change_label, offered_changes
+from app.panels.plan_sentence import longer_on_finer
 
 
 def test_a_finer_grid_is_remarked_just_where_its_path_is_longer() -> None:
@@ -17,12 +19,12 @@ def test_a_finer_grid_is_remarked_just_where_its_path_is_longer() -> None:
     for before, after in pairwise(plans):
         assert before.path is not None
         assert after.path is not None
-        told.append(bool(_longer_on_finer(before, after)))
+        told.append(bool(longer_on_finer(before, after)))
         assert told[-1] == (after.path.length > before.path.length + 1e-3)
-        assert not _longer_on_finer(after, before)
+        assert not longer_on_finer(after, before)
     assert set(told) == {False, True}
     moved = plan(plans[2].scene.replace(goal=(5.5, 3.5, 3.9)))
-    assert not _longer_on_finer(plans[0], moved)
+    assert not longer_on_finer(plans[0], moved)
 
 
 def test_of_a_long_message_the_first_sentence_is_seen_and_the_others_on_demand() -> None:
@@ -43,10 +45,10 @@ def test_a_plan_does_not_count_the_search_of_joints_of_the_scene_before() -> Non
 def test_no_change_is_offered_that_only_leads_to_the_next_error() -> None:
     change, other = {"spline": {"clearance": 0.5}}, {"mesh": {"pitch": 0.4}}
     reason = Reason("", "", change, np.zeros((0, 3)), others=(other,))
-    assert _changes(reason) == (change, other)
-    labels = [_change_label(each, reason) for each in _changes(reason)]
+    assert offered_changes(reason) == (change, other)
+    labels = [change_label(each, reason) for each in offered_changes(reason)]
     assert labels == ["Set clearance to 0.5", "Set node spacing to 0.4"]
-    assert _changes(replace(reason, is_whole=False)) == _changes(None) == ()
+    assert offered_changes(replace(reason, is_whole=False)) == offered_changes(None) == ()
     both = replace(reason, change={**change, "obstacles": []}, moved=0, others=())
-    (only,) = _changes(both)
-    assert _change_label(only, both) == "Set clearance to 0.5 and move obstacle 1 there"
+    (only,) = offered_changes(both)
+    assert change_label(only, both) == "Set clearance to 0.5 and move obstacle 1 there"

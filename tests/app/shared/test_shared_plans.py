@@ -14,7 +14,7 @@ from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.progress import CancelledError
 from abi.scene.scene import Scene, load_scene
-from app.panels.messages import _progress
+from app.panels.plan_sentence import plan_sentence
 from app.shared.shared_plans import SharedPlans
 from app.state.frame import Frame
 from app.tab.planner import TabPlanner
@@ -126,7 +126,7 @@ def test_no_time_is_told_of_what_ran_before_it_was_compiled() -> None:
     assert slow.total_ms == 0
     assert not any(slow.ms[name] for name in slow.interpreted)
     assert slow.ms["timing"] > 0  # it has no kernel
-    assert " in " not in _progress(Frame(slow))
+    assert " in " not in plan_sentence(Frame(slow))
     with kernels_as(compiled=True):
         other = planner(scene.replace(spline={"degree": 2}), None)
         moved = planner(scene.replace(goal=(0.5, 0.5, 0.5)), None)
