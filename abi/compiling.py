@@ -9,7 +9,6 @@ compiled for the next program even if this one ends.
 from __future__ import annotations
 
 import atexit
-import gc
 import importlib
 import itertools
 import logging
@@ -17,16 +16,15 @@ import math
 import os
 import pkgutil
 import subprocess
-import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from abi import progress
+from abi import compiler_process, progress
 from abi.compilation.kernel_folder import is_anything_kept, kernel_folder
 from abi.compiled import KERNELS, LOADING, Kernel, is_off
 from abi.errors import AbiError
@@ -59,11 +57,6 @@ _LONGEST = 10.0
 
 _WORTHWHILE = 1.0
 """Seconds in Python after which the kernels that took them are compiled though the program ends."""
-
-_CHILD = "from abi.compiling import compile_named; compile_named({})"
-
-_IDLE: int = getattr(subprocess, "IDLE_PRIORITY_CLASS", 0)
-"""How Windows starts a process that works only while nobody else needs the processor."""
 
 _MOST_PROCESSES = 4
 """Processes that compile: each takes a quarter of a gigabyte, and more are hardly faster."""
@@ -223,7 +216,7 @@ class _Compilation:
             kernel.elsewhere = event
         threads = []
         for k in range(min(count, len(missing))):
-            child = _start_child(k >= undisturbed)
+            child = compiler_process.start(k >= undisturbed)
             if child is None:
                 break
             with self._lock:
@@ -282,24 +275,6 @@ def _let_be(kernel: Kernel[..., Any]) -> None:
 def _urgency(kernel: Kernel[..., Any]) -> tuple[bool, int, float]:
     """Whether a call waits for a kernel; its rank; and its time as Python, beside its size."""
     return kernel.need == math.inf, kernel.foreseen, kernel.need / kernel.size
-
-
-def _start_child(gives_way: bool) -> subprocess.Popen[str] | None:
-    """Start a process that compiles the kernels it is told; None if that is not possible."""
-    paths = [str(_PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
-    try:
-        return subprocess.Popen(
-            [sys.executable, "-P", "-c", _CHILD.format(gives_way)],
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-            creationflags=_IDLE if gives_way else 0,
-            process_group=0,  # a terminal interrupts all of the group in front
-        )
-    except OSError:
-        return None
 
 
 _compilation = _Compilation()
@@ -410,57 +385,6 @@ def wait_for_kept() -> None:
 def _is_long() -> bool:
     """Check whether kernels have run as Python for long."""
     return sum(kernel.need for kernel in KERNELS.values() if kernel.need < math.inf) > _BEARABLE
-
-
-def compile_named(gives_way: bool) -> None:
-    """Compile the kernels named on standard input, and print the name of each once it is cached.
-
-    The main function of the other processes. When the one that started them ends, they end, too,
-    but not before the kernels that they were told are cached: else a program that is shorter than
-    its compilation would find nothing, however often it runs.
-
-    Args:
-        gives_way: whether to work only while nobody else needs the processor.
-    """
-    if gives_way:
-        _give_way()
-    for kernel in compile_each(_named(line.strip()) for line in sys.stdin):
-        try:
-            print(kernel.name, flush=True)
-        except OSError:  # nobody waits for it any more
-            sys.stdout = open(os.devnull, "w")  # noqa: SIM115
-            _give_way()
-
-
-def _named(name: str) -> Kernel[..., Any]:
-    """The kernel of a name, of whose package no more is imported than it needs."""
-    importlib.import_module(name.rpartition(".")[0])
-    return KERNELS[name]
-
-
-def _give_way() -> None:
-    """Work only while nobody else needs the processor."""
-    if hasattr(os, "nice"):
-        os.nice(19)
-
-
-def compile_each(kernels: Iterable[Kernel[..., Any]]) -> Iterator[Kernel[..., Any]]:
-    """Compile kernels in a process that does nothing else, and yield each once it is cached."""
-    _take_shortcuts()
-    gc.disable()  # it would look through all that was compiled, again and again
-    for kernel in kernels:
-        kernel.compile()
-        yield kernel
-        gc.collect()
-        gc.freeze()
-
-
-def _take_shortcuts() -> None:
-    """Import numba, and have it compile with less work."""
-    with LOADING:
-        from abi.compilation import shortcuts
-
-        shortcuts.take()
 
 
 def _after_fork() -> None:

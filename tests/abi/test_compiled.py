@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import abi
-from abi import compiling, load_scene, plan, progress
+from abi import compiler_process, compiling, load_scene, plan, progress
 from abi.arrays import read_only
 from abi.compilation import jitable
 from abi.compilation.kernel_stamp import fields_of, stamp
@@ -395,7 +395,7 @@ def test_a_compiling_process_that_is_gone_is_passed_over_in_silence(
         child.wait()
         return child
 
-    monkeypatch.setattr(compiling, "_start_child", gone)
+    monkeypatch.setattr(compiler_process, "start", gone)
     compiling._Compilation()._from_children([kernel])
     assert kernel.elsewhere is not None
     assert kernel.elsewhere.is_set()
@@ -491,7 +491,7 @@ def test_a_compiling_process_outlives_its_parent_by_the_kernels_it_was_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    child = compiling._start_child(gives_way=True)
+    child = compiler_process.start(gives_way=True)
     assert child is not None
     assert child.stdin is not None
     assert child.stdout is not None

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import abi
-from abi import compiling
+from abi import compiler_process, compiling
 from abi.compilation import kernel_cache
 from abi.compilation.dispatcher import Dispatcher
 from abi.compilation.kernel_cache import KernelCache
@@ -98,7 +98,7 @@ def test_where_nothing_can_be_kept_each_kernel_is_compiled_once(
         raise AssertionError("another process could not hand over what it compiles")
 
     monkeypatch.setattr(compiling, "all_kernels", lambda: [kernel])
-    monkeypatch.setattr(compiling, "_start_child", start)
+    monkeypatch.setattr(compiler_process, "start", start)
     with caplog.at_level(logging.WARNING):
         compiling._Compilation()._work()
     assert kernel.compiled
