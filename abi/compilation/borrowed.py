@@ -2,8 +2,9 @@
 
 Numba counts the references to each array of a tuple at every call that it does not inline, and
 counts atomically. Where tables of a dozen arrays go through millions of small functions that takes
-most of the time. Whoever calls a kernel holds its arguments until it returns, so meanwhile nothing
-needs to be counted. :mod:`abi.compilation.borrowing` tells numba so.
+most of the time. Whoever calls a kernel or a helper holds its arguments until it returns, so
+meanwhile nothing needs to be counted. :mod:`abi.compilation.borrowing` tells numba so. What a
+helper makes of its arguments and returns must not outlive them.
 """
 
 from __future__ import annotations

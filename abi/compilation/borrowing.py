@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from numba.core import ir, types
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.untyped_passes import IRProcessing
 from numba.extending import lower_builtin, type_callable
 
 from abi.compilation.borrowed import borrowed
-from abi.compilation.helpers import declare_helpers
 
 
 @type_callable(borrowed)
@@ -21,7 +19,10 @@ def _type_of_borrowed(_: Any) -> Any:
 
 @lower_builtin(borrowed, types.Any)  # type: ignore[no-untyped-call, untyped-decorator]
 def _lower_borrowed(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    return _without_owner(context, builder, signature.args[0], arguments[0])
+    kind = signature.args[0]
+    value = _without_owner(context, builder, kind, arguments[0])
+    context.nrt.incref(builder, kind, value)  # of what is no array, such as lists
+    return value
 
 
 def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
@@ -35,6 +36,13 @@ def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
             inner = builder.extract_value(value, k)
             value = builder.insert_value(value, _without_owner(context, builder, field, inner), k)
     return value
+
+
+def borrowing(passes: Any) -> Any:
+    """Numba's passes for a function, which is to borrow its arguments, too; ready to be run."""
+    passes.add_pass_after(_BorrowArguments, IRProcessing)
+    passes.finalize()
+    return passes
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)  # type: ignore[no-untyped-call]
@@ -65,18 +73,3 @@ def _borrow(argument: Any, scope: Any, where: Any) -> list[Any]:
         assign(ir.Global(name, borrowed, where), function, where),  # type: ignore[no-untyped-call]
         assign(call(function, [argument], (), where), argument, where),  # type: ignore[no-untyped-call]
     ]
-
-
-class Borrowing(CompilerBase):
-    """Numba's compiler of a kernel, which borrows its arguments and knows the helpers."""
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        declare_helpers()  # numba then looks for what is new
-        super().__init__(*arguments, **options)  # type: ignore[no-untyped-call]
-
-    def define_pipelines(self) -> list[Any]:
-        """Numba's own passes and that one."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
-        passes.add_pass_after(_BorrowArguments, IRProcessing)
-        passes.finalize()
-        return [passes]

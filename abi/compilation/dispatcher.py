@@ -11,17 +11,33 @@ from contextlib import suppress
 from typing import Any
 
 import numba
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
 
-from abi.compilation.borrowing import Borrowing
+from abi.compilation.borrowing import borrowing
+from abi.compilation.helpers import declare_helpers
 from abi.compilation.kernel_cache import KernelCache, ReadyKernels
 from abi.compilation.kernel_folder import kernel_folder
 from abi.compilation.kernel_stamp import fields_of, stamp
+
+
+class _KernelCompiler(CompilerBase):
+    """Numba's compiler of a kernel, which borrows its arguments and knows the helpers."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        declare_helpers()  # numba then looks for what is new
+        super().__init__(*arguments, **options)  # type: ignore[no-untyped-call]
+
+    def define_pipelines(self) -> list[Any]:
+        """Numba's own passes and one more."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
+        return [borrowing(passes)]
+
 
 _OPTIONS: dict[str, Any] = {
     "nogil": True,
     "error_model": "numpy",  # as that of the helpers; kernels do not divide by zero
     "no_cfunc_wrapper": True,  # for callers from C, of which there are none
-    "pipeline_class": Borrowing,
+    "pipeline_class": _KernelCompiler,
 }
 
 _MOST_FAILURES = 9

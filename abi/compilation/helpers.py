@@ -3,7 +3,8 @@
 Numba compiles a function anew for each set of options of its callers, optimises it by itself, and
 translates it with all that it calls into machine code. A helper is linked into kernels, which are
 optimised and translated as a whole. So here it is compiled once for each combination of types, and
-ends as the code that numba has made of it. That halves the time that all kernels take.
+ends as the code that numba has made of it. That halves the time that all kernels take. It borrows
+its arguments as a kernel does, because numba would count each array of a tuple at every call.
 
 This rests on parts of numba that it may change in any version, so it is done only with versions
 that the tests have seen. With another one helpers are compiled as numba does by itself.
@@ -23,6 +24,7 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import register_jitable
 
+from abi.compilation.borrowing import borrowing
 from abi.compilation.jitable import UNDECLARED, options_of
 
 VERSIONS = ("0.68",)
@@ -102,7 +104,8 @@ class _HelperCompiler(CompilerBase):
         state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
         # of a context for this function alone
         state.targetctx.get_executable = _without_code
-        return [DefaultPassBuilder.define_nopython_pipeline(state)]  # type: ignore[no-untyped-call]
+        passes = DefaultPassBuilder.define_nopython_pipeline(state)  # type: ignore[no-untyped-call]
+        return [borrowing(passes)]
 
 
 def _without_code(library: _HelperLibrary, description: Any, environment: Any) -> Any:

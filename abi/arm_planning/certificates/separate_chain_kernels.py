@@ -24,7 +24,8 @@ from abi.arm_planning.certificates.separate_pairs_kernels import (
 )
 from abi.arm_planning.world.chain_distance_kernels import hull_and_row
 from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, IntArray
+from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.curves.clearance.separation_kernels import (
@@ -65,6 +66,8 @@ class _Pose(NamedTuple):
         ends: of all capsules, flat (6 c,), [unit], world.
         poses: of the joints, flat (12 (m + 1),).
         end: room for coordinates (n,).
+        placed: number of the pose at which each capsule's ends were written last (c,), and at last
+            the number of this one.
     """
 
     joints: FloatArray
@@ -72,6 +75,7 @@ class _Pose(NamedTuple):
     ends: FloatArray
     poses: FloatArray
     end: FloatArray
+    placed: IntArray
 
 
 _NearPose = tuple[Bodies, _Pose]
@@ -120,19 +124,24 @@ def place_bodies(
     The coordinates are those from ``first`` on.
     """
     place_chain(chain, joints, first, poses)
-    for k in range(2 * len(bodies.frames)):
-        frame = bodies.frames[k // 2]
+    for c in range(len(bodies.frames)):
+        _place_body(bodies, c, poses, ends)
+
+
+@jitable(forceinline=True)
+def _place_body(bodies: Bodies, c: int, poses: FloatArray, ends: FloatArray) -> None:
+    """Write both ends of capsule c, [unit], world, by the poses of the joints."""
+    frame, scale = bodies.frames[c], bodies.scale
+    for k in range(6 * c, 6 * c + 6, 3):
+        x, y, z = bodies.ends[k], bodies.ends[k + 1], bodies.ends[k + 2]
+        if frame < 0:
+            ends[k], ends[k + 1], ends[k + 2] = scale * x, scale * y, scale * z
+            continue
         for r in range(3):
-            if frame < 0:
-                ends[3 * k + r] = bodies.scale * bodies.ends[3 * k + r]
-            else:
-                at = POSE * frame
-                ends[3 * k + r] = bodies.scale * (
-                    poses[at + 3 * r] * bodies.ends[3 * k]
-                    + poses[at + 3 * r + 1] * bodies.ends[3 * k + 1]
-                    + poses[at + 3 * r + 2] * bodies.ends[3 * k + 2]
-                    + poses[at + 9 + r]
-                )
+            at = POSE * frame + 3 * r
+            ends[k + r] = scale * (
+                poses[at] * x + poses[at + 1] * y + poses[at + 2] * z + poses[POSE * frame + 9 + r]
+            )
 
 
 @jitable
@@ -148,9 +157,11 @@ def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, flo
         Whether what follows is of the hulls; CERTIFIED, REFUTED at the pose or UNDECIDED; the
         distance there; the direction; the ways of both beside each other, at most, [unit].
     """
-    bodies, (_, ways, ends, poses, _) = near
+    bodies, (_, ways, ends, poses, _, _) = near
     count = len(ways)
     i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
+    _need(near, i)
+    _need(near, j)
     p, a = vec3_at(ends, 6 * i), vec3_at(ends, 6 * i + 3)
     q, b = vec3_at(ends, 6 * j), vec3_at(ends, 6 * j + 3)
     moves = 0.0
@@ -187,8 +198,9 @@ def _apart(near: _NearPose, pair: int, allowance: float) -> tuple[bool, int, flo
 @jitable(forceinline=True)
 def _capsule_of(near: _NearPose, c: int) -> Moving:
     """Capsule c at a pose, with the largest displacement of its points on the piece."""
-    bodies, (_, ways, ends, _, _) = near
+    bodies, (_, ways, ends, _, _, _) = near
     moves = 0.0
+    _need(near, c)
     for j in range(len(ways)):
         moves += bodies.levers[c * len(ways) + j] * ways[j]
     first, last = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
@@ -206,7 +218,7 @@ def _refined(
     near: _NearPose, around: Obstacles, c: int, s: int, allowance: float, found: Found
 ) -> tuple[bool, Found]:
     """Separate the hull inside capsule c from obstacle row s, where its capsule is not."""
-    bodies, (_, ways, _, poses, _) = near
+    bodies, (_, ways, _, poses, _, _) = near
     moves = 0.0
     for j in range(len(ways)):
         moves += bodies.point_levers[c * len(ways) + j] * ways[j]
@@ -229,13 +241,27 @@ wanted, and room for a pose and for directions."""
 
 @jitable
 def _go_to(problem: _AlongKnots, piece: Piece, at: float) -> _NearPose:
-    """Place the bodies at a parameter, with bounds of their displacement on a piece."""
+    """Place the joints at a parameter, with bounds of their displacement on a piece.
+
+    Bodies are placed when they are asked about: on a short piece few of them are.
+    """
     chain, bodies, knots, _, _, pose, _ = problem
-    joints, ways, ends, poses, end = pose
+    joints, ways, _, poses, end, placed = pose
     _joints_at(knots, at, joints)
     _ways_of(knots, piece, joints, end, ways)
-    place_bodies(chain, bodies, joints, 0, poses, ends)
+    place_chain(chain, joints, 0, poses)
+    placed[len(placed) - 1] += 1
     return bodies, pose
+
+
+@jitable(forceinline=True)
+def _need(near: _NearPose, c: int) -> None:
+    """Place capsule c at the pose, if it is not."""
+    bodies, (_, _, ends, poses, _, placed) = near
+    now = placed[len(placed) - 1]
+    if placed[c] != now:
+        placed[c] = now
+        _place_body(bodies, c, poses, ends)
 
 
 @jitable(forceinline=True)
@@ -341,7 +367,9 @@ def separate_knots(
     """
     count, ends = len(chain.limits) // 2, np.empty(6 * len(bodies.frames))
     ways, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
-    pose = _Pose(np.empty(count), ways, ends, poses, np.empty(count))
+    placed = np.zeros(len(bodies.frames) + 1, dtype=np.int32)
+    own = _Pose(np.empty(count), ways, ends, poses, np.empty(count), placed)
+    pose = borrowed(own)
     problem = chain, bodies, knots, around, certify, pose, [NO_DIRECTION]
     lists, left = new_lists(), none_left()
     whole = whole_motion(len(knots) // count)
@@ -349,6 +377,7 @@ def separate_knots(
     _add_pairs(problem, near, lists.candidates)
     limits = HalvingLimits(1, FINEST * around.size, most_tries, math.inf, False, not certify)
     ending = separate_pieces(problem, whole, halves_of_motion, _along_knots, limits, lists, left)
+    held(own)
     return (*ending, table_of(lists.planes))
 
 
