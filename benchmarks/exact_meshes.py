@@ -6,7 +6,7 @@ import coal
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 from abi.robot.urdf_arm import UrdfArm
 
 _Placed = list[tuple[object, coal.Transform3s]]

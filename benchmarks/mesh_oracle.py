@@ -15,7 +15,7 @@ from abi.certification.clearance_proof import MotionProblem
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Cylinder, Sphere
-from abi.robot.urdf.robot import LinkShape
+from abi.robot.urdf.link import LinkShape
 
 _SIZE = 20.0
 """Side of the box that stands for the floor, [m]."""

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.urdf.robot import Mimic
+from abi.robot.urdf.joint import Mimic
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 _MOST_LINKS = 14

@@ -23,7 +23,8 @@ from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.couplings import require_followed
 from abi.robot.urdf.held_joints import held_in_metres, planned_joints
-from abi.robot.urdf.robot import Joint, Robot
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_joints import some_of
 from abi.scene.scene import Scene
 

@@ -21,7 +21,7 @@ from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.chain_capsules import lever
 from abi.robot.kinematics.chain import Chain
 from abi.robot.paper_arm.paper_arm import PaperArm
-from abi.robot.urdf.robot import LinkShape
+from abi.robot.urdf.link import LinkShape
 from abi.scene.scene import Scene
 
 

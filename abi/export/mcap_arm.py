@@ -16,7 +16,7 @@ from abi.export.joint_trajectory import JointTrajectory
 from abi.export.mcap_entities import Colour, Part
 from abi.obstacles.pose import Vec3
 from abi.robot.kinematics.chain import Chain
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 
 _STILL = 1e-9
 """Change of a pose that counts as none."""

@@ -14,7 +14,9 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Capsule, Sphere
-from abi.robot.urdf.robot import AttachedObject, Joint, Link, LinkShape, Robot
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.link import Link, LinkShape
+from abi.robot.urdf.robot import AttachedObject, Robot
 
 STANDING = 1e-3
 """Distance by which an object is taken as smaller on each side, so that it may stand, [m]; a corner

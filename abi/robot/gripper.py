@@ -11,7 +11,9 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.errors import SceneError
 from abi.robot.urdf.held_joints import planned_joints, positions_held
-from abi.robot.urdf.robot import Joint, Link, Robot
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.link import Link
+from abi.robot.urdf.robot import Robot
 
 Opening = Literal["open", "closed"]
 

@@ -9,7 +9,8 @@ from pydantic import Field, PlainValidator, Strict, model_serializer, model_vali
 from abi.errors import SceneError
 from abi.obstacles.pose import Number, Quaternion, Vec3
 from abi.robot.urdf.held_joints import held_in_metres, planned_joints
-from abi.robot.urdf.robot import Joint, Robot
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_joints import some_of
 from abi.scene.section import Settings
 

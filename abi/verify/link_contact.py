@@ -18,7 +18,7 @@ import scipy
 from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 
 _NEAR = 1e-6
 """Distance that counts as none, over the size of both links."""

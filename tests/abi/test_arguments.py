@@ -37,7 +37,7 @@ from abi.robot.bodies.chain_capsules import segment_distances
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import joint_torques
 from abi.robot.paper_arm.paper_arm import PaperArm, forward, place
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.arm_settings import ArmSettings
 from abi.search.arcs import Arcs

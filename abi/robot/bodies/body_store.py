@@ -18,7 +18,7 @@ import scipy
 
 from abi.arrays import FloatArray, read_only
 from abi.atomic_file import replace_file
-from abi.robot.urdf.robot import LinkShape
+from abi.robot.urdf.link import LinkShape
 from abi.user_cache import user_cache
 
 _MOST = 4_000

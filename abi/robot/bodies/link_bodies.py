@@ -19,7 +19,7 @@ import scipy
 from abi.arrays import FloatArray, read_only
 from abi.robot.bodies import body_store, bounding_capsules
 from abi.robot.bodies.bounding_capsules import principal_axes, smallest_capsule
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 
 if TYPE_CHECKING:
     import trimesh

@@ -15,7 +15,7 @@ from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.pose import Quaternion
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 
 SIDES = 48
 """Corners on a cylinder's rim."""

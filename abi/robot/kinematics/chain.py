@@ -20,7 +20,8 @@ from abi.robot.kinematics.chain_kernels import POSE, ChainTable, chain_poses
 from abi.robot.kinematics.chain_table import checked_table
 from abi.robot.kinematics.follow_path_kernels import Drift, follow_path
 from abi.robot.urdf.held_joints import NOT_HELD, planned_joints, positions_held
-from abi.robot.urdf.robot import Joint, Robot, joints_to
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.robot import Robot, joints_to
 
 _MOST_ITERATIONS = 40
 _PART = 250

@@ -15,7 +15,8 @@ from lxml import etree
 
 from abi.errors import SceneError
 from abi.robot.urdf.held_joints import positions_held
-from abi.robot.urdf.robot import Coupling, Joint, Robot
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.robot import Coupling, Robot
 from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from abi.arrays import read_only
-from abi.robot.urdf.robot import Joint, Mimic
+from abi.robot.urdf.joint import Joint, Mimic
 from abi.robot.urdf.strict_xml import XmlElement
 
 _ROUNDED = 1e-2

@@ -9,8 +9,8 @@ from typing import cast
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
+from abi.robot.urdf.joint import Joint, JointKind, Mimic
 from abi.robot.urdf.joint_limits import read_range, read_rates
-from abi.robot.urdf.robot import Joint, JointKind, Mimic
 from abi.robot.urdf.strict_xml import XmlElement
 
 _MOVING = ("revolute", "continuous", "prismatic")

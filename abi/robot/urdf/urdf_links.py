@@ -15,7 +15,7 @@ from lxml import etree
 from abi.arrays import ByteArray, FloatArray, read_only
 from abi.errors import MISSING, SceneError
 from abi.obstacles.mesh_files.parts import NO_COLOURS, Parts
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.urdf_masses import WEIGHTLESS, read_inertial

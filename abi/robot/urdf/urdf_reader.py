@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from abi.errors import MISSING
 from abi.robot.urdf.couplings import coupling_notes, read_couplings
+from abi.robot.urdf.link import Link
 from abi.robot.urdf.link_names import names_anew, rename_links
 from abi.robot.urdf.mimic import with_masters
-from abi.robot.urdf.robot import Link, Robot
+from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
 from abi.robot.urdf.unused_elements import unused
 from abi.robot.urdf.urdf_joints import in_order, read_joint, some_of

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from abi.robot.urdf.robot import Joint, Robot
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.robot import Robot
 
 _FINGER = re.compile(r"finger|gripper|jaw|claw", re.IGNORECASE)
 _WRIST = re.compile(r"wrist|roll|rot|yaw|pitch", re.IGNORECASE)

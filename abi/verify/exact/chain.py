@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from abi.robot.urdf.couplings import require_followed
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
-from abi.robot.urdf.robot import Joint, Robot, joints_to
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.robot import Robot, joints_to
 from abi.verify.exact.solids import Vec3, in_body, sqrt_bounds
 from abi.verify.fault import Fault
 

@@ -16,7 +16,8 @@ import numpy as np
 import scipy
 
 from abi.arrays import BoolArray, FloatArray
-from abi.robot.urdf.robot import LinkShape, Robot
+from abi.robot.urdf.link import LinkShape
+from abi.robot.urdf.robot import Robot
 from abi.verify.exact.chain import ExactChain
 from abi.verify.fault import Fault
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
-from abi.robot.urdf.robot import LinkShape
+from abi.robot.urdf.link import LinkShape
 from app.drawing import solids
 from app.drawing.glb import triangle_set
 from app.ui import style

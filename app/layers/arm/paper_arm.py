@@ -11,7 +11,7 @@ from abi.arrays import FloatArray
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
 from abi.robot.paper_arm import arm_links
 from abi.robot.paper_arm.paper_arm import JOINT_AXES, SLIDES, PaperArm
-from abi.robot.urdf.robot import LinkShape
+from abi.robot.urdf.link import LinkShape
 from abi.scene.scene import Scene
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.link_body import link_glbs

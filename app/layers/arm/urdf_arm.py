@@ -11,7 +11,8 @@ import viser.transforms
 from abi.arrays import ByteArray, FloatArray
 from abi.obstacles.pose import rotation
 from abi.robot.kinematics.chain_kernels import POSE
-from abi.robot.urdf.robot import LinkShape, Robot
+from abi.robot.urdf.link import LinkShape
+from abi.robot.urdf.robot import Robot
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 from app.layers.arm.arm_nodes import ArmNodes

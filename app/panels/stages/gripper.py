@@ -8,7 +8,8 @@ import viser
 
 from abi.obstacles.pose import METRES
 from abi.robot.urdf.held_joints import held_in_metres, planned_joints, positions_held
-from abi.robot.urdf.robot import Joint, Robot
+from abi.robot.urdf.joint import Joint
+from abi.robot.urdf.robot import Robot
 from app.panels.widgets import Wake, range_hint
 
 _MOST = 12

@@ -33,7 +33,7 @@ from abi.planner.planner import plan
 from abi.planner.task_plan import TaskPlan, plan_tasks
 from abi.robot.attached_object import STANDING
 from abi.robot.bodies.link_bodies import triangles_of
-from abi.robot.urdf.robot import Link
+from abi.robot.urdf.link import Link
 from abi.robot.urdf.tip_pose import tip_pose
 from abi.scene.scene import Scene
 from abi.verify.verify import Verdict, verify

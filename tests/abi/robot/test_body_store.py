@@ -11,7 +11,7 @@ import pytest
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.bodies import body_store, link_bodies
 from abi.robot.bodies.link_bodies import Body
-from abi.robot.urdf.robot import Link
+from abi.robot.urdf.link import Link
 from abi.robot.urdf.robot_files import load_robot
 
 LINK = load_robot("panda", MeshSource()).links["panda_hand"]

@@ -11,7 +11,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.bodies.bounding_capsules import capsule_volume, smallest_capsule
 from abi.robot.bodies.link_bodies import Body, Fit, link_bodies
-from abi.robot.urdf.robot import Link
+from abi.robot.urdf.link import Link
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from tests.abi.robot.robots import arm, packed
 

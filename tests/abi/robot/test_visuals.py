@@ -16,7 +16,8 @@ from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf import mesh_lookup
-from abi.robot.urdf.robot import LinkShape, Robot
+from abi.robot.urdf.link import LinkShape
+from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import (
     SHIPPED,
     load_plain_robot,

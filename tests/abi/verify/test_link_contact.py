@@ -13,7 +13,7 @@ from abi.arrays import FloatArray
 from abi.robot.bodies import solid_contact
 from abi.robot.bodies.link_solids import link_solids
 from abi.robot.bodies.solid_contact import SolidPose
-from abi.robot.urdf.robot import Link, LinkShape
+from abi.robot.urdf.link import Link, LinkShape
 from abi.verify.link_contact import link_triangles, touch
 
 MESHES = (

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from abi.robot.urdf.robot import LinkShape
+from abi.robot.urdf.link import LinkShape
 from app.layers.arm.link_body import link_mesh
 
 
