@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
+from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows
 
 _MOST_SHELLS = 2000
 _ROUNDING = 1e-6
@@ -27,8 +28,9 @@ def united(
         label: (m,) the shell of each face, any numbers.
 
     Returns:
-        The union; None if the library refuses a shell, if shells run into themselves, or if the
-        result is smaller than the input.
+        The union; None if the library refuses a shell or takes other triangles for it, as where
+        more than two meet in an edge, if shells run into themselves, or if the result is smaller
+        than the input.
         The shells as they are have the same outside.
     """
     import manifold3d
@@ -46,8 +48,13 @@ def united(
         shell = manifold3d.Manifold(manifold3d.Mesh64(corners, triangles.astype(np.uint64)))
         if shell.status() != manifold3d.Error.NoError or shell.is_empty():
             return None
+        taken = shell.to_mesh64()
+        if not _are_same(
+            np.array(taken.vert_properties[:, :3])[taken.tri_verts], corners[triangles]
+        ):
+            return None
         shells.append(shell)
-        normals[int(shell.to_mesh64().run_original_id[0])] = _normals(corners, triangles)
+        normals[int(taken.run_original_id[0])] = _normals(corners, triangles)
     union = manifold3d.Manifold.batch_boolean(shells, manifold3d.OpType.Add)
     if union.status() != manifold3d.Error.NoError or union.is_empty():
         return None
@@ -71,6 +78,15 @@ def united(
         if (same < _TURNED).any():
             return None
     return points, merged
+
+
+def _are_same(one: FloatArray, other: FloatArray) -> bool:
+    """Whether triangles with corners (m, 3, 3) are the same, in any order and from any side."""
+    if one.shape != other.shape:
+        return False
+    _, ids = distinct_rows(np.concatenate([one, other]).reshape(-1, 3) + 0.0)
+    first, second = np.sort(ids.reshape(2, -1, 3), axis=2)
+    return bool((first[np.lexsort(first.T)] == second[np.lexsort(second.T)]).all())
 
 
 def _normals(vertices: FloatArray, faces: IntArray) -> FloatArray:

@@ -94,6 +94,28 @@ def test_what_is_there_twice_beside_a_triangle_inside_out_is_solid_or_told(turne
     assert any("1 triangle is inside out" in note for note in surface.notes)
 
 
+@pytest.mark.parametrize(
+    ("turned", "twice"),
+    [
+        ([2, 21, 3, 12], [9, 3, 0, 14, 13]),
+        ([4, 14, 12], [23, 7, 22, 19, 13, 5]),
+        ([19, 10, 8], [6, 22, 21, 3, 20, 1, 17, 5, 9, 13, 2, 18]),
+    ],
+)
+def test_a_union_keeps_all_of_solids_that_touch_in_a_face(
+    turned: list[int], twice: list[int]
+) -> None:
+    vertices, faces = meshes.joined(meshes.box((4, 4, 4)), meshes.box((8, 4, 4), (6, 0, 0)))
+    faces = np.array(faces)
+    faces[turned] = faces[turned, ::-1]
+    mesh = meshes.joined((vertices, faces), (vertices, faces[twice]), meshes.box(at=(20, 0, 0)))
+    surface = clean(*mesh)
+    assert not any("thin shell" in note for note in surface.notes)
+    assert volume(surface) == pytest.approx(4**3 + 8 * 4 * 4 + 1)
+    corners = mesh[0][mesh[1]].mean(axis=1)
+    assert (MeshShape.of(surface).signed_distance(corners) <= 1e-9).all()
+
+
 def test_the_union_has_no_faces_inside() -> None:
     surface = clean(*meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))))
     assert volume(surface) == pytest.approx(2.7 * 4)
