@@ -158,8 +158,8 @@ def _numbers(rows: list[list[str]], column: _Column, factors: Mapping[str, float
     for row, cells in enumerate(rows[1:], start=1):
         cell = cells[column.place] if column.place < len(cells) else ""
         try:
-            # float() would take 1_0 for 10
-            values.append(float(cell.replace("_", "?")))
+            # float() would take 1_0 for 10, and digits of other scripts
+            values.append(float(cell.replace("_", "?") if cell.isascii() else "?"))
         except ValueError:
             raise MotionError(
                 f"In row {row} {column.name} is {short(cell)}, which is no number.",

@@ -9,12 +9,15 @@ import numpy as np
 from pydantic import BaseModel
 
 from abi.arrays import FloatArray
-from abi.errors import SceneError
+from abi.errors import ArgumentError, Described, SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
 
 _RIGID = 1e-6
 """Largest deviation of a pose's rotation times its transpose from the identity."""
+
+_NO_FIELDS = "cmM"
+"""Kinds of numpy's types whose numbers no field has: complex ones, durations and dates."""
 
 
 def plain(field: str, value: object) -> object:
@@ -28,19 +31,22 @@ def plain(field: str, value: object) -> object:
         value: what was given for it.
 
     Raises:
-        SceneError: an array (4, 4) is no pose, or a mesh is none.
+        SceneError: an array (4, 4) is no pose, one is not of real numbers, or a mesh is none.
     """
     if isinstance(value, BaseModel | str | bytes) or value is None:
         return value
-    if isinstance(value, np.ndarray):
-        return _pose(field, value) if value.shape == (4, 4) else value.tolist()
     if isinstance(value, np.generic):
-        return value.item()
+        value = np.asarray(value)
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind in _NO_FIELDS or np.ma.is_masked(value):
+            given = Described(f"of numpy's type {value.dtype}")
+            raise SceneError(field, given, "real numbers, none of them masked")
+        return _pose(field, value) if value.shape == (4, 4) else value.tolist()
     if isinstance(value, Mapping):
         return _with_pose(field, value)
     if isinstance(value, list | tuple):
-        items = enumerate(value)
-        return type(value)([plain(f"{field}[{k}]", one) for k, one in items])
+        items = [plain(f"{field}[{k}]", one) for k, one in enumerate(value)]
+        return items if isinstance(value, list) else tuple(items)
     if hasattr(value, "vertices") and hasattr(value, "faces"):
         return _mesh(field, value)
     return value
@@ -66,7 +72,7 @@ def _pose(field: str, matrix: FloatArray) -> dict[str, Any]:
     """Position and quaternion of a pose (4, 4), ``world_from_body``."""
     from scipy.spatial.transform import Rotation  # here, since it takes long to import
 
-    if matrix.dtype.kind not in "fiu" or np.ma.is_masked(matrix):
+    if matrix.dtype.kind not in "fiu":
         raise SceneError(field, matrix.tolist(), "real numbers")
     pose = np.asarray(matrix, dtype=np.float64)
     turn = pose[:3, :3]
@@ -81,12 +87,17 @@ def _pose(field: str, matrix: FloatArray) -> dict[str, Any]:
 def _mesh(field: str, mesh: Any) -> MeshShape:
     """A trimesh mesh as an obstacle, in its own units or else in the scene's."""
     try:
-        surface = clean(np.array(mesh.vertices, dtype=float), np.array(mesh.faces), field)
+        surface = clean(mesh.vertices, mesh.faces, field)
         units = getattr(mesh, "units", None)
         if units is not None:
             from trimesh.units import unit_conversion
 
             surface = surface.of_file(float(unit_conversion(units, "meters")), ())
+    except SceneError:
+        raise
+    except ArgumentError as error:
+        part = error.field.removeprefix("one of ")
+        raise SceneError(f"{field}.{part}", error.value, error.expected) from None
     except (KeyError, TypeError, ValueError):
         raise SceneError(field, mesh, "a triangle mesh in a unit that trimesh knows") from None
     return MeshShape.of(surface, f"mesh-{surface.digest[:12]}.ply")

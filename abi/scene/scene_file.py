@@ -36,7 +36,11 @@ _MOST_EVENTS = 60_000
 _SHORT = 20_000
 """Characters of a YAML text that is kept, as all shipped ones are."""
 _TAG = "tag:yaml.org,2002:"
-_OCTAL = re.compile(r"[-+]?0o?[0-9]+")
+_AMBIGUOUS = re.compile(
+    r"[-+]?(?:0o?[0-9]+|0b[01_]+|[0-9][0-9.]*_[0-9_.]*(?:[eE][-+]?[0-9_]+)?)"
+    r"|(?:0x[0-9a-fA-F]*_|[-+]0x)[0-9a-fA-F_]*"
+)
+"""Plain words that are numbers by one version of YAML, and others or none by another."""
 _WORDS = re.compile(r"[^\W\d](?:[\w ./-]*\w)?")
 """Text in which YAML has no signs of its own."""
 _MANY = 1_000  # obstacles that are not tried to be written as YAML
@@ -219,9 +223,13 @@ def _refuse_traps(text: str) -> None:
             raise SceneError("scene", "", "no YAML anchors or aliases")
         if isinstance(event, CollectionStartEvent | ScalarEvent) and event.ctag:
             raise SceneError("scene", "", "no YAML tags")
-        if isinstance(event, ScalarEvent) and not event.style and _OCTAL.fullmatch(event.value):
-            number = f"{event.value[:40]}, which YAML 1.1 takes for an octal number"
-            raise SceneError("scene", "", f"no leading 0 as in {number}")
+        if isinstance(event, ScalarEvent) and not event.style:
+            if event.value == "<<":
+                raise SceneError("scene", "", "no YAML merge keys")
+            if _AMBIGUOUS.fullmatch(event.value):
+                number = event.value[:40]
+                expected = f"no number such as {number}, which versions of YAML read otherwise"
+                raise SceneError("scene", "", expected)
         if isinstance(event, CollectionStartEvent):
             depth += 1
         elif type(event).__name__ in ("SequenceEndEvent", "MappingEndEvent"):

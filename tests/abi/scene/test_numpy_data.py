@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -55,6 +57,52 @@ def test_a_mesh_of_trimesh_is_an_obstacle_where_it_stands_in_its_own_unit() -> N
     np.testing.assert_allclose(shape.bounds(), ball.bounds / 10, atol=1e-12)
     assert made.replace(obstacles=[ball]) == made
     assert made.replace(obstacles=[ball, *made.obstacles]).obstacles == (shape, shape)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        np.array([1, 2, 3j]),
+        np.array([1, 2, 3], "timedelta64[ns]"),
+        np.array([1, 2, 3], "datetime64[ns]"),
+        np.ma.array([1.0, 2, 3], mask=[False, True, False]),
+        [np.timedelta64(1), 2, 3],
+    ],
+)
+def test_numbers_that_would_be_read_otherwise_are_refused(start: object) -> None:
+    with pytest.raises(SceneError, match="real numbers"):
+        Scene.from_dict(WHOLE | {"start": start})
+
+
+class Place(NamedTuple):
+    x: float
+    y: float
+    z: float
+
+
+def test_a_named_tuple_is_a_tuple() -> None:
+    box = {"shape": "box", "size": Place(1, 1, 2)}
+    made = Scene.from_dict(WHOLE | {"start": Place(1, 2, 3), "obstacles": (box,)})
+    assert made.start == (1, 2, 3)
+    assert made.obstacles[0].size == (1, 1, 2)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"vertices": np.eye(3) + 1j},
+        {"vertices": np.ma.array(np.eye(3), mask=np.eye(3) > 0)},
+        {"faces": np.ma.array([[0, 1, 2]], mask=[[False, False, True]])},
+        {"faces": np.array([[0, 1, 2, 2]])},
+        {"faces": np.array([[0.0, 1, 2]])},
+        {"faces": np.array([[0, 1, -1]])},
+    ],
+)
+def test_a_mesh_of_other_numbers_is_refused_by_its_field(changed: dict[str, np.ndarray]) -> None:
+    mesh = SimpleNamespace(**{"vertices": np.eye(3), "faces": np.array([[0, 1, 2]])} | changed)
+    with pytest.raises(SceneError) as refusal:
+        Scene.from_dict(WHOLE | {"obstacles": [mesh]})
+    assert refusal.value.field == f"obstacles[0].{next(iter(changed))}"
 
 
 @pytest.mark.parametrize(

@@ -189,6 +189,8 @@ def test_what_would_do_for_a_missing_field_does(shape: str) -> None:
         ("a.yaml", "version: 1\nstart: [0, 0, 0]\nstart: [1, 1, 1]", "stands there twice"),
         ("a.json", '{"version": 1, "version": 1}', "twice"),
         ("a.yaml", "a: &x [1]\nb: *x", "anchors"),
+        ("a.yaml", "a: [1]\n<<: {a: [2]}", "merge keys"),
+        ("a.yaml", "a: [1_000]", "1_000"),
         ("a.yaml", "a: !!python/object/apply:os.system [x]", "tags"),
         ("a.yaml", "a: [", "YAML"),
         ("a.json", '{"a": NaN}', "NaN"),
