@@ -15,7 +15,8 @@ from typing import Any, cast
 
 from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene
-from abi.verify.exact.chain import ExactChain, nearly_sine_and_cosine
+from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.frame import nearly_sine_and_cosine
 from abi.verify.exact.solids import Vec3, dot, sqrt_bounds, sub, vector
 from abi.verify.exact_path import ExactPath, Row
 from abi.verify.fault import Fault

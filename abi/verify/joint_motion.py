@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.verify.certificate import CertifiedPlane
-from abi.verify.exact.chain import BITS, ONE, Exact, ExactChain, ExactFrame, wholes
+from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.frame import BITS, ONE, Exact, ExactFrame, wholes
 from abi.verify.exact.solids import Vec3, times_length
 from abi.verify.exact_path import ExactPath
 from abi.verify.fault import Fault

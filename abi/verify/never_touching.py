@@ -17,7 +17,8 @@ from scipy.spatial.transform import Rotation
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.robot.urdf.robot import Robot
-from abi.verify.exact.chain import ExactChain, ExactFrame
+from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.frame import ExactFrame
 from abi.verify.link_contact import (
     LinkTriangles,
     NearTriangles,

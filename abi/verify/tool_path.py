@@ -18,7 +18,7 @@ import scipy
 
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
-from abi.verify.exact.chain import nearly_sine_and_cosine
+from abi.verify.exact.frame import nearly_sine_and_cosine
 from abi.verify.exact.paper_arm import ExactArm
 from abi.verify.exact.slide import ExactSlide
 from abi.verify.exact.solids import ExactCurve, Vec3, sub, vector

@@ -32,9 +32,11 @@ from abi.verify.certificate import (
     planes_of,
     words_of,
 )
-from abi.verify.exact.chain import ExactChain, ExactFrame, exact_chain
+from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.frame import ExactFrame
 from abi.verify.exact.link_corners import LinkPiece, check_corners
 from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, sub, vector
 from abi.verify.exact_path import ExactPath
 from abi.verify.fault import Fault

@@ -24,9 +24,10 @@ from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor
 from abi.verify.certificate import MOTION, planes_of, words_of
-from abi.verify.exact.chain import ExactChain, exact_joints
+from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.link_corners import LinkPiece, check_corners
 from abi.verify.exact.mesh import ExactMesh
+from abi.verify.exact.robot_chain import exact_joints
 from abi.verify.exact.solids import ExactFloor, ExactSolid
 from abi.verify.exact_path import exact_path
 from abi.verify.fault import Fault

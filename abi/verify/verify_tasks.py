@@ -15,7 +15,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.pose import METRES, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
-from abi.verify.exact.chain import exact_chain
+from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import list_of, mapping, numbers_of
 

@@ -44,6 +44,8 @@ from abi.search.taut import geodesic_kernels
 from abi.search.taut.geodesic_kernels import around_box
 from abi.verify import verify_paper_arm
 from abi.verify.exact import chain as exact_chain
+from abi.verify.exact import frame as exact_frame
+from abi.verify.exact import robot_chain
 from abi.verify.exact.interval import Interval
 from abi.verify.exact.paper_arm import ExactArm
 from abi.verify.exact.solids import vector
@@ -140,7 +142,7 @@ def chain_allowance() -> float:
     times coordinate and offset, wrong by 2 of at most 64 rad. All turn what is behind them, which
     is within √3 S. Directions and products are those of a curve.
     """
-    largest = exact_chain._LARGEST_ANGLE
+    largest = exact_frame._LARGEST_ANGLE
     return (MOST_JOINTS * ROOT3 * (9 + 15 + 9 + 4 + 2 * largest) + per_size()) * U
 
 
@@ -168,7 +170,7 @@ def verifier_wider() -> float:
     about an axis with |a|² within e of 1 one of at most 1 + 2 e, and moves a point |a| times as
     fast.
     """
-    e = float(exact_chain._NEARLY)
+    e = float(robot_chain._NEARLY)
     return ((MAX_LINKS - 1) * 1.5 + MOST_JOINTS * 2 + 0.5) * e
 
 

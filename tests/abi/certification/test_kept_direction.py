@@ -17,7 +17,7 @@ from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict_words import direction_sentences
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
-from abi.verify.exact.chain import exact_joints
+from abi.verify.exact.robot_chain import exact_joints
 from abi.verify.exact_path import exact_path
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_in_motion

@@ -21,7 +21,7 @@ from abi.planner.task_plan import plan_tasks
 from abi.robot.urdf.tip_pose import tip_pose
 from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene, load_scene
-from abi.verify.exact.chain import exact_chain
+from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_at_samples
 from abi.verify.verify import verify

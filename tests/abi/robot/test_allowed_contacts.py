@@ -34,8 +34,8 @@ from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
 from abi.verify.allowed_contacts import are_joined, may_touch_floor
-from abi.verify.exact.chain import exact_chain, exact_joints
 from abi.verify.exact.link_corners import LinkPiece
+from abi.verify.exact.robot_chain import exact_chain, exact_joints
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.plumb_line import is_beneath
 from abi.verify.verify import verify

@@ -13,7 +13,7 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import load_robot
 from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import Scene
-from abi.verify.exact.chain import exact_chain, exact_joints
+from abi.verify.exact.robot_chain import exact_chain, exact_joints
 from tests.abi.robot.robots import joint, link, urdf
 
 _LIMIT = '<limit lower="-2" upper="2" velocity="1" effort="9"/>'

@@ -20,7 +20,7 @@ from abi.robot.urdf.robot_files import robot_from_archive
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 from abi.verify import never_touching as verified
-from abi.verify.exact.chain import exact_joints
+from abi.verify.exact.robot_chain import exact_joints
 from abi.verify.verify import verify
 from tests.abi.robot.robots import follows, joint, packed, urdf
 

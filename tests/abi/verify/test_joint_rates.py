@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.planner.planner import Planner
-from abi.verify.exact.chain import exact_chain
+from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.fault import Fault
 from abi.verify.joint_rates import check_rates
 from tests.abi.verify.verdicts import NEAR, verdict_on

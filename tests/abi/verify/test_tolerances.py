@@ -20,8 +20,8 @@ from abi.planner.planner import Planner
 from abi.scene.held_axis import HeldAxis
 from abi.verify import held_direction, tool_path
 from abi.verify.arm_capsules import capsules_of
-from abi.verify.exact.chain import exact_chain
 from abi.verify.exact.paper_arm import ExactArm
+from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import exact_spline, vector
 from abi.verify.fault import Fault
 from tests.abi.verify.verdicts import NEAR, verdict_on

@@ -22,7 +22,9 @@ from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import Scene
-from abi.verify.exact.chain import ExactChain, ExactFrame, exact_chain, sine_and_cosine
+from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.frame import ExactFrame, sine_and_cosine
+from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import Vec3, dot, vector
 from abi.verify.exact_path import ExactPath
 from abi.verify.joint_motion import JointMotion, MovedHull

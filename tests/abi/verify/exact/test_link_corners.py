@@ -11,8 +11,8 @@ from abi.arrays import FloatArray
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import robot_from_archive
-from abi.verify.exact.chain import exact_chain
 from abi.verify.exact.link_corners import LinkPiece, _corners, check_corners
+from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.fault import Fault
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_robot_files import ball
