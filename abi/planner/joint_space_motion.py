@@ -35,7 +35,8 @@ from abi.obstacles.pose import METRES, rotation
 from abi.planner.held_direction_motion import move_holding
 from abi.planner.planning_problem import sample_count
 from abi.planner.stage_results import TimedMotion
-from abi.robot.urdf_arm import REACHED, UrdfArm
+from abi.robot.kinematics.start_poses import REACHED
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.arm_end import ENDS
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene

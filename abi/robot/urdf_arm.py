@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
-from operator import itemgetter
+from functools import cache, cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -20,21 +19,15 @@ from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
 from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.bodies.floor_contacts import on_floor
 from abi.robot.kinematics.chain import Chain
-from abi.robot.kinematics.closed_forms import closed_positions
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
+from abi.robot.kinematics.start_poses import first_poses, further_poses
 from abi.robot.urdf.couplings import require_followed
 from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.urdf_files import description_of, files_of
 
-_STARTS, _HELD_STARTS = 48, 16
-"""Numbers of random poses from which a motion's first pose is sought."""
 TRIED = 8
 """Most start poses whose motions are compared."""
-_ALIKE = 0.3
-"""Joint distance below which two poses count as one, [rad] or [m]."""
-REACHED = 1e-6
-"""Error, over the arm's reach, up to which a point counts as reached."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -324,11 +317,11 @@ class UrdfArm(ShortRepr):
         many are asked for.
         Equal calls give equal poses, and the latest are remembered.
         """
-        x, y, z = arguments.numbers("point", point, (3,)).tolist()
-        found = _first_poses(self, (x, y, z))
+        x, y, z = (arguments.numbers("point", point, (3,)) * self.metres).tolist()
+        found = first_poses(self.chain, (x, y, z))
         if len(found) < most and self.is_redundant:
-            found += _further_poses(self, (x, y, z))
-        return found[:most]
+            found += further_poses(self.chain, (x, y, z))
+        return tuple(read_only(positions * self.scales) for positions in found[:most])
 
     def follow(
         self, start: FloatArray, points: FloatArray, home: FloatArray | None = None
@@ -354,55 +347,6 @@ class UrdfArm(ShortRepr):
             None if home is None else home / self.scales,
         )
         return positions * self.scales, errors * self.reach
-
-
-@lru_cache(maxsize=16)
-def _first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
-    """All of :meth:`UrdfArm.first_poses`, cached, as finding them takes a tenth of a plan."""
-    random = np.random.default_rng(0)
-    low, high = arm.chain.usual_range().T
-    target = np.array(point)[None] * arm.metres
-    starts = [(low + high) / 2, *random.uniform(low, high, (_STARTS, len(low)))]
-    for some in (closed_positions(arm.chain, target[0]), starts):
-        solved = [arm.chain.follow(start, target) for start in some]
-        found = [(pose[0], float(error[0])) for pose, error in solved]
-        reached = [pose for pose, error in found if error <= REACHED]
-        if reached:
-            break
-    else:
-        return (read_only(min(found, key=itemgetter(1))[0] * arm.scales),)
-    middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-9)
-    reached.sort(key=lambda pose: float(np.abs((pose - middle) / half).max()))
-    return tuple(read_only(pose * arm.scales) for pose in _different(reached))
-
-
-@lru_cache(maxsize=16)
-def _further_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
-    """Poses in which one joint is at a random position.
-
-    A short slide otherwise ends at its limit nearly always. Where there are slides one of them is
-    held, otherwise any joint.
-    """
-    random = np.random.default_rng(1)
-    low, high = arm.chain.usual_range().T
-    target = np.array(point)[None] * arm.metres
-    slides = np.flatnonzero(arm.chain.slides)
-    ones = slides if len(slides) else np.arange(len(low))
-    reached = []
-    for number, start in enumerate(random.uniform(low, high, (_HELD_STARTS, len(low)))):
-        pose, error = arm.chain.follow(start, target, still=int(ones[number % len(ones)]))
-        if error[0] <= REACHED:
-            reached.append(pose[0])
-    return tuple(read_only(pose * arm.scales) for pose in _different(reached))
-
-
-def _different(poses: Sequence[FloatArray]) -> list[FloatArray]:
-    """Poses without near duplicates of earlier ones."""
-    kept: list[FloatArray] = []
-    for pose in poses:
-        if all(np.abs(pose - other).max() > _ALIKE for other in kept):
-            kept.append(pose)
-    return kept
 
 
 def urdf_arm(

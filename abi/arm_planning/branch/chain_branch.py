@@ -29,7 +29,8 @@ from abi.arrays import BoolArray, FloatArray
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.urdf_arm import REACHED, UrdfArm
+from abi.robot.kinematics.start_poses import REACHED
+from abi.robot.urdf_arm import UrdfArm
 from abi.tet_mesh.node_tree import NodeTree
 
 _STEP = 1 / 60

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.robot.urdf_arm import REACHED, UrdfArm
+from abi.robot.kinematics.start_poses import REACHED
+from abi.robot.urdf_arm import UrdfArm
 
 _MOST = 8
 """Most pairs."""

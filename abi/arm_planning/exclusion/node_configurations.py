@@ -17,7 +17,8 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.robot.kinematics.chain import PULL
 from abi.robot.kinematics.follow_path_kernels import Drift
-from abi.robot.urdf_arm import REACHED, UrdfArm
+from abi.robot.kinematics.start_poses import REACHED
+from abi.robot.urdf_arm import UrdfArm
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _LONGEST = 0.7

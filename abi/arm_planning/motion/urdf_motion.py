@@ -44,7 +44,8 @@ from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.urdf_arm import REACHED, UrdfArm
+from abi.robot.kinematics.start_poses import REACHED
+from abi.robot.urdf_arm import UrdfArm
 
 _FEW, _GRID = 41, 1201
 """Points of the curve at which first poses are compared, and at which the chosen one is

@@ -9,7 +9,7 @@ import numpy as np
 from abi.arm_planning.branch.followed import Followed
 from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
-from abi.robot.urdf_arm import REACHED
+from abi.robot.kinematics.start_poses import REACHED
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.arm.ghost_bodies import GhostBodies, places_of
 from app.layers.arm.kinds import kind_of

@@ -20,7 +20,8 @@ from abi.arrays import FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
-from abi.robot.urdf_arm import REACHED, UrdfArm
+from abi.robot.kinematics.start_poses import REACHED
+from abi.robot.urdf_arm import UrdfArm
 from app.drawing.lines import rows_at
 from app.layers.arm import urdf_arm
 from app.layers.arm.arm_playback import samples_of

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi import progress
 from abi.arm_planning.exclusion.node_configurations import spread_over
-from abi.robot.urdf_arm import REACHED
+from abi.robot.kinematics.start_poses import REACHED
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.abi.arm_planning.test_chain_certificate import some_arm

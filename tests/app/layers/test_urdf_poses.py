@@ -7,7 +7,8 @@ from unittest.mock import MagicMock
 
 from abi.planner.live_planner import LivePlanner
 from abi.planner.planner import Planner
-from abi.robot.urdf_arm import UrdfArm, _first_poses
+from abi.robot.kinematics.start_poses import first_poses
+from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import load_scene
 from app.layers.arm.arm_regions import ArmRegionsLayer
 from app.layers.arm.urdf_poses import end_pose
@@ -23,7 +24,7 @@ def test_poses_of_a_drag_without_a_motion_are_found_once() -> None:
         assert made.motion is None
         assert isinstance(made.arm, UrdfArm)
         end_pose(made, made.arm, "start")
-        misses.append(_first_poses.cache_info().misses)
+        misses.append(first_poses.cache_info().misses)
     assert misses == misses[:1] * 3
 
 
