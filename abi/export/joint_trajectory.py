@@ -52,9 +52,14 @@ def motion_of(plan: Plan) -> ArmMotion:
     return plan.motion
 
 
+def is_proven(plan: Plan) -> bool:
+    """Whether the motion is proven clear, also between its poses; it may pass limits of speed."""
+    return not (arm_warning(plan) or rows_warning(plan))
+
+
 def is_marked(plan: Plan) -> bool:
     """Whether the motion is not proven clear, also between its poses, or passes limits."""
-    return bool(arm_warning(plan) or rows_warning(plan) or limits_warning(plan))
+    return not is_proven(plan) or bool(limits_warning(plan))
 
 
 def motion_state(plan: Plan) -> str:

@@ -11,12 +11,18 @@ import math
 from typing import Any
 
 from abi.export.between_points import polynomials_are_clear
-from abi.export.joint_trajectory import holding, is_marked, joint_trajectory, motion_state
+from abi.export.joint_trajectory import (
+    holding,
+    is_marked,
+    is_proven,
+    joint_trajectory,
+    motion_state,
+)
 from abi.planner.plan import Plan
 from abi.scene.scene_file import yaml_text
 
 _STRAIGHT = (
-    "That holds for straight ways of the joints between the points: they have no velocities, with "
+    "The proof is of straight ways of the joints between the points: they have no velocities, with "
     "which a controller would go another way."
 )
 
@@ -37,7 +43,7 @@ def write(plan: Plan, name: str) -> bytes:
         state += f" {_STRAIGHT}"
     if name.lower().endswith(".json"):
         if is_marked(plan) or holding(plan):
-            message = {"state": motion_state(plan), **message}
+            message = {"state": state, **message}
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
     return f"# {state}\n{yaml_text(message, width=4096)}".encode()
 
@@ -53,7 +59,7 @@ def trajectory_message(plan: Plan) -> dict[str, Any]:
     """
     trajectory = joint_trajectory(plan)
     assert plan.arm is not None
-    is_straight = not is_marked(plan) and not polynomials_are_clear(plan)
+    is_straight = is_proven(plan) and not polynomials_are_clear(plan)
     rows = zip(
         trajectory.positions.tolist(),
         trajectory.velocities.tolist(),

@@ -63,26 +63,33 @@ LIFT = """<robot name="lift"><link name="base"><collision><origin xyz="{2} 0 0.5
 <geometry><box size="0.1 0.1 1"/></geometry></collision></link><link name="between"/>
 <link name="hand"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
 <joint name="near" type="prismatic"><parent link="base"/><child link="between"/>
-<origin xyz="0 0 {1}"/><axis xyz="0 0 -1"/><limit lower="0" upper="{0}" velocity="5" effort="1"/>
+<origin xyz="0 0 {1}"/><axis xyz="0 0 -1"/><limit lower="0" upper="{0}" velocity="{3}" effort="1"/>
 </joint><joint name="aside" type="prismatic"><parent link="between"/><child link="hand"/>
 <axis xyz="0 1 0"/><limit lower="0" upper="1" velocity="5" effort="1"/></joint></robot>"""
 
 
 @pytest.mark.parametrize("samples", [3, 101])
 @pytest.mark.parametrize(
-    ("limit", "height", "post", "obstacles"),
+    ("limit", "height", "post", "obstacles", "speed"),
     [
-        (0.949, 1.0, 0.4, []),
-        (2.0, 1.0, 0.4, []),
-        (2.0, 2.0, 0.0, []),
-        (2.0, 2.0, 0.4, [{"shape": "box", "size": [0.4, 1, 1], "position": [0, 0, 0.5]}]),
+        (0.949, 1.0, 0.4, [], 5.0),
+        (2.0, 1.0, 0.4, [], 5.0),
+        (2.0, 1.0, 0.4, [], 0.5),
+        (2.0, 2.0, 0.0, [], 5.0),
+        (2.0, 2.0, 0.4, [{"shape": "box", "size": [0.4, 1, 1], "position": [0, 0, 0.5]}], 5.0),
     ],
-    ids=["limit", "floor", "link", "obstacle"],
+    ids=["limit", "floor", "floor, too fast", "link", "obstacle"],
 )
 def test_velocities_are_left_out_where_with_them_a_joint_would_pass_what_it_nearly_reaches(
-    tmp_path: Path, limit: float, height: float, post: float, obstacles: list[Any], samples: int
+    tmp_path: Path,
+    limit: float,
+    height: float,
+    post: float,
+    obstacles: list[Any],
+    speed: float,
+    samples: int,
 ) -> None:
-    (tmp_path / "lift.urdf").write_text(LIFT.format(limit, height, post), encoding="utf-8")
+    (tmp_path / "lift.urdf").write_text(LIFT.format(limit, height, post, speed), encoding="utf-8")
     low = 0.949 if limit < 1 else 0.94995
     scene = abi.Scene.from_dict(
         {
@@ -106,13 +113,14 @@ def test_velocities_are_left_out_where_with_them_a_joint_would_pass_what_it_near
     assert verdict.state == "clear"
     assert not [one for one in verdict.limits.passed if one.quantity == "position"]
     assert (b"straight ways" in text) == (samples == 3)
+    assert (b"PASSES LIMITS" in text) == (speed < 5)
 
 
 @pytest.mark.parametrize("samples", [3, 101])
 def test_what_a_later_leg_holds_keeps_clear_where_controllers_go_with_velocities(
     tmp_path: Path, samples: int
 ) -> None:
-    (tmp_path / "lift.urdf").write_text(LIFT.format(2.0, 1.1, 0.4), encoding="utf-8")
+    (tmp_path / "lift.urdf").write_text(LIFT.format(2.0, 1.1, 0.4, 5), encoding="utf-8")
     scene = abi.Scene.from_dict(
         {
             "version": 1,
