@@ -16,23 +16,19 @@ from abi.scene.scene import Scene
 from app.panels.teach.answer_dots import AnswerDots
 from app.panels.teach.lessons import LessonPanel
 from app.panels.teach.poll_text import question_text
+from app.panels.teach.question_controls import QuestionControls, place_of
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, pressed
 from app.shared.shared_plans import SharedPlans
 from app.state.frame import Frame
 from app.state.tab_state import TabState
 from app.teach.classroom import Classroom
-from app.teach.measures import filled
-from app.teach.poll import MAX_CHOICES, ROUNDS, Answer, Poll
+from app.teach.poll import MAX_CHOICES, Answer, Poll
 from app.theatre.theatre import node_at
-from app.ui import notices
 from app.ui.overlay import Overlay, button
 
 _FIRST = -1.0
 """Place in the tab: before all that is there."""
-_NEXT = "Which node is visited next?"
-_NONE_RIGHT = "none is told"
-_RIGHT = (_NONE_RIGHT, *(f"answer {number + 1}" for number in range(MAX_CHOICES)))
 
 
 class ClassroomPanel:
@@ -72,64 +68,20 @@ class ClassroomPanel:
                 "all follow me", False, visible=False, hint="What you show, the others see."
             )
             self.send = gui.add_button("Show this to all once", visible=False)
-            self.question = gui.add_text("question", "", visible=False)
-            self.choices = [
-                gui.add_text(f"answer {number + 1}", "", visible=False)
-                for number in range(MAX_CHOICES)
-            ]
-            self.right = gui.add_dropdown(
-                "right answer",
-                _RIGHT,
-                visible=False,
-                hint="Told when the answers are revealed, with the gain of a second round.",
-            )
-            self.ask = gui.add_button("Ask all", visible=False)
-            self.ask_lesson = gui.add_button("Ask this lesson's question", visible=False)
-            self.ask_place = gui.add_button(
-                "Ask for a place",
-                visible=False,
-                color="gray",
-                hint="The question above; the answer is a node that is clicked in the scene.",
-            )
-            self.ask_next = gui.add_button(
-                "Ask which node comes next",
-                visible=False,
-                color="gray",
-                hint="Of the search that you step through; the answer is clicked in the scene.",
-            )
+            self.asking = QuestionControls(client, classroom, lessons, wake)
             self._text = gui.add_html("", visible=False)
             self.answers = [
                 gui.add_button("", visible=False, color="gray") for _ in range(MAX_CHOICES)
             ]
-            self.reveal = gui.add_button("Reveal the answers", visible=False)
-            self.again = gui.add_button(
-                "Second round", visible=False, hint="After a discussion; hides the answers again."
-            )
-            self.close_poll = gui.add_button("Close the question", visible=False, color="gray")
-            self.results = gui.add_button(
-                "Save the results", visible=False, color="gray", hint="All answers as CSV."
-            )
+            self.asking.add_last(client.gui)
         for box in (self.follow, self.lead):
             box.on_update(wake)
-        for text in (self.word, self.question, *self.choices, self.right):
-            text.on_update(wake)
-        for one in self._buttons:
-            one.on_click(wake)
+        self.word.on_update(wake)
+        self.send.on_click(wake)
         for number, choice in enumerate(self.answers):
             choice.on_click(partial(self._answer, number))
         client.scene.on_click()(self._clicked)
         classroom.join(self._tab, nudge)
-
-    @property
-    def _buttons(self) -> tuple[viser.GuiButtonHandle, ...]:
-        """What the teacher presses."""
-        asking = self.ask, self.ask_lesson, self.ask_place, self.ask_next
-        return (self.send, *asking, self.reveal, self.again, self.close_poll, self.results)
-
-    @property
-    def _written(self) -> tuple[viser.GuiInputHandle[str], ...]:
-        """What the teacher writes of a question."""
-        return (self.question, *self.choices, self.right)
 
     def close(self) -> None:
         """Leave the class."""
@@ -152,16 +104,10 @@ class ClassroomPanel:
             room.teach(self._tab, self._hurry)
             self.follow.visible = self.word.visible = False
             self.lead.visible = True
-            for written in self._written:
-                written.visible = True
-            for asking in (self.send, self.ask, self.ask_place):
-                asking.visible = True
+            self.send.visible = True
             # what has been set and typed before the page could say whose it is stays
             self.lead.value = bool(self.lead.value) or room.lead
-            for box, text in zip((self.question, *self.choices), room.draft, strict=False):
-                box.value = box.value or text
-            if self.right.value == _NONE_RIGHT and room.draft[-1:] and room.draft[-1] in _RIGHT:
-                self.right.value = room.draft[-1]
+            self.asking.open(room.draft)
 
     def view(self) -> TabState | None:
         """The newest view that the teacher has sent since the last call; None for none.
@@ -203,51 +149,15 @@ class ClassroomPanel:
         """Do what the teacher asked for, and send what changes while the others follow."""
         if not self.teaches:
             return
-        self._classroom.set(bool(self.lead.value), tuple(box.value for box in self._written))
-        self._ask()
-        if pressed(self.reveal):
-            self._classroom.reveal()
-        if pressed(self.again):
-            self._classroom.ask_again()
-        if pressed(self.close_poll):
-            self._classroom.close_poll()
-        if pressed(self.results):
-            table = "\ufeff" + self._classroom.results()
-            self._client.send_file_download("results.csv", table.encode(), save_immediately=True)
+        self._classroom.set(bool(self.lead.value), self.asking.draft)
+        self.asking.ask(self._frame)
+        self.asking.answer_presses()
         once = pressed(self.send)
         if once or self.lead.value:
             view = replace(state.alone(), dark=None, challenge="", practice="")
             if once or view != self._published:
                 self._published = view
                 self._classroom.show(view)
-
-    def _ask(self) -> None:
-        """Ask what the teacher asks."""
-        text, frame, lesson = self.question.value, self._frame, self._lessons.place
-        right_one = _RIGHT.index(self.right.value) - 1
-        if pressed(self.ask) and not self._classroom.ask(
-            text, tuple(box.value for box in self.choices), right_one, lesson=lesson
-        ):
-            self._refuse("A question needs a text and two answers or more.")
-        if pressed(self.ask_place):
-            if text.strip():
-                self._classroom.ask_place(text, lesson=lesson)
-            else:
-                self._refuse("Write the question first, such as: where will the path pass?")
-        if pressed(self.ask_next) and frame is not None and frame.theatre is not None:
-            state = frame.theatre.state
-            n = len(state.trace.arcs.points)
-            right = state.trace.arcs.points[state.candidates() % n]
-            self._classroom.ask_place(_NEXT, tuple(map(_place, right)), lesson)
-        asked = self._lessons.question
-        if pressed(self.ask_lesson) and asked is not None and frame is not None:
-            texts = [filled(choice.text, frame) for choice in asked.choices]
-            right_one = next(k for k, choice in enumerate(asked.choices) if choice.right)
-            why = filled(asked.choices[right_one].why, frame)
-            self._classroom.ask(filled(asked.text, frame), tuple(texts), right_one, why, lesson)
-
-    def _refuse(self, reason: str) -> None:
-        notices.notify_refusal(self._client, "Not asked", reason)
 
     def draw(self, frame: Frame) -> None:
         """Show the question with its answers, and the counts to the teacher; no frame counts."""
@@ -268,8 +178,8 @@ class ClassroomPanel:
         if state == self._drawn:
             return
         self._drawn = state
-        self.ask_lesson.visible, self.ask_next.visible = lesson, steps
-        self._show_controls(poll)
+        if self.teaches:
+            self.asking.show(poll, lesson, steps)
         self._text.visible = poll is not None
         for number, widget in enumerate(self.answers):
             open_choices = () if poll is None or poll.revealed else poll.choices
@@ -285,17 +195,6 @@ class ClassroomPanel:
         # a student sees it in whichever tab, the hall in a lecture, whose panels are folded
         open_ = frame.lecture if self.teaches else own is None and not poll.revealed
         self._overlay.show("class", self._card(poll, text) if open_ else "")
-
-    def _show_controls(self, poll: Poll | None) -> None:
-        """Show what the teacher can do with the present question."""
-        on = self.teaches and poll is not None
-        hidden = on and poll is not None and not poll.revealed
-        self.reveal.visible = hidden
-        # who has been told the answer has nothing to talk about
-        again = hidden or (on and poll is not None and not poll.has_right)
-        self.again.visible = again and poll is not None and len(poll.rounds) < ROUNDS
-        self.close_poll.visible = on
-        self.results.visible = self.teaches
 
     def _take(self, frame: Frame) -> None:
         """Give the answers that were pressed or clicked since the last frame."""
@@ -356,9 +255,4 @@ def _clicked_node(frame: Frame, origin: FloatArray, direction: FloatArray) -> Ve
     else:
         return None
     node = node_at(points, nodes, origin, direction)
-    return None if node < 0 else _place(points[node])
-
-
-def _place(point: FloatArray) -> Vec3:
-    x, y, z = (float(number) for number in point)
-    return x, y, z
+    return None if node < 0 else place_of(points[node])

@@ -152,11 +152,11 @@ def test_places_that_students_click_are_balls_in_the_teachers_scene() -> None:
         teacher, taught = open_tab(server, classroom.secret)
         students = [open_tab(server) for _ in range(3)]
         until(lambda: panel(taught).teaches)
-        teacher.set(panel(taught).ask_place, True)
-        until(lambda: not panel(taught).ask_place.value)
+        teacher.set(panel(taught).asking.ask_place, True)
+        until(lambda: not panel(taught).asking.ask_place.value)
         assert classroom.poll is None  # there was no question
-        teacher.set(panel(taught).question, "Where will the path pass?")
-        teacher.set(panel(taught).ask_place, True)
+        teacher.set(panel(taught).asking.question, "Where will the path pass?")
+        teacher.set(panel(taught).asking.ask_place, True)
         until(lambda: classroom.poll is not None)
         graph = taught.frame.plan.graph
         assert graph is not None
@@ -168,13 +168,13 @@ def test_places_that_students_click_are_balls_in_the_teachers_scene() -> None:
         assert not balls(taught)
         assert [len(balls(session)) for _, session in students] == [1, 1, 1]
 
-        teacher.set(panel(taught).reveal, True)
+        teacher.set(panel(taught).asking.reveal, True)
         until(lambda: len(balls(taught)) == 2)
         assert sorted(balls(taught)) == sorted({tuple(graph.points[t].tolist()) for t in targets})
         # what is answered after that is seen at once, where none is told to be right
         click(students[0][0], graph.points[graph.goal])
         until(lambda: len(balls(taught)) == 1)
-        teacher.set(panel(taught).close_poll, True)
+        teacher.set(panel(taught).asking.close_poll, True)
         until(lambda: not balls(taught))
     finally:
         server.stop()
@@ -196,7 +196,7 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
             until(lambda one=one: step_of(one) == 24 and one.resting)  # type: ignore[misc]
             assert one.panels.theatre.ask.value
         assert all(session.panels.lessons.chosen for session in both)
-        teacher.set(panel(taught).ask_next, True)
+        teacher.set(panel(taught).asking.ask_next, True)
         (student, session), (_, second) = students
         for one in (taught, *both):
             until(lambda one=one: one.frame.theatre.voted)  # type: ignore[misc]
@@ -229,14 +229,14 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
         # a right node that nobody has hit is marked, too
         assert classroom.poll.right_share() == 0
         assert classroom.poll.places[0] not in balls(taught)
-        teacher.set(panel(taught).reveal, True)
+        teacher.set(panel(taught).asking.reveal, True)
         for one in (taught, *both):
             until(lambda one=one: classroom.poll.places[0] in balls(one))  # type: ignore[misc]
         until(lambda: not session.panels.lessons.answers[1].disabled)
         classroom.answer(session.client.client_id, classroom.poll.number, classroom.poll.places[0])
         assert classroom.poll.right_share() == 0  # who has been told the answer gives none
         assert step_of(session) == 24
-        teacher.set(panel(taught).close_poll, True)
+        teacher.set(panel(taught).asking.close_poll, True)
         until(lambda: classroom.poll is None)
         click(student, points[state.following])
         until(lambda: step_of(session) == 25)
@@ -264,8 +264,8 @@ def test_who_follows_again_is_back_and_a_reloaded_teacher_goes_on() -> None:
         student, session = open_tab(server)
         until(lambda: panel(taught).teaches)
         teacher.set(taught.panels.stages.mesh.pitch, 1.1)
-        teacher.set(panel(taught).question, "Draft?")
-        teacher.set(panel(taught).right, "answer 2")
+        teacher.set(panel(taught).asking.question, "Draft?")
+        teacher.set(panel(taught).asking.right, "answer 2")
         teacher.set(panel(taught).lead, True)
         until(lambda: session.frame.plan.scene.mesh.pitch == 1.1)
         student.set(panel(session).follow, False)
@@ -278,8 +278,8 @@ def test_who_follows_again_is_back_and_a_reloaded_teacher_goes_on() -> None:
         until(lambda: len(server.sessions) == 1)
         _, again = open_tab(server, classroom.secret)
         until(lambda: panel(again).teaches and bool(panel(again).lead.value))
-        assert panel(again).question.value == "Draft?"
-        assert panel(again).right.value == "answer 2"
+        assert panel(again).asking.question.value == "Draft?"
+        assert panel(again).asking.right.value == "answer 2"
         until(lambda: again.frame.plan.scene.mesh.pitch == 1.1)
         assert session.frame.plan.scene.mesh.pitch == 1.1
     finally:

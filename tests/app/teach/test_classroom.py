@@ -71,11 +71,11 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     assert free.frame.plan.scene.mesh.pitch == 1.3
 
     # asked and counted, the last answer of each
-    teacher.set(panel(taught).question, "Which <b>?")
-    for box, text in zip(panel(taught).choices, ("one", "two"), strict=False):
+    teacher.set(panel(taught).asking.question, "Which <b>?")
+    for box, text in zip(panel(taught).asking.choices, ("one", "two"), strict=False):
         teacher.set(box, text)
-    teacher.set(panel(taught).right, "answer 2")
-    teacher.set(panel(taught).ask, True)
+    teacher.set(panel(taught).asking.right, "answer 2")
+    teacher.set(panel(taught).asking.ask_own, True)
     for _, session in students:
         until(lambda session=session: panel(session).answers[1].visible)  # type: ignore[misc]
         # over the scene, too, where it is seen from every tab of the panel
@@ -91,7 +91,7 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     assert "<b>?" not in panel(taught)._text.content
     # nobody's answer is seen before all are
     assert "two" not in panel(taught)._text.content
-    teacher.set(panel(taught).reveal, True)
+    teacher.set(panel(taught).asking.reveal, True)
     until(lambda: "✓ two: <b>3</b>" in panel(taught)._text.content)
     assert "Right: 100 %" in panel(taught)._text.content
     for _, session in students:
@@ -99,14 +99,14 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
         assert not panel(session).answers[0].visible
 
     # a second round hides them again
-    teacher.set(panel(taught).again, True)
+    teacher.set(panel(taught).asking.again, True)
     until(lambda: panel(students[1][1]).answers[1].visible)
     assert classroom.counts() == (0, 0)
     assert "two: <b>3</b>" not in panel(taught)._text.content
     for fake, session in students:
         fake.set(panel(session).answers[0], True)
     until(lambda: "3 of 3 have answered" in panel(taught)._text.content)
-    assert not panel(taught).again.visible
+    assert not panel(taught).asking.again.visible
     teacher.set(taught.panels.lecture.toggle, True)
     until(lambda: "3 of 3 have answered" in over_scene(taught))
 
