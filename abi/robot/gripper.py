@@ -24,9 +24,9 @@ _STATES = {"open": ("open", "opened"), "closed": ("closed", "close")}
 def gripper_at(field: str, robot: Robot, tip: str, opening: Opening) -> dict[str, float]:
     """Positions by name of the joints of a robot's gripper, [rad] or [m].
 
-    They are those of the state of that name in the robot's SRDF. Without one, each joint behind the
-    last that is planned is at that end of its range at which the links there are farther from, or
-    nearer to, each other.
+    They are those of the state of that name in the robot's SRDF that has joints behind the last
+    that is planned. Without one, each joint there is at that end of its range at which the links
+    there are farther from, or nearer to, each other.
 
     Args:
         field: name of what asks for it, for errors.
@@ -35,7 +35,7 @@ def gripper_at(field: str, robot: Robot, tip: str, opening: Opening) -> dict[str
         opening: what is asked for.
 
     Raises:
-        SceneError: there is no such joint.
+        SceneError: there is no such joint, or several such states differ.
     """
     planned = planned_joints(robot, tip)
     free = {
@@ -43,14 +43,20 @@ def gripper_at(field: str, robot: Robot, tip: str, opening: Opening) -> dict[str
         for one in robot.joints
         if one.kind != "fixed" and one.mimic is None and one.name not in planned
     }
-    for state in robot.states:
-        found = {name: at for name, at in state.positions.items() if name in free}
-        if state.name.rpartition("/")[2].lower() in _STATES[opening] and found:
-            return found
     behind = _behind(robot, planned)
-    joints = [
-        one for one in free.values() if one.child in behind and math.isfinite(one.high - one.low)
+    fingers = {name: one for name, one in free.items() if one.child in behind}
+    named = [
+        {name: at for name, at in state.positions.items() if name in free}
+        for state in robot.states
+        if state.name.rpartition("/")[2].lower() in _STATES[opening]
+        and not fingers.keys().isdisjoint(state.positions)
     ]
+    if len({tuple(sorted(one.items())) for one in named}) > 1:
+        expected = "positions by the names of joints, as its SRDF has several states of that name"
+        raise SceneError(field, opening, expected)
+    if named:
+        return named[0]
+    joints = [one for one in fingers.values() if math.isfinite(one.high - one.low)]
     if not joints:
         expected = "positions by the names of joints: none of its joints is behind the planned ones"
         raise SceneError(field, opening, expected)

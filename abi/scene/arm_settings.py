@@ -33,7 +33,7 @@ from abi.robot.urdf.robot_files import SHIPPED, file_of, load_robot
 from abi.robot.urdf.tip_pose import tip_pose
 from abi.robot.urdf.urdf_joints import some_of
 from abi.robot.urdf.usual_tip import usual_tip
-from abi.scene.arm_end import ArmEnd
+from abi.scene.arm_end import ENDS, ArmEnd
 from abi.scene.held_axis import Axis, HeldAxis, check_axis
 from abi.scene.section import Settings
 from abi.scene.settings import Flag, Number, Rates, as_python
@@ -81,6 +81,8 @@ ON_MESH = (
     "those in which the one before ended: on the mesh only the tool's place is kept"
 )
 
+_SAME_JOINT = 1e-6
+"""Difference of a joint's positions that counts as none, [rad] or [m]."""
 _OF_URDF = ("urdf", "srdf", "tip", "base_link", "gripper", "allowed", "attached", "grasping")
 """Fields that say nothing of the paper's arm."""
 
@@ -223,12 +225,32 @@ class ArmSettings(Settings):
     def check_gripper(self, metres: float) -> None:
         """Raise a SceneError if ``gripper`` names no joint to hold, or exceeds its limits.
 
+        Neither may a named state at an end have other joints elsewhere than they are held, unless
+        ``gripper`` says where: the motion would not begin, or end, in that state.
+
         Args:
             metres: one [unit] of the scene in metres.
         """
-        if self.model == "urdf":
-            held = held_in_metres(self.robot, self.gripper, metres)
-            positions_held(self.robot, planned_joints(self.robot, self.tool), held)
+        if self.model != "urdf":
+            return
+        held = held_in_metres(self.robot, self.gripper, metres)
+        still = positions_held(self.robot, planned_joints(self.robot, self.tool), held)
+        free = {one.name for one in self.robot.joints if one.mimic is None} - {*held}
+        states = {one.name: one.positions for one in self.robot.states}
+        for name in ENDS:
+            end: ArmEnd | None = getattr(self, name)
+            state = states.get(end.state or "", {}) if end is not None else {}
+            others = {one: at for one, at in state.items() if one in free and one in still}
+            wrong = [one for one, at in others.items() if abs(at - still[one]) > _SAME_JOINT]
+            if end is not None and wrong:
+                wanted = held_in_metres(self.robot, others, 1 / metres)
+                rest = held_in_metres(self.robot, still, 1 / metres)
+                at = some_of([f"{one}: {wanted[one]:.6g}" for one in wrong], 6)
+                expected = (
+                    f"{at} in arm.gripper, as that state has it; by default "
+                    f"{wrong[0]} is held at {rest[wrong[0]]:.6g}"
+                )
+                raise SceneError(f"arm.{name}.state", end.state, expected)
 
     def check_allowed(self, obstacles: int) -> None:
         """Raise a SceneError if ``allowed`` names no link of the arm, or no obstacle.

@@ -220,9 +220,12 @@ class Scene(Settings):
         try:
             arm = self.arm.model_copy(update={"goal": leg.goal})
             place = leg.goal if isinstance(leg.goal, tuple) else arm.tool_at("goal", metres)
+            held = dict(self.arm.gripper)
             if leg.gripper is not None:
-                held = self.arm.held("arm.gripper", leg.gripper, metres)
-                self.arm.model_copy(update={"gripper": held}).check_gripper(metres)
+                held |= self.arm.held("arm.gripper", leg.gripper, metres)
+            goal = None if isinstance(leg.goal, tuple) else leg.goal
+            ends = {"start": None, "goal": goal}
+            self.arm.model_copy(update={**ends, "gripper": held}).check_gripper(metres)
         except SceneError as error:
             name = error.field.replace("arm", field, 1)
             raise SceneError(name, error.value, error.expected) from None

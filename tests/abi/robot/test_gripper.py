@@ -26,12 +26,17 @@ STATES = (
 )
 
 
-def robot(srdf: str = "", axis: int = 1) -> Robot:
+def robot(srdf: str = "", axis: int = 1, extra: str = "") -> Robot:
     """An arm with two fingers, of which the left one opens along its axis or against it."""
+    return robot_from_archive(archive(srdf, axis, extra))
+
+
+def archive(srdf: str = "", axis: int = 1, extra: str = "") -> bytes:
+    """The files of that robot."""
     left = FINGER.format("left", 0.02, axis, *((0.0, 0.05) if axis == 1 else (-0.05, 0.0)))
     right = FINGER.format("right", -0.02, -1, 0.0, 0.05)
-    files: dict[str, str | bytes] = {"a.urdf": arm(("</robot>", f"{left}{right}</robot>"))}
-    return robot_from_archive(packed(files | ({"a.srdf": srdf} if srdf else {})))
+    files: dict[str, str | bytes] = {"a.urdf": arm(("</robot>", f"{left}{right}{extra}</robot>"))}
+    return packed(files | ({"a.srdf": srdf} if srdf else {}))
 
 
 @pytest.mark.parametrize("axis", [1, -1])
@@ -47,6 +52,58 @@ def test_a_state_of_the_srdf_counts_where_it_names_joints_beside_the_arm() -> No
     named = robot(STATES)
     assert gripper_at("gripper", named, "d", "closed") == {"left_joint": 0.01}
     assert gripper_at("gripper", named, "d", "open")["left_joint"] == 0.05
+
+
+def test_the_state_of_another_hand_does_not_count() -> None:
+    # as where two arms have a hand each, and the one of the other arm is told first
+    state = '<group_state name="{0}" group="{1}"><joint name="{2}" value="{3}"/></group_state>'
+    other = state.format("open", "other_hand", "other_joint", 0.03)
+    own = state.format("open", "hand", "left_joint", 0.02)
+    hand = robot(
+        f"<robot name='r'>{other}{own}</robot>",
+        extra=FINGER.format("other", 0.0, 1, 0.0, 0.05).replace(
+            'parent link="d"', 'parent link="a"'
+        ),
+    )
+    assert gripper_at("gripper", hand, "d", "open") == {"left_joint": 0.02}
+    alone = robot(f"<robot name='r'>{other}</robot>")
+    assert gripper_at("gripper", alone, "d", "open") == {"left_joint": 0.05, "right_joint": 0.05}
+
+
+def test_several_states_of_a_hand_are_refused() -> None:
+    state = (
+        '<group_state name="open" group="{0}"><joint name="left_joint" value="{1}"/></group_state>'
+    )
+    twice = [state.format(group, at) for group, at in (("hand", 0.02), ("tool", 0.04))]
+    with pytest.raises(SceneError, match="several states of that name"):
+        gripper_at("gripper", robot(f"<robot name='r'>{''.join(twice)}</robot>"), "d", "open")
+
+
+def test_an_end_in_a_state_has_its_gripper_as_that_says() -> None:
+    joints = "".join(
+        f'<joint name="{name}" value="{at}"/>'
+        for name, at in {"p": 0.5, "q": -0.4, "s": 0.2, "left_joint": 0.03}.items()
+    )
+    ready = f'<robot name="r"><group_state name="ready" group="all">{joints}</group_state></robot>'
+    files = {"a.zip": archive(ready)}
+    data: dict[str, Any] = {
+        "version": 1,
+        "unit": "mm",
+        "workspace": {"min": [-9e3] * 3, "max": [9e3] * 3},
+        "mesh": {"pitch": 9e3},
+        "start": {"state": "ready"},
+        "arm": {"model": "urdf", "urdf": "a.zip", "tip": "d"},
+    }
+    with pytest.raises(
+        SceneError, match=r"^arm\.start\.state is 'ready'; expected left_joint: 30 in"
+    ):
+        Scene.from_dict(data, files)
+    legs = {"start": {"joints": [0, 0, 0]}, "tasks": [{}, {"goal": {"state": "ready"}}]}
+    with pytest.raises(SceneError, match=r"^tasks\[1\]\.goal\.state"):
+        Scene.from_dict(data | legs, files)
+    for opening in (30.0, 50.0):
+        arm = data["arm"] | {"gripper": {"left_joint": opening}}
+        assert Scene.from_dict(data | {"arm": arm}, files).arm.gripper["left_joint"] == opening
 
 
 def test_an_arm_without_a_gripper_says_so() -> None:
