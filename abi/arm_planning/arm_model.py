@@ -216,8 +216,12 @@ class ArmModel(Protocol):
         settings: ArmSettings,
         obstacles: ObstacleSet,
         collision_world: CollisionWorld,
+        hasty: bool = False,
     ) -> Sequence[JointPath]:
-        """Joint positions along a curve on each allowed branch, the preferred first."""
+        """Joint positions along a curve on each allowed branch, the preferred first.
+
+        In haste the branch preferred last will do where it leads far from obstacles.
+        """
 
     def is_refuted(
         self,

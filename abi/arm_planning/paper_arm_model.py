@@ -49,6 +49,7 @@ class PaperArmModel:
         settings: ArmSettings,
         obstacles: ObstacleSet,
         collision_world: CollisionWorld,
+        hasty: bool = False,
     ) -> tuple[PaperArmJointPath, ...]:
         """Joints along a curve, on each allowed elbow branch."""
         branches = settings.branches

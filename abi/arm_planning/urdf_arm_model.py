@@ -22,6 +22,7 @@ from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, s
 from abi.arm_planning.motion.urdf_motion import (
     ChainJointPath,
     chain_joint_path,
+    start_pose,
     touches_from_all,
 )
 from abi.arm_planning.world.chain_distances import inside_meshes
@@ -58,6 +59,7 @@ class UrdfArmModel:
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._configurations: dict[PosePair, tuple[NodeConfigurations, SegmentMemory]] = {}
         self._rows, self._poses = RowTable(), SegmentMemory()
+        self._start = -1  # number of the last start pose along the tool's own curve
 
     def collision_world(self, obstacles: ObstacleSet, lowest: float) -> CollisionWorld:
         """The arm's collision world: obstacles and floor."""
@@ -70,9 +72,12 @@ class UrdfArmModel:
         settings: ArmSettings,
         obstacles: ObstacleSet,
         collision_world: CollisionWorld,
+        hasty: bool = False,
     ) -> tuple[ChainJointPath, ...]:
-        """The joint path from the start pose that keeps the arm clearest."""
-        return (chain_joint_path(curve, arc, self.arm, obstacles, collision_world),)
+        """The joint path from the start pose that keeps the arm clearest; in haste the last one."""
+        around, likely = (self.arm, obstacles, collision_world), self._start if hasty else -1
+        self._start = start_pose(curve, arc, *around, likely)
+        return (chain_joint_path(curve, arc, self.arm, self._start),)
 
     def is_refuted(
         self,

@@ -24,7 +24,7 @@ from abi.curves.quadratic import Quadratic
 from abi.errors import ClearanceNotHeld
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.joint_space_motion import move_joints
+from abi.planner.joint_space_motion import JointSpaceMotions
 from abi.planner.planning_problem import PlanningProblem, sample_count
 from abi.planner.remembered_call import RememberedCall
 from abi.planner.shared_mesh import shared_mesh
@@ -67,7 +67,7 @@ class ToolStages:
         self.motions: list[RememberedCall[..., ArmMotion]]
         self.motions = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
         self.arm_clearances: list[RememberedCall[..., ArmClearance]]
-        self.joints = RememberedCall(move_joints)
+        self.joints = RememberedCall(JointSpaceMotions())
         self.arm_clearances = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
 
     @property
@@ -260,7 +260,7 @@ class ToolBranch:
         problem, curve = self.problem, followed.curve
         return self.stages.joint_paths(
             *(problem.model.joint_paths, curve, followed.arc, problem.scene.arm, problem.obstacles),
-            self.collision_world,
+            *(self.collision_world, problem.hasty),
         )
 
     def _profile(self, joint_paths: Sequence[JointPath], number: int) -> PathProfile:

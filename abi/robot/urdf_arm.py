@@ -295,7 +295,8 @@ class UrdfArm(ShortRepr):
     def tool(self, positions: FloatArray) -> FloatArray:
         """Position of the tip at joint positions (k, n), shape (k, 3), [unit], world."""
         positions = arguments.numbers("positions", positions, (-1, len(self.scales)))
-        return np.asarray(self.chain.poses(positions / self.scales)[:, -1, :, 3] / self.metres)
+        packed = self.chain.packed_poses(positions / self.scales).reshape(len(positions), -1)
+        return np.asarray(packed[:, -3:] / self.metres)
 
     @property
     def is_redundant(self) -> bool:

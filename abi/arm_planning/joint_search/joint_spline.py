@@ -55,6 +55,11 @@ class JointSpline(ShortRepr):
         """Joint positions (m, n) at parameters (m,), or their derivative of that order."""
         return np.asarray(self._spline(parameter, order))
 
+    @cached_property
+    def sampled(self) -> FloatArray:
+        """Joint positions (k, n) between which the joints move straight when it is tested."""
+        return read_only(self(np.linspace(0.0, 1.0, _SAMPLES)))
+
     def nearer_at(self, parameter: float) -> JointSpline:
         """A curve nearer to its control polygon there: the edges that count are halved."""
         points, p = self.control_points, self.degree
@@ -86,9 +91,8 @@ def spline_near(
         middles = (path[1:] + path[:-1]) / 2
         path = np.insert(path, np.arange(1, len(path)), middles, axis=0)
     spline = JointSpline(path, degree)
-    places = np.linspace(0.0, 1.0, _SAMPLES)
     for _ in range(_ROUNDS):
-        fault = chain_refutation(space.arm, spline(places), space.collision_world, space.margin)
+        fault = chain_refutation(space.arm, spline.sampled, space.collision_world, space.margin)
         at = None if fault is None else fault.parameter / (_SAMPLES - 1)
         if at is None and lack is not None:
             at = lack(spline)

@@ -77,6 +77,20 @@ def search_joints(
     return last
 
 
+def shorter_path(space: JointSpace, path: FloatArray, effort: JointSearchEffort) -> JointSearch:
+    """Begin with a path (k, n), k >= 2, that is proven clear, and only make it shorter.
+
+    The first tree is that path, the other its end.
+    """
+    root, end = (JointTree.of(read_only(path[k].copy()[None])) for k in (0, -1))
+    tree, _ = root.grown(path, 0)
+    random, shorter = np.random.default_rng(effort.seed), path
+    for found in shortened(space, path, random, effort.shortcuts):
+        shorter = found
+    shorter = path if shorter is path else read_only(shorter)
+    return JointSearch(shorter, space.distance(shorter), (tree, end), 0, len(path) - 1, 0)
+
+
 def paths_found(
     space: JointSpace,
     starts: FloatArray,

@@ -250,14 +250,21 @@ def _against(number: IntArray | int, distance: FloatArray) -> Measured:
     return Measured(distance, np.broadcast_to(np.int32(number), distance.shape))
 
 
-def chain_joint_path(
+def chain_joint_path(curve: Curve, arc: ArcLength, arm: UrdfArm, number: int) -> ChainJointPath:
+    """Move an arm's tool along a curve, from a start pose by its number; see :func:`start_pose`."""
+    firsts, _ = _followed(arm, _few(curve, arc).tobytes())
+    return joint_path_from(firsts[number], curve, arc, arm)
+
+
+def start_pose(
     curve: Curve,
     arc: ArcLength,
     arm: UrdfArm,
     obstacles: ObstacleSet,
     collision_world: CollisionWorld,
-) -> ChainJointPath:
-    """Move an arm's tool along a curve, from the start pose that keeps the arm clearest.
+    likely: int = -1,
+) -> int:
+    """Number of the pose at the start of a curve from which an arm keeps clearest on it.
 
     Among the poses with the tool at the start it takes one from which the whole curve can be
     followed, if possible with all links clear, and among these the one with the least motion.
@@ -268,17 +275,24 @@ def chain_joint_path(
         arm: the arm.
         obstacles: obstacles that the links must keep clear of.
         collision_world: the same, with the floor.
+        likely: number of a pose that will do if the whole curve can be followed from it, far from
+            obstacles; -1 for none.
     """
     firsts, followed = _followed(arm, _few(curve, arc).tobytes())
-    gaps = _gaps(arm, np.stack([joints for joints, _ in followed]), obstacles, collision_world)
-    chosen, least = firsts[0], (np.inf, np.inf, np.inf)
-    for pose, (positions, missed), gap in zip(firsts, followed, gaps.tolist(), strict=True):
-        travel = float(np.abs(np.diff(positions / arm.scales, axis=0)).sum())
-        far = float(missed.max())
-        rank = (far if far > REACHED * arm.reach else 0.0, -min(gap, _ENOUGH * arm.reach), travel)
-        if rank < least:
-            chosen, least = pose, rank
-    return joint_path_from(chosen, curve, arc, arm)
+    positions = np.stack([joints for joints, _ in followed])
+    beyond = [float(missed.max()) for _, missed in followed]
+    beyond = [far if far > REACHED * arm.reach else 0.0 for far in beyond]
+    around, enough = (obstacles, collision_world), _ENOUGH * arm.reach
+    if 0 <= likely < len(firsts) and beyond[likely] == 0:
+        poses = Poses.of(arm, positions[likely])
+        if _gaps_outside(arm, poses, *around).min() >= enough:
+            return likely
+    least = [k for k, far in enumerate(beyond) if far == min(beyond)]
+    if len(least) == 1:
+        return least[0]
+    gaps = np.minimum(_gaps(arm, positions[least], *around), enough)
+    travels = np.abs(np.diff(positions[least] / arm.scales, axis=1)).sum(axis=(1, 2))
+    return least[int(np.lexsort((travels, -gaps))[0])]
 
 
 def touches_from_all(
@@ -326,14 +340,21 @@ def _gaps(
 ) -> FloatArray:
     """Least distances (p,) of an arm at joint positions (p, k, n), exact where below enough."""
     poses, enough = Poses.of(arm, positions.reshape(-1, positions.shape[2])), _ENOUGH * arm.reach
-    of_capsules = obstacle_distances(arm, obstacles, poses.ends, enough, collision_world.allowed)
-    distances = (
-        hull_distances_to(arm, poses, collision_world, of_capsules, enough)[0],
-        own_distances(arm, poses, enough, positions.shape[1]),
-        floor_distances(arm, collision_world.floor, poses),
-    )
-    least = np.min([one.min(axis=1, initial=np.inf) for one in distances], axis=0)
+    own = own_distances(arm, poses, enough, positions.shape[1]).min(axis=1, initial=np.inf)
+    least = np.minimum(_gaps_outside(arm, poses, obstacles, collision_world), own)
     return np.asarray(least.reshape(positions.shape[:2]).min(axis=1))
+
+
+def _gaps_outside(
+    arm: UrdfArm, poses: Poses, obstacles: ObstacleSet, collision_world: CollisionWorld
+) -> FloatArray:
+    """Least distances (k,) of an arm's poses to obstacles and floor, exact where below enough."""
+    enough = _ENOUGH * arm.reach
+    of_capsules = obstacle_distances(arm, obstacles, poses.ends, enough, collision_world.allowed)
+    outside = hull_distances_to(arm, poses, collision_world, of_capsules, enough)[0]
+    floor = floor_distances(arm, collision_world.floor, poses)
+    least = np.minimum(outside.min(axis=1, initial=np.inf), floor.min(axis=1, initial=np.inf))
+    return np.asarray(least)
 
 
 def joint_path_from(

@@ -259,13 +259,18 @@ def link_distances(
     held(own)
 
 
+_WIDER = 1 + 2.0**-30
+"""Factor of a ball around a capsule: its ends are rounded at each pose."""
+
+
 @compiled(example=(FLOATS, FLOATS, IDS, 1.0, NEW_FLOATS))
 def pair_distances(
     ends: FloatArray, radii: FloatArray, pairs: IntArray, enough: float, distances: FloatArray
 ) -> None:
     """Signed distance between the capsules of each pair.
 
-    A pair that was far apart is not measured again before its own ways may have brought it near.
+    A pair that was far apart is not measured again before its own ways may have brought it near,
+    nor while the balls around both are farther apart than is enough.
 
     Args:
         ends: of each pose both ends of the capsules, flat (6 n c,), [unit].
@@ -276,6 +281,10 @@ def pair_distances(
     """
     count, moving = len(pairs) // 2, len(radii)
     least_yet, moved = np.full(count, -math.inf), np.zeros(moving)
+    sizes = np.zeros(moving)  # radii of balls around the capsules
+    for c in range(min(moving, len(ends) // 6)):
+        half = norm(sub(vec3_at(ends, 6 * c + 3), vec3_at(ends, 6 * c))) / 2
+        sizes[c] = (half + radii[c]) * _WIDER
     for i in range(len(distances)):
         pair, pose = i % count, i // count * moving
         if pair == 0 and pose > 0:
@@ -289,5 +298,8 @@ def pair_distances(
         row, other = 6 * (pose + first), 6 * (pose + second)
         p, q = vec3_at(ends, row), vec3_at(ends, other)
         d, e = sub(vec3_at(ends, row + 3), p), sub(vec3_at(ends, other + 3), q)
+        if norm(sub(axpy(0.5, e, q), axpy(0.5, d, p))) > enough + sizes[first] + sizes[second]:
+            distances[i], least_yet[pair] = math.inf, enough
+            continue
         distances[i] = norm(between_segments(p, d, q, e)) - radii[first] - radii[second]
         least_yet[pair] = distances[i]

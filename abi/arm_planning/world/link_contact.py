@@ -9,7 +9,7 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray, IntArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.bodies.chain_capsules import meeting
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
@@ -49,7 +49,7 @@ def link_contact(
     compile_kernels()
     if isinstance(other, str) and other != "floor":
         return _own_contact(arm, link, other, pose[_between(arm, link, other)].tobytes())
-    placed, solids = _placed(arm, link, pose), _solids(arm, link)
+    placed, solids = _placed(arm, link, _frames(arm, pose)), _solids(arm, link)
     if isinstance(other, str):
         heights = (solids.corners @ placed.turn.T + placed.origin)[:, 2]
         height = float(heights.min(initial=np.inf)) - around.floor
@@ -81,6 +81,7 @@ def _own_touch(arm: UrdfArm, link: str, other: str, between: bytes) -> bool:
     return touch(_solids(arm, other), _solids(arm, link), beside)
 
 
+@lru_cache(maxsize=1024)
 def _between(arm: UrdfArm, link: str, other: str) -> IntArray:
     """Numbers of the coordinates that move one link beside another."""
     chain = arm.chain
@@ -93,14 +94,15 @@ def _between(arm: UrdfArm, link: str, other: str) -> IntArray:
             if joint == common:
                 break
             found.add(int(chain.table.source[joint]))
-    return np.array(sorted(found), dtype=np.int32)
+    return read_only(np.array(sorted(found), dtype=np.int32))
 
 
 def _beside(arm: UrdfArm, link: str, other: str, between: bytes) -> SolidPose:
     """Pose of a link in the frame of another, by the positions of the joints between them."""
     pose = arm.limits.mean(axis=1)
     pose[_between(arm, link, other)] = np.frombuffer(between)
-    return _from(_placed(arm, other, pose), _placed(arm, link, pose))
+    frames = _frames(arm, pose)
+    return _from(_placed(arm, other, frames), _placed(arm, link, frames))
 
 
 def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
@@ -119,6 +121,7 @@ def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
     return not _own_touch(arm, link, other, pose[_between(arm, link, other)].tobytes())
 
 
+@lru_cache(maxsize=1024)
 def _is_decided(arm: UrdfArm, *names: str) -> bool:
     """Whether all of some links have shapes, and not too many triangles."""
     links = [arm.chain.robot.links[name] for name in names]
@@ -136,11 +139,16 @@ def _solids(arm: UrdfArm, link: str) -> LinkSolids:
     return link_solids(arm.chain.robot.links[link], 1 / arm.metres)
 
 
-def _placed(arm: UrdfArm, link: str, pose: FloatArray) -> SolidPose:
-    """Pose of a link, ``world_from_link``, [unit]."""
+def _frames(arm: UrdfArm, pose: FloatArray) -> FloatArray:
+    """World from frame behind each joint and of the tip, (m + 1, 3, 4), [m], at a pose (n,)."""
+    return np.asarray(arm.chain.poses(pose[None] / arm.scales)[0])
+
+
+def _placed(arm: UrdfArm, link: str, frames: FloatArray) -> SolidPose:
+    """Pose of a link, ``world_from_link``, [unit], by those of all frames, [m]."""
     carried = next(one for one in arm.chain.carried if one.link == link)
     turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
     if carried.frame >= 0:
-        frame = arm.chain.poses(pose[None] / arm.scales)[0, carried.frame]
+        frame = frames[carried.frame]
         turn, origin = frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3]
     return SolidPose(turn, origin / arm.metres)
