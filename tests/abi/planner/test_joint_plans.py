@@ -174,3 +174,32 @@ def test_an_equal_scene_is_not_searched_again() -> None:
     planner = Planner()
     scene = kitchen().replace(start={"joints": START}, goal={"joints": GOAL})
     assert planner(scene).joint_search is planner(scene).joint_search
+
+
+@pytest.mark.slow
+def test_in_haste_a_path_is_kept_as_long_as_it_is_proven_clear() -> None:
+    planner, scene = Planner(), kitchen().replace(start={"joints": START}, goal={"joints": GOAL})
+    first = planner(scene)
+    assert first.motion is not None
+    tool = first.motion.tool
+    above = tool[len(tool) // 2] + [0.0, 0.0, 0.4]
+
+    def with_box(down: float) -> tuple[Scene, Plan]:
+        place = (above - [0.0, 0.0, down]).tolist()
+        boxes = [one.model_dump() for one in scene.obstacles]
+        boxes.append({"shape": "box", "size": [0.06] * 3, "position": place})
+        dragged = scene.replace(obstacles=boxes)
+        return dragged, planner(dragged, chosen_only=True, hasty=True)
+
+    near, kept = with_box(0.05)
+    assert kept.joint_search is not None
+    assert kept.joint_search.samples == 0
+    assert len(kept.joint_search.trees[0].edges) == kept.joint_search.proofs
+    assert verify(json.loads(json.dumps(kept.to_dict())), near.meshes)[-1].proven
+    blocked, other = with_box(0.38)
+    assert other.joint_search is None or other.joint_search.samples > 0
+    rested, fresh = planner(blocked), plan(blocked)
+    assert rested.joint_search is not None
+    assert fresh.joint_search is not None
+    assert rested.joint_search.path is not None
+    np.testing.assert_array_equal(rested.joint_search.path, fresh.joint_search.path)
