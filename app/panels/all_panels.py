@@ -200,7 +200,10 @@ class AllPanels:
     def _pause_challenge(self) -> None:
         """End the challenge, or put it aside while another scene is shown than its own."""
         self.share.end_if_requested()
-        challenge, told = self.share.challenge, self.lessons.chosen or self.figures.number > 0
+        challenge, told = (
+            self.share.challenge,
+            self.lessons.progress.chosen or self.figures.number > 0,
+        )
         other = challenge is not None and challenge.scene != self.files.name
         self.share.paused = told or other
 
@@ -305,13 +308,13 @@ class AllPanels:
     def apply_switches(self, frame: Frame) -> Frame:
         """The frame as the switches have it."""
         shown = self.lecture.shown(self.layer_switches.shown())
-        if self.lecture.shows_search and not self.lessons.chosen:
+        if self.lecture.shows_search and not self.lessons.progress.chosen:
             shown = self.theatre.uncovered(shown)
         return replace(
             frame,
             shown=shown,
-            lesson=self.lessons.chosen,
-            asks=self.lessons.asks,
+            lesson=self.lessons.progress.chosen,
+            asks=self.lessons.progress.asks,
             lecture=self.lecture.on,
             stage=self.lecture.stage,
             mesh_view=self.layer_switches.chosen_mesh_view(),

@@ -285,7 +285,7 @@ class TabView:
         if state.before is not None:
             self.panels.figures.restore(state.figure)
             # of a lesson that this server does not have there is no end
-            if self.panels.lessons.chosen or self.panels.figures.number:
+            if self.panels.lessons.progress.chosen or self.panels.figures.number:
                 self._before = state.before
 
     def mirror(self, own: Scene, state: TabState) -> None:
@@ -350,7 +350,7 @@ class TabView:
             playing=playing,
             shown=self.panels.layer_switches.shown(),
             dark=bool(self.panels.layer_switches.dark.value),
-            lessons=self.panels.lessons.progress,
+            lessons=self.panels.lessons.progress.kept,
             challenge=self.panels.share.kept,
             tasks=self.panels.messages.legs.kept,
             theatre=self.panels.theatre.kept,

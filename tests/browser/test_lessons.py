@@ -46,7 +46,7 @@ def test_a_student_walks_through(name: str, student: Page, server: Server) -> No
     panel = session.panels.lessons
     page.click("Learn")
     page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
-    title = panel.titles[list(LESSONS).index(name)]
+    title = panel.progress.titles[list(LESSONS).index(name)]
     page.click(title)
     for number, step in enumerate(lesson.steps):
         page.reads(f"{number + 1} of {len(lesson.steps)}, ")
@@ -73,7 +73,7 @@ def _do(step: Step, page: Page, session: Session) -> None:
     if step.task is not None:
         page.click("Show me")
     panel = session.panels.lessons
-    page.until(lambda: panel._is_passed and not panel.waiting, "the step is done")
+    page.until(lambda: panel.progress.is_passed and not panel.waiting, "the step is done")
     page.until(lambda: session.resting, "rest")
 
 
@@ -82,7 +82,7 @@ def test_a_lesson_is_found_again_after_a_reload(student: Page, desk: Tabs, serve
     panel = session.panels.lessons
     page.click("Learn")
     page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
-    page.click(panel.titles[1])
+    page.click(panel.progress.titles[1])
     page.reads("Lesson 2 of ")
     page.until(lambda: session.resting, "rest")
     page.until(lambda: page.tab.evaluate(_KEPT) == panel.progress, "the lesson to be kept")
@@ -101,7 +101,7 @@ def test_a_drag_goes_on_when_it_has_done_the_task(student: Page, server: Server)
     panel = session.panels.lessons
     page.click("Learn")
     page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
-    page.click(panel.titles[1])
+    page.click(panel.progress.titles[1])
     page.click("Straight through the plate")
     page.click("Next")
     page.reads("➜ Drag the plate")
@@ -113,7 +113,7 @@ def test_a_drag_goes_on_when_it_has_done_the_task(student: Page, server: Server)
     places = []
 
     def ticked() -> None:
-        page.until(lambda: panel._is_passed and session.resting, "the task to be done")
+        page.until(lambda: panel.progress.is_passed and session.resting, "the task to be done")
         places.append(page.position(gizmo))
 
     start = page.pixel(gizmo)
@@ -134,7 +134,7 @@ def test_the_stage_that_a_task_speaks_of_comes_into_sight(student: Page, server:
     page.tab.set_viewport_size({"width": 1280, "height": 480})
     page.click("Learn")
     page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
-    page.click(panel.titles[0])
+    page.click(panel.progress.titles[0])
     page.click("They are removed")
     page.reads("✓ Right.")
     page.settle()

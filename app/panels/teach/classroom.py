@@ -172,7 +172,7 @@ class ClassroomPanel:
         told = (len(poll.answers), students) if poll is not None and self.teaches else ()
         answers = poll.answers if poll is not None and sees_all else None
         identity = poll and (poll.number, len(poll.rounds), poll.revealed)
-        lesson = self.teaches and self._lessons.question is not None
+        lesson = self.teaches and self._lessons.progress.question is not None
         steps = self.teaches and frame.theatre is not None and not frame.theatre.race
         state = (identity, told, answers, own, students, self.teaches, frame.lecture, lesson, steps)
         if state == self._drawn:

@@ -18,11 +18,11 @@ def lesson_mark(lessons: LessonPanel, opening: viser.GuiButtonHandle) -> str:
         lessons: whose lesson it is.
         opening: the button that opens the tab with its text.
     """
-    if not lessons.place:
+    if not lessons.progress.place:
         return ""
     opens = button(opening, "Back to lesson", hint=f"Shows its text, in the {LEARN} tab.")
     ends = button(lessons.leave, "End lesson", hint="Brings your own scene back.")
     return (
         '<div class="abi-card abi-buttons" style="align-items:center">'
-        f"<b>{html.escape(lessons.place)}</b>{opens}{ends}</div>"
+        f"<b>{html.escape(lessons.progress.place)}</b>{opens}{ends}</div>"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable
 from functools import partial
@@ -21,11 +20,11 @@ from app.teach.lesson import (
     NO_LESSONS,
     AnswerChoice,
     Library,
-    Question,
     Setting,
     Step,
     scene_of,
 )
+from app.teach.lesson_progress import LessonProgress
 from app.teach.measures import filled
 from app.ui import notices, page, style
 from app.ui.cards import Card, cards
@@ -42,9 +41,10 @@ _INTRO = style.paragraph(
 
 
 class LessonPanel:
-    """Widgets of the player, and where the student is.
+    """Widgets of the player.
 
     Attributes:
+        progress: where the student is.
         voted: whether the class votes meanwhile, so that the page takes and tells no answer.
     """
 
@@ -58,18 +58,14 @@ class LessonPanel:
         """Add the widgets; while a hand has ``held`` something, nothing in the scene is set."""
         gui, self._client, self._wake = client.gui, client, wake
         self._held = held
-        self._library, self._lessons = library, NO_LESSONS
-        self._name, self._number = "", 0
-        self._passed: set[tuple[str, int]] = set()
-        self._done = False  # whether the page was passed since it was turned to
+        self._library = library
+        self.progress = LessonProgress()
         self._left = ""
-        self._answer = -1
         self.voted = False
         self._cue: Setting | None = None
         self._ended = False
         self._pressed: list[str] = []
         self._drawn: tuple[object, ...] = ()
-        self._finished = ""
         self._pointed = "", 0
         self.choice = gui.add_dropdown("lesson", (_NONE,), visible=False)  # set by the cards
         self._intro = gui.add_html(_INTRO)
@@ -100,61 +96,25 @@ class LessonPanel:
             button.on_click(partial(self._press, name))
 
     @property
-    def chosen(self) -> bool:
-        """Whether a lesson is gone through, which says itself what is shown."""
-        return self._step is not None
-
-    @property
-    def asks(self) -> bool:
-        """Whether the page asks a question that has not been answered yet."""
-        step = self._step
-        return step is not None and step.question is not None and not self._is_passed
-
-    @property
-    def question(self) -> Question | None:
-        """The question of the page; None without one."""
-        step = self._step
-        return None if step is None else step.question
-
-    @property
-    def place(self) -> str:
-        """Lesson and page where the student is, as a text; empty where no lesson is chosen."""
-        if self._step is None:
-            return ""
-        lesson, number = self._lessons[self._name][0], list(self._lessons).index(self._name) + 1
-        return (
-            f"Lesson {number} of {len(self._lessons)}: {lesson.title}, "
-            f"page {self._number + 1} of {len(lesson.steps)}"
-        )
-
-    @property
     def waiting(self) -> bool:
         """Whether there is a cue to follow."""
         return self._cue is not None
 
-    @property
-    def progress(self) -> str:
-        """Place of the student and the steps passed, as a text to keep."""
-        if not self._name and not self._passed:
-            return ""
-        passed = sorted(self._passed)
-        return json.dumps({"lesson": self._name, "step": self._number, "passed": passed})
-
     def restore(self, text: str) -> None:
         """Go on where a kept text says; ignore one that says nothing of these lessons."""
-        if not text or text == self.progress:
+        if not text or text == self.progress.kept:
             return
-        if self._lessons is NO_LESSONS:
+        if self.progress.lessons is NO_LESSONS:
             self._list()
-        if place := self._parse(text):
-            self._name, self._number = place
-            self._done = place in self._passed  # with all that was revealed
-            self.choice.value = self.titles[list(self._lessons).index(self._name)]
+        if place := self.progress.take(text):
+            self.progress.name, self.progress.number = place
+            self.progress.done = place in self.progress.passed  # with all that was revealed
+            self.choice.value = self.progress.title(self.progress.name)
 
     def follow(self, text: str) -> bool:
         """Go where the teacher is; whether that ended a lesson, without a scene to go back to."""
         self.restore(text)
-        if not self.chosen or self._parse(text) is not None:
+        if not self.progress.chosen or self.progress.take(text) is not None:
             return False
         self._go("", 0)
         self._ended = False
@@ -171,7 +131,7 @@ class LessonPanel:
         if self._cue is None:
             return None
         setting, self._cue = self._cue, None
-        folder = self._lessons[self._name][1]
+        folder = self.progress.lessons[self.progress.name][1]
         try:
             return Cue(setting, scene_of(setting, scene, folder))
         except SceneError as error:
@@ -185,14 +145,15 @@ class LessonPanel:
 
     def draw(self, frame: Frame) -> None:
         """Show the page with the frame's numbers; go on where its task is done."""
+        progress = self.progress
         resting = not (frame.interactive or frame.plan.partial or not frame.current)
-        if resting and self._lessons is NO_LESSONS:
+        if resting and progress.lessons is NO_LESSONS:
             self._list()
-        step = self._step
+        step = progress.step
         if (
             step is not None
             and step.task is not None
-            and not self._done
+            and not progress.done
             and resting
             and self._cue is None
             and step.task.is_done(frame)
@@ -200,123 +161,70 @@ class LessonPanel:
         ):
             self._pass(step)
         if step is None:
-            state = self._lessons is NO_LESSONS, self._finished, len(self._passed)
+            state = progress.lessons is NO_LESSONS, progress.finished, len(progress.passed)
             if state != self._drawn:
                 self._drawn = state
                 self._write(frame, resting)
                 self._intro.content = _INTRO + self._cards()
             return
-        place = self._name, self._number, self._answer, self._is_passed, self._done, self.voted
-        drawn = (frame.plan, frame.theatre, frame.bent, resting, *place)
+        place = progress.name, progress.number, progress.answer, progress.is_passed, progress.done
+        drawn = (frame.plan, frame.theatre, frame.bent, resting, self.voted, *place)
         if drawn != self._drawn:
             self._drawn = drawn
             self._write(frame, resting)
-        if resting and self._pointed != (self._name, self._number):
-            self._pointed = self._name, self._number
+        if resting and self._pointed != (progress.name, progress.number):
+            self._pointed = progress.name, progress.number
             if step.task is not None and (stage := _STAGE.search(step.task.text)):
                 page.call(self._client, "showStage", int(stage[1]))
 
-    @property
-    def _step(self) -> Step | None:
-        if self._name not in self._lessons:
-            return None
-        return self._lessons[self._name][0].steps[self._number]
-
-    @property
-    def _is_passed(self) -> bool:
-        step = self._step
-        nothing_to_do = step is not None and step.question is None and step.task is None
-        return nothing_to_do or (self._name, self._number) in self._passed
-
-    @property
-    def _is_last(self) -> bool:
-        """Whether the page is the lesson's last."""
-        return self._number + 1 == len(self._lessons[self._name][0].steps)
-
-    def _parse(self, text: str) -> tuple[str, int] | None:
-        """Take what a kept text says was passed; lesson and page where it stands, or None."""
-        try:
-            data = json.loads(text)
-            name, number = str(data["lesson"]), int(data["step"])
-            passed = {(str(a), int(b)) for a, b in data["passed"]}
-        except (ValueError, TypeError, KeyError, RecursionError):
-            return None
-        self._passed |= {(a, b) for a, b in passed if a in self._lessons}
-        known = name in self._lessons and 0 <= number < len(self._lessons[name][0].steps)
-        return (name, number) if known else None
-
     def _list(self) -> None:
         """List the lessons, which take longer to read than a frame."""
-        self._lessons = self._library()
-        self.choice.options = (_NONE, *self.titles)
-
-    @property
-    def titles(self) -> list[str]:
-        """The lessons with their numbers, in order; none until they are listed."""
-        return [
-            f"{number}. {lesson.title}"
-            for number, (lesson, _) in enumerate(self._lessons.values(), 1)
-        ]
-
-    def _title(self, name: str) -> str:
-        return self.titles[list(self._lessons).index(name)]
-
-    @property
-    def _following(self) -> str:
-        """The lesson after this one, or after the one finished last; empty behind the last."""
-        names = list(self._lessons)
-        name = self._name or self._finished
-        place = names.index(name) + 1 if name in names else len(names)
-        return names[place] if place < len(names) else ""
-
-    def _is_done(self, name: str) -> bool:
-        """Check whether all that a lesson asks was answered or done."""
-        steps = self._lessons[name][0].steps
-        asked = [k for k, one in enumerate(steps) if one.question or one.task]
-        return bool(asked) and all((name, number) in self._passed for number in asked)
+        self.progress.lessons = self._library()
+        self.choice.options = (_NONE, *self.progress.titles)
 
     def _cards(self) -> str:
         """The lessons to choose from, as HTML; the one to go on with stands out."""
-        following = self._following
+        following = self.progress.following
         entries = []
-        for name, (lesson, _) in self._lessons.items():
+        for name, (lesson, _) in self.progress.lessons.items():
             note = f"{lesson.minutes} minutes"
-            if self._is_done(name):
+            if self.progress.is_complete(name):
                 note += " · ✓ done"
             elif name == following:
                 note += " · next"
             picture = assets.path("pictures", "lessons", f"{name}.webp")
-            title = self._title(name)
+            title = self.progress.title(name)
             entries.append(Card(title, note, picture, name == following))
         return cards(self.choice, entries)
 
     def _take_presses(self) -> None:
         """Do what the student pressed or chose since the last call."""
         self.exercise.send_asked()
-        titles = self.titles
+        titles = self.progress.titles
         chosen = self.choice.value
-        name = list(self._lessons)[titles.index(chosen)] if chosen in titles else ""
-        if name != self._name:
-            place, self._left = self._parse(self._left) if name else None, ""
+        name = list(self.progress.lessons)[titles.index(chosen)] if chosen in titles else ""
+        if name != self.progress.name:
+            place, self._left = self.progress.take(self._left) if name else None, ""
             self._go(name, place[1] if place is not None and place[0] == name else 0)
         while self._pressed:
             self._take(self._pressed.pop(0))
 
     def _take(self, press: str) -> None:
-        step = self._step
+        progress = self.progress
+        step = progress.step
         if step is None:
             return
-        if press == "back" and self._number > 0:
-            self._go(self._name, self._number - 1)
-        elif press == "next" and self._is_passed and not self._is_last:
-            self._go(self._name, self._number + 1)
-        elif press == "lesson" and self._is_passed and self._following:
-            self._finished = self._name
-            self._go(self._following, 0)
-            self.choice.value = self._title(self._name)
+        if press == "back" and progress.number > 0:
+            self._go(progress.name, progress.number - 1)
+        elif press == "next" and progress.is_passed and not progress.is_last:
+            self._go(progress.name, progress.number + 1)
+        elif press == "lesson" and progress.is_passed and progress.following:
+            progress.finished = progress.name
+            self._go(progress.following, 0)
+            self.choice.value = progress.title(progress.name)
         elif press == "leave":
-            if self._is_passed and self._is_last:
-                self._finished = self._name
+            if progress.is_passed and progress.is_last:
+                progress.finished = progress.name
             self.choice.value = _NONE
             self._go("", 0)
         elif press == "show" and step.task is not None:
@@ -324,27 +232,27 @@ class LessonPanel:
         elif press.isdigit() and step.question is not None and not self.voted:
             number = int(press)
             if number < len(step.question.choices):
-                self._answer = number
-                if step.question.choices[number].right and not self._done:
+                progress.answer = number
+                if step.question.choices[number].right and not progress.done:
                     self._pass(step)
 
     def _go(self, name: str, number: int) -> None:
         """Turn to a page; no name ends the lesson."""
-        self._ended |= bool(self._name) and not name
-        self._name, self._number, self._answer, self._done = name, number, -1, False
-        step = self._step
+        self._ended |= bool(self.progress.name) and not name
+        self.progress.turn_to(name, number)
+        step = self.progress.step
         self._cue = None if step is None else step.set
 
     def _pass(self, step: Step) -> None:
         """Reveal what the page has kept back."""
-        self._passed.add((self._name, self._number))
-        self._done = True
+        self.progress.pass_page()
         # what sets nothing would still write the panels anew, in the middle of a drag
         self._cue = None if step.reveal == Setting() else step.reveal
 
     def _write(self, frame: Frame, resting: bool) -> None:
         """Write the page into the widgets; unless ``resting`` the plan may lack some numbers."""
-        step, passed = self._step, self._is_passed
+        progress = self.progress
+        step, passed = progress.step, progress.is_passed
         for widget in (self._place, self._text, self.next, self.back):
             widget.visible = step is not None
         self.next_lesson.visible = False
@@ -356,11 +264,10 @@ class LessonPanel:
             for button in (self.show_me, *self.answers):
                 button.visible = False
             return
-        lesson = self._lessons[self._name][0]
-        done = sum((self._name, number) in self._passed for number in range(len(lesson.steps)))
+        lesson, done = progress.lesson, progress.passed_pages
         asked = sum(one.question is not None or one.task is not None for one in lesson.steps)
         self._place.content = style.paragraph(
-            f"<b>{self._number + 1} of {len(lesson.steps)}</b>, {done} of {asked} tasks done; "
+            f"<b>{progress.number + 1} of {len(lesson.steps)}</b>, {done} of {asked} tasks done; "
             f"about {lesson.minutes} minutes in all"
         )
         self._show(self._text, step.text, frame)
@@ -385,25 +292,25 @@ class LessonPanel:
         reply = ""
         if question is not None and self.voted:
             reply = _VOTED
-        elif question is not None and 0 <= self._answer < len(choices):
-            choice = choices[self._answer]
+        elif question is not None and 0 <= progress.answer < len(choices):
+            choice = choices[progress.answer]
             reply = f"**{'✓ Right.' if choice.right else '✗ No.'}** {choice.why}"
         self._show(self._reply, reply, frame)
         # what it says is so once the page is done, and may not be when it is turned to again
-        told = self._done or (question is None and task is None)
+        told = progress.done or (question is None and task is None)
         self._show(self._after, step.after if told else "", frame)
         self.exercise.show(step.exercises if passed else ())
-        self.show_me.visible = task is not None and not self._done
+        self.show_me.visible = task is not None and not progress.done
         self.next.disabled = not passed
-        self.next.visible = not self._is_last
-        if self._is_last and self._following:
+        self.next.visible = not progress.is_last
+        if progress.is_last and progress.following:
             self.next_lesson.visible = True
             self.next_lesson.disabled = not passed
-        self.back.disabled = self._number == 0
+        self.back.disabled = progress.number == 0
 
     def _label(self, choice: AnswerChoice, number: int) -> str:
         """Text of an answer's button; the one that was given has a sign before it."""
-        if number != self._answer or self.voted:
+        if number != self.progress.answer or self.voted:
             return choice.text
         return f"{'✓' if choice.right else '✗'} {choice.text}"
 

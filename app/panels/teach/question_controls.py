@@ -87,7 +87,7 @@ class QuestionControls:
 
     def ask(self, frame: Frame | None) -> None:
         """Ask what was asked for since the last call, with the numbers of a frame."""
-        text, lesson = self.question.value, self._lessons.place
+        text, lesson = self.question.value, self._lessons.progress.place
         right_one = _RIGHT.index(self.right.value) - 1
         if pressed(self.ask_own) and not self._classroom.ask(
             text, tuple(box.value for box in self.choices), right_one, lesson=lesson
@@ -103,7 +103,7 @@ class QuestionControls:
             n = len(state.trace.arcs.points)
             right = state.trace.arcs.points[state.candidates() % n]
             self._classroom.ask_place(_NEXT, tuple(map(place_of, right)), lesson)
-        asked = self._lessons.question
+        asked = self._lessons.progress.question
         if pressed(self.ask_lesson) and asked is not None and frame is not None:
             texts = [filled(choice.text, frame) for choice in asked.choices]
             right_one = next(k for k, choice in enumerate(asked.choices) if choice.right)

@@ -320,7 +320,7 @@ def test_after_a_reload_a_lesson_still_leads_back(
     until(lambda: not server.sessions)
 
     fake, session = _reloaded(server, text)
-    until(lambda: session.panels.lessons.chosen and session.resting)
+    until(lambda: session.panels.lessons.progress.chosen and session.resting)
     fake.set(session.panels.lessons.choice, session.panels.lessons.choice.options[0])
     until(lambda: session.plan is not None and session.plan.scene == mine)
     fake.close()

@@ -189,13 +189,13 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
         students = [open_tab(server) for _ in range(2)]
         until(lambda: panel(taught).teaches)
         teacher.set(panel(taught).lead, True)
-        until(lambda: taught.resting and len(taught.panels.lessons.titles) > 2)
-        teacher.set(taught.panels.lessons.choice, taught.panels.lessons.titles[2])
+        until(lambda: taught.resting and len(taught.panels.lessons.progress.titles) > 2)
+        teacher.set(taught.panels.lessons.choice, taught.panels.lessons.progress.titles[2])
         both = [session for _, session in students]
         for one in (taught, *both):
             until(lambda one=one: step_of(one) == 24 and one.resting)  # type: ignore[misc]
             assert one.panels.theatre.ask.value
-        assert all(session.panels.lessons.chosen for session in both)
+        assert all(session.panels.lessons.progress.chosen for session in both)
         teacher.set(panel(taught).asking.ask_next, True)
         (student, session), (_, second) = students
         for one in (taught, *both):
@@ -224,7 +224,7 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
             theatre = one.frame.theatre
             assert theatre is not None
             assert (theatre.state.step, theatre.ringed.size, theatre.answer.text) == (24, 0, "")
-            assert one.panels.lessons.asks
+            assert one.panels.lessons.progress.asks
 
         # a right node that nobody has hit is marked, too
         assert classroom.poll.right_share() == 0
@@ -243,7 +243,7 @@ def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> N
 
         # who follows leaves the lesson with the teacher
         teacher.set(taught.panels.lessons.leave, True)
-        until(lambda: not any(one.panels.lessons.chosen for one in (taught, *both)))
+        until(lambda: not any(one.panels.lessons.progress.chosen for one in (taught, *both)))
         until(lambda: second.resting and second.frame.plan.scene == taught.frame.plan.scene)
         assert not over_scene(second)
     finally:

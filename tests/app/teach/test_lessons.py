@@ -254,7 +254,7 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     fake, session = tab
     panel = session.panels.lessons
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
-    fake.set(panel.choice, panel.titles[2])
+    fake.set(panel.choice, panel.progress.titles[2])
     until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
     assert session.frame.theatre is not None
     assert session.frame.theatre.state.step == 24
@@ -268,24 +268,24 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     until(lambda: "✓ Right." in panel._reply.content and not panel.next.disabled)
     fake.set(panel.next, True)
     until(lambda: "### A*" in panel._text.content and session.resting)
-    kept = panel.progress
+    kept = panel.progress.kept
     fake.set(panel.choice, panel.choice.options[0])
     until(lambda: not panel._text.visible)
     panel.restore("{")
     panel.restore('{"lesson": "none", "step": 3, "passed": []}')
-    assert panel._step is None
+    assert panel.progress.step is None
     panel.restore(kept)
-    assert panel.progress == kept
+    assert panel.progress.kept == kept
     # another tab of the same browser begins at the same page once the lesson is chosen
     title = panel.choice.value
     fake.set(panel.choice, panel.choice.options[0])
-    until(lambda: panel._step is None)
-    panel._passed.clear()
+    until(lambda: panel.progress.step is None)
+    panel.progress.passed.clear()
     panel.recall(kept)
     fake.set(panel.choice, title)
-    until(lambda: panel.progress == kept)
+    until(lambda: panel.progress.kept == kept)
     fake.set(panel.back, True)
-    until(lambda: panel._number == 0 and not panel.next.disabled)
+    until(lambda: panel.progress.number == 0 and not panel.next.disabled)
 
 
 def test_a_page_that_is_turned_to_again_says_nothing_that_is_no_longer_so(
@@ -294,14 +294,14 @@ def test_a_page_that_is_turned_to_again_says_nothing_that_is_no_longer_so(
     fake, session = tab
     panel = session.panels.lessons
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
-    fake.set(panel.choice, panel.titles[list(LESSONS).index("01-mesh")])
+    fake.set(panel.choice, panel.progress.titles[list(LESSONS).index("01-mesh")])
     for again in (False, True):
         until(lambda: "### A box" in panel._text.content and "obstacles" in session.frame.shown)
         until(lambda: not panel._after.visible and panel.next.disabled != again)  # noqa: B023
         fake.set(panel.answers[1], True)
         until(lambda: panel._after.visible and "obstacles" not in session.frame.shown)
         fake.set(panel.next, True)
-        until(lambda: panel._number == 1 and "obstacles" in session.frame.shown)
+        until(lambda: panel.progress.number == 1 and "obstacles" in session.frame.shown)
         if not again:
             fake.set(panel.show_me, True)
             until(lambda: panel._after.visible and not panel.show_me.visible)
@@ -319,7 +319,7 @@ def test_a_lesson_is_told_of_over_the_scene(tab: tuple[FakeTab, Session]) -> Non
     shown = panels.layout.overlay.shown
     until(lambda: session.resting and len(panels.lessons.choice.options) > 1)
     until(lambda: "Drag the orange box." in shown["message"])
-    fake.set(panels.lessons.choice, panels.lessons.titles[2])
+    fake.set(panels.lessons.choice, panels.lessons.progress.titles[2])
     title = LESSONS["03-search"][0].title
     pages = len(LESSONS["03-search"][0].steps)
     place = f"<b>Lesson 3 of {len(LESSONS)}: {title}, page 1 of {pages}</b>"
@@ -374,7 +374,7 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
             fake.set(panels.figures.buttons[0], "3")
             until(lambda: session.frame.plan.scene.search.weight == "hops" and session.resting)
         if leave != "figure":
-            fake.set(lessons.choice, lessons.titles[2])
+            fake.set(lessons.choice, lessons.progress.titles[2])
             until(lambda: session.frame.theatre is not None)
             assert not panels.figures._folder.visible
             assert not panels.figures.method.visible
@@ -394,7 +394,7 @@ def test_a_lesson_left_after_a_reload_shows_the_layers_again(tab: tuple[FakeTab,
     fake, session = tab
     lessons = session.panels.lessons
     until(lambda: len(lessons.choice.options) == len(LESSONS) + 1)
-    fake.set(lessons.choice, lessons.titles[2])
+    fake.set(lessons.choice, lessons.progress.titles[2])
     until(lambda: session.frame.theatre is not None and "arm" not in session.frame.shown)
     session._view._before = None
     fake.set(lessons.choice, lessons.choice.options[0])
@@ -426,19 +426,19 @@ def test_a_lesson_that_is_done_leads_to_the_next(tab: tuple[FakeTab, Session]) -
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
     until(lambda: panel._intro.content.count("<button") == len(LESSONS))
     assert "✓ done" not in panel._intro.content
-    fake.set(panel.choice, panel.titles[0])
-    until(lambda: panel.chosen)
-    panel._passed |= {("01-mesh", number) for number in range(len(steps))}
+    fake.set(panel.choice, panel.progress.titles[0])
+    until(lambda: panel.progress.chosen)
+    panel.progress.passed |= {("01-mesh", number) for number in range(len(steps))}
     for number in range(len(steps) - 1):
         assert not panel.next_lesson.visible
         fake.set(panel.next, True)
-        until(lambda: panel._number == number + 1 and panel._text.visible)  # noqa: B023
+        until(lambda: panel.progress.number == number + 1 and panel._text.visible)  # noqa: B023
     until(lambda: panel.next_lesson.visible and not panel.next_lesson.disabled)
     fake.set(panel.next_lesson, True)
-    until(lambda: panel.place.startswith("Lesson 2 of"))
-    assert panel.choice.value == panel.titles[1]
+    until(lambda: panel.progress.place.startswith("Lesson 2 of"))
+    assert panel.choice.value == panel.progress.titles[1]
     fake.set(panel.leave, True)
-    until(lambda: not panel.chosen and "✓ done" in panel._intro.content)
+    until(lambda: not panel.progress.chosen and "✓ done" in panel._intro.content)
     cards = panel._intro.content.split("<button")[1:]
     assert [names[k] for k, card in enumerate(cards) if "✓ done" in card] == ["01-mesh"]
     assert [k for k, card in enumerate(cards) if "· next" in card] == [1]
@@ -456,8 +456,8 @@ def test_a_lesson_gives_the_exercise_to_which_it_leads(
         lambda name, content, **_: files.update({name: content}),
     )
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
-    fake.set(panel.choice, panel.titles[list(LESSONS).index("03-search")])
-    until(lambda: panel.chosen and panel._text.visible)
+    fake.set(panel.choice, panel.progress.titles[list(LESSONS).index("03-search")])
+    until(lambda: panel.progress.chosen and panel._text.visible)
     assert not panel.exercise.file.visible
     last = len(LESSONS["03-search"][0].steps) - 1
     panel.restore(
@@ -473,7 +473,7 @@ def test_a_lesson_gives_the_exercise_to_which_it_leads(
     assert {one.name for one in exercises_in(file)} == {"priority", "heuristic"}
     assert json.loads(files["mine.ipynb"]) == notebook(("priority", "heuristic"))
     fake.set(panel.leave, True)
-    until(lambda: not panel.chosen and not panel.exercise.file.visible)
+    until(lambda: not panel.progress.chosen and not panel.exercise.file.visible)
 
 
 def test_a_page_that_asks_gives_no_answer_away(tab: tuple[FakeTab, Session]) -> None:
@@ -481,7 +481,7 @@ def test_a_page_that_asks_gives_no_answer_away(tab: tuple[FakeTab, Session]) -> 
     panel, shown = session.panels.lessons, session.panels.layout.overlay.shown
     headings = session.panels.layout.folders
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
-    fake.set(panel.choice, panel.titles[list(LESSONS).index("05-quadratic")])
+    fake.set(panel.choice, panel.progress.titles[list(LESSONS).index("05-quadratic")])
     until(lambda: session.frame.asks and session.resting)
     until(lambda: not any(re.search("[✓✗]", str(one.label)) for one in headings.values()))
     assert not any(shown.get(part) for part in ("numbers", "contact"))

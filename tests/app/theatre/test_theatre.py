@@ -357,7 +357,11 @@ def test_a_lesson_says_itself_what_is_shown_beside_a_search(tab: tuple[FakeTab, 
     lessons = session.panels.lessons
     until(lambda: len(lessons.choice.options) > 12)
     fake.set(lessons.choice, lessons.choice.options[-1])
-    until(lambda: lessons.chosen and session.frame.shown < session.panels.layer_switches._usual)
+    until(
+        lambda: (
+            lessons.progress.chosen and session.frame.shown < session.panels.layer_switches._usual
+        )
+    )
     shown = session.frame.shown
     assert "arm" in shown
     fake.set(session.panels.theatre.on, True)
