@@ -184,12 +184,16 @@ def _matched(motion: Motion, robot: Robot, tip: str) -> tuple[Motion, list[str]]
 
 
 def _missing(robot: Robot, tip: str, given: Sequence[str]) -> str:
-    """First joint on the way to the tip or to one that is given that is not; empty if none."""
+    """First joint on the way to the tip or to one that is given that is not; empty if none.
+
+    What a plan of the arm holds on another branch, on which the tip's way follows a joint by its
+    ``<mimic>``, stands still here, too.
+    """
     arm = planned_joints(robot, tip)
     wanted = set(arm) if set(arm) & set(given) else set()
     parents = {joint.child: joint for joint in robot.joints}
     by_name = {joint.name: joint for joint in robot.joints}
-    for name in given:
+    for name in {*given}.difference(arm):
         joint: Joint | None = by_name[name]
         while joint is not None:
             if joint.kind != "fixed":

@@ -235,6 +235,27 @@ def test_a_joint_in_the_middle_must_be_given() -> None:
         robot_motion(motion, SCENE)
 
 
+def test_the_joints_that_a_plan_moves_are_enough_where_the_tip_follows_another_branch(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "r.urdf"
+    text = urdf(
+        *map(link, "abcdt"),
+        joint("held", "a", "b"),
+        joint("master", "b", "c"),
+        joint("beside", "c", "d"),
+        joint("way", "a", "t", extra='<limit lower="-3" upper="3"/>' + follows("master", 1.0, 0)),
+    )
+    path.write_text(text)
+    scene = robot_scene(path).replace(arm={"tip": "t"})
+    table = np.array([[0.0], [0.2]])
+    moves = robot_motion(Motion(("master",), np.array([0.0, 1.0]), table), scene)
+    assert moves.chain.held == {"held": 0.0, "beside": 0.0}
+    assert any("held at 0" in note for note in moves.notes)
+    with pytest.raises(MotionError, match="does not say where held is"):
+        robot_motion(Motion(("beside",), np.array([0.0, 1.0]), table), scene)
+
+
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1, 3, 5]))
 def test_polynomials_have_the_derivatives_of_the_waypoints(seed: int, degree: int) -> None:
     random = np.random.default_rng(seed)
