@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from abi.certification.clearance_proof import MOST_TRIES
 from abi.certification.motion import Motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
+from abi.errors import ArgumentError
 from abi.scene.scene import Scene
 
 
@@ -52,7 +53,14 @@ def certify(
     Raises:
         MotionError: the motion is wrong or none of the robot's; names row, joint and unit.
         SceneError: the robot cannot be read.
+        ArgumentError: another argument is none of its kind.
     """
+    if not isinstance(scene, Scene | None):
+        raise ArgumentError("scene", scene, "a Scene, as abi.load_scene gives it, or None")
+    if not isinstance(start, Mapping | None):
+        raise ArgumentError("start", start, "positions by the names of joints, or None")
+    if isinstance(joints, str) or not isinstance(joints, Iterable):
+        raise ArgumentError("joints", joints, "the names of the joints")
     rows: Any = np.arange(len(np.atleast_1d(np.asarray(positions, dtype=object))))
     motion = Motion(
         joints=tuple(joints),

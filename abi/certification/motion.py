@@ -38,6 +38,7 @@ class RobotState(NamedTuple):
         attached: unit of length of a scene, and the object that it holds, as that has it; None if
             no scene says so.
         rests: whether joints that are not named rest nearest to 0.
+        tip: name of the link of its scene's tool, which holds that object; None for the usual one.
     """
 
     joints: Mapping[str, float]
@@ -46,6 +47,7 @@ class RobotState(NamedTuple):
     root: str | None = None
     attached: tuple[str, Mapping[str, Any]] | None = None
     rests: bool = False
+    tip: str | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

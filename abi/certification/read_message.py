@@ -7,6 +7,7 @@ A ``trajectory_msgs/msg/JointTrajectory`` may stand alone or inside MoveIt's ``R
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
@@ -16,7 +17,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.certification.motion import Motion, RobotState
-from abi.certification.stated_object import StatedObject
+from abi.certification.stated_object import StatedObject, is_turn
 from abi.errors import MotionError, short
 from abi.obstacles.pose import METRES
 from abi.robot.urdf.urdf_joints import some_of
@@ -41,6 +42,7 @@ _POINT = ("positions", "velocities", "accelerations", "time_from_start")
 _DURATIONS = (("sec",), ("sec", "nanosec"), ("sec", "nsec"), ("secs",), ("secs", "nsecs"))
 """Names of a duration's seconds, and of the nanoseconds beside them."""
 _LARGEST = 10**300
+_OF_JOINTS = "name", "position"
 _STATE, _LONGEST_STATE = "state", 500
 _MESSAGE = frozenset(
     (
@@ -123,9 +125,10 @@ def _unused(message: Mapping[str, Any], known: Set[str]) -> list[str]:
 def _check_base(message: Mapping[str, Any]) -> None:
     """Raise where a message moves a robot's base, or another joint of several coordinates."""
     moved = message.get("multi_dof_joint_trajectory")
-    if isinstance(moved, dict) and moved.get("points"):
+    if moved and not (isinstance(moved, dict) and not moved.get("points")):
+        names = moved.get("joint_names") if isinstance(moved, dict) else moved
         raise MotionError(
-            f"The message moves {short(moved.get('joint_names'))} in space, which is not read.",
+            f"The message moves {short(names)} in space, which is not read.",
             "Give the motion of a robot whose base stands still.",
         )
 
@@ -146,9 +149,10 @@ def _state(state: object) -> RobotState:
     held = state.get("attached_collision_objects") or []
     objects = [StatedObject.of(one) for one in (held if isinstance(held, list) else [held])]
     is_said = bool(objects) or state.get("is_diff") is not True  # else it holds what it held before
-    joints = state.get("joint_state")
-    names, at = ((joints or {}).get(name) or [] for name in ("name", "position"))
-    if len(names) != len(at) or not all(map(_is_number, at)):
+    joints = state.get("joint_state") or {}
+    fields = [joints.get(name) or [] if isinstance(joints, dict) else None for name in _OF_JOINTS]
+    names, at = (one if isinstance(one, list | tuple) else None for one in fields)
+    if names is None or at is None or len(names) != len(at) or not all(map(_is_number, at)):
         raise MotionError("The message's start state has not one position for each joint.")
     named = dict(zip(_names(names), map(float, at), strict=True))
     base = _base(state.get("multi_dof_joint_state"))
@@ -169,7 +173,7 @@ def _base(joints: object) -> tuple[float, ...] | None:
         for part, axes in zip(parts, ("xyz", "xyzw"), strict=False)
         for axis in axes
     ]
-    if not numbers or not all(map(_is_number, numbers)) or not any(numbers[3:]):
+    if not _is_pose(numbers):
         raise MotionError(
             "The message's start state has no single place of the robot's root in the world.",
             "Give one transform with translation and rotation, or no multi_dof_joint_state.",
@@ -230,7 +234,7 @@ def _is_set(value: object) -> bool:
 def _planned(motion: dict[str, Any], scene: dict[str, Any], slides: Sequence[str]) -> Motion:
     """Motion of a plan, whose slides are in its scene's unit; straight between its samples."""
     unit = scene.get("unit", "cm")
-    if unit not in METRES:
+    if not isinstance(unit, str) or unit not in METRES:
         raise MotionError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
     plain = _plain({name: motion.get(name, []) for name in ("joints", "time", "positions")})
     scale = [METRES[unit] if name in slides else 1.0 for name in plain.joints]
@@ -246,16 +250,16 @@ def _state_of_arm(arm: object, unit: str, slides: Sequence[str]) -> RobotState:
     metres = METRES[unit]
     base, wxyz = arm.get("base"), arm.get("base_wxyz", [1, 0, 0, 0])
     numbers = [*base, *wxyz] if isinstance(base, list) and isinstance(wxyz, list) else []
-    held, root, attached = (arm.get(name) for name in ("gripper", "base_link", "attached"))
+    fields = "gripper", "base_link", "attached", "tip"
+    held, root, attached, tip = (arm.get(name) for name in fields)
     held = {} if held is None else held
     if not (
-        len(numbers) == 7
-        and all(map(_is_number, numbers))
-        and any(numbers[3:])
+        _is_pose(numbers)
         and isinstance(held, dict)
         and all(map(_is_number, held.values()))
         and isinstance(root, str | None)
         and isinstance(attached, dict | None)
+        and isinstance(tip, str | None)
     ):
         raise MotionError(
             "The plan's scene does not say where its arm stands, and what this holds.",
@@ -269,7 +273,16 @@ def _state_of_arm(arm: object, unit: str, slides: Sequence[str]) -> RobotState:
         root=root or "",
         attached=None if attached is None else (unit, attached),
         rests=True,
+        tip=tip,
     )
+
+
+def _is_pose(numbers: Sequence[object]) -> bool:
+    """Whether these are a position and a quaternion that can be one of length 1."""
+    if len(numbers) != 7 or not all(map(_is_number, numbers)):
+        return False
+    exact = [float(one) for one in numbers]  # type: ignore[arg-type]
+    return all(map(math.isfinite, exact)) and is_turn(exact[3:])
 
 
 def _names(value: object) -> tuple[str, ...]:

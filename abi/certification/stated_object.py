@@ -20,6 +20,20 @@ _AWAY = 3.0
 """Distance of these places from the middle of an object, over half its size."""
 
 
+_KINDS = (1, "box"), (2, "sphere"), (3, "cylinder")
+"""Numbers of ``shape_msgs/msg/SolidPrimitive``."""
+_TURN = 1e-100, 1e100
+"""Least and largest entry of a quaternion, whose square has to be a number."""
+_SIZES = 1e-9, 1e6
+"""Least and largest size of an object, [m]."""
+
+
+def is_turn(quaternion: Sequence[float]) -> bool:
+    """Whether a quaternion of finite numbers can be one of length 1."""
+    low, high = _TURN
+    return low <= max(map(abs, quaternion)) <= high
+
+
 class StatedObject(NamedTuple):
     """An object that a robot holds by a message.
 
@@ -85,10 +99,12 @@ def _solid(
         return None
     if len(solids) != 1 or not isinstance(solids[0], dict) or not isinstance(places, list):
         return None
-    kind = {1: "box", 2: "sphere", 3: "cylinder"}.get(solids[0].get("type", 0))
+    kind = next((name for number, name in _KINDS if solids[0].get("type") == number), None)
     sizes = _numbers(solids[0].get("dimensions"))
     outer, inner = (_place(one) for one in (part.get("pose"), *(places[:1] or [None])))
-    if kind is None or outer is None or inner is None or not sizes or min(sizes) <= 0:
+    if kind is None or outer is None or inner is None or not sizes:
+        return None
+    if not _SIZES[0] <= min(sizes) <= max(sizes) <= _SIZES[1]:
         return None
     if len(sizes) != {"box": 3, "sphere": 1, "cylinder": 2}[kind]:
         return None
@@ -110,7 +126,9 @@ def _place(pose: object) -> tuple[float, ...] | None:
     turn = _numbers([turned.get(axis, 0.0) for axis in "xyzw"])
     if at is None or turn is None:
         return None
-    return (*at, *(turn if any(turn) else (0.0, 0.0, 0.0, 1.0)))
+    turn = turn if any(turn) else (0.0, 0.0, 0.0, 1.0)
+    is_near = max(map(abs, at)) <= _SIZES[1]
+    return (*at, *turn) if is_near and is_turn(turn) else None
 
 
 def _numbers(values: object) -> tuple[float, ...] | None:

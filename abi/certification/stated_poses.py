@@ -11,6 +11,7 @@ from abi.arrays import FloatArray
 from abi.certification.motion import Motion
 from abi.certification.stated_object import StatedObject
 from abi.errors import MotionError, short
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
@@ -144,6 +145,15 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
             "The file's robot holds an object that the scene's does not.",
             "Give it as arm.attached of the scene.",
         )
+    if state.attached is not None and arm.attached is not None:
+        tip = arm.model_copy(update={"tip": state.tip}).tool
+        if tip != arm.tool:
+            raise MotionError(
+                f"The file's robot holds its object with {tip}, and the scene's with {arm.tool}.",
+                "Give the same arm.tip in both scenes.",
+            )
+        if isinstance(arm.attached, MeshShape):
+            notes.append(f"The held mesh {short(arm.attached.file)} is the one of this scene.")
     return [*notes, *_as_here(near)]
 
 

@@ -9,6 +9,8 @@ from abi.errors import SceneError
 from abi.obstacles.pose import Number, Vec3
 from abi.scene.section import Settings
 
+_LEAST = 1e-100
+"""Least entry of a direction, whose square has to be a number."""
 Share = Annotated[Number, Field(ge=0, le=1)]
 
 
@@ -27,7 +29,7 @@ class HeldAxis(Settings):
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
-        if not any(self.direction):
+        if not is_direction(self.direction):
             raise ValueError("a direction that is not zero")
         if self.begin >= self.end:
             raise ValueError(f"from below to, and {self.begin:g} is not below {self.end:g}")
@@ -77,8 +79,13 @@ def check_axis(field: str, axis: Vec3 | HeldAxis | None, model: str, search: str
         if search == "mesh":
             expected = "auto or joints where axis has a tolerance: the mesh holds it exactly"
             raise SceneError("arm.search", search, expected)
-    elif not any(axis):
+    elif not is_direction(axis):
         raise SceneError(field, axis, "a direction, or none for any")
+
+
+def is_direction(axis: Vec3) -> bool:
+    """Whether a vector is not zero, also once its numbers are squared."""
+    return max(map(abs, axis)) >= _LEAST
 
 
 def plain_axis(axis: Vec3 | HeldAxis | None) -> Any:

@@ -54,7 +54,9 @@ def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[ChainCapsule, ..
         fit = fits.get(carried.link, "quick")
         bodies = beside.get(carried.link) or link_bodies(chain.robot.links[carried.link], fit)
         capsules.extend(carried_bodies(carried, bodies))
-    return tuple(sorted(capsules or _skeleton(chain), key=attrgetter("frame")))
+    if not any(capsule.frame >= 0 for capsule in capsules):
+        capsules += _skeleton(chain)
+    return tuple(sorted(capsules, key=attrgetter("frame")))
 
 
 def carried_bodies(carried: Carried, bodies: Iterable[Body]) -> Iterator[ChainCapsule]:
@@ -66,7 +68,7 @@ def carried_bodies(carried: Carried, bodies: Iterable[Body]) -> Iterator[ChainCa
 
 
 def _skeleton(chain: Chain) -> list[ChainCapsule]:
-    """Thin capsules from joint to joint, and to the tip, of a robot whose links have no shapes."""
+    """Thin capsules from joint to joint, and to the tip, where no link that moves has a shape."""
     table, last = chain.table, chain.table.length - 1
     places = table.origins.reshape(-1, POSE)[:, 9:]
     lines = [

@@ -6,8 +6,11 @@ damaged, ambiguous or too large is refused with one sentence.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from abi.errors import MISSING
 from abi.robot.urdf.couplings import coupling_notes, read_couplings
+from abi.robot.urdf.joint import Joint
 from abi.robot.urdf.link import Link
 from abi.robot.urdf.link_names import names_anew, rename_links
 from abi.robot.urdf.mimic import with_masters
@@ -55,8 +58,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     notes += [f"{note} {some_of(named)}." for note, named in root.told.items()]
     if weightless:
         notes.append(f"No torques, as masses make no sense: {some_of(weightless)}.")
-    if not any(link.shapes for link in links.values()):
-        notes.append("No link has a shape: lines from joint to joint stand for them.")
+    notes += _bare_links(links, ordered)
     notes += [
         f"Link {name} is called {new} here, for {name} is the world's."
         for name, new in renamed.items()
@@ -65,3 +67,23 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, links, ordered, tuple(notes), couplings=couplings)
+
+
+def _bare_links(links: Mapping[str, Link], joints: Sequence[Joint]) -> list[str]:
+    """A sentence on joints that move no shape before the next joint; none if all move one.
+
+    Args:
+        links: by name.
+        joints: parents first.
+    """
+    moved_by: dict[str, str] = {}
+    for joint in joints:
+        if joint.kind != "fixed":
+            moved_by[joint.child] = joint.child
+        elif joint.parent in moved_by:
+            moved_by[joint.child] = moved_by[joint.parent]
+    shaped = {first for name, first in moved_by.items() if links[name].shapes}
+    bare = [first for name, first in moved_by.items() if name == first and first not in shaped]
+    if not shaped:
+        return ["No link that moves has a shape: lines from joint to joint stand for them."]
+    return [f"Nothing is proven of links without a shape: {some_of(bare)}."] if bare else []

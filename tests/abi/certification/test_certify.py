@@ -374,6 +374,16 @@ def test_a_continuous_joint_may_have_turned_before(tmp_path: Path) -> None:
         assert any("turn turns by 6 rad" in note for note in notes) == is_told
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"scene": "kitchen-ur5e"}, {"start": [("p", 1.0)]}, {"joints": None}, {"joints": "p"}]
+)
+def test_arguments_of_another_kind_are_refused_by_their_names(wrong: dict[str, Any]) -> None:
+    given = {"joints": JOINTS, "times": [0, 1], "positions": [UP, UP], "scene": scene_with([])}
+    with pytest.raises(ArgumentError) as refusal:
+        abi.certify(None, **(given | wrong))  # type: ignore[arg-type]
+    assert refusal.value.field == next(iter(wrong))
+
+
 def test_degrees_are_suspected_only_where_angles_are_large() -> None:
     scene = scene_with([])
     small = np.array([UP, UP])

@@ -18,6 +18,7 @@ from abi.certification.read_message import read_message
 from abi.certification.read_motion import own_joints, read_motion
 from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
+from abi.certification.stated_object import StatedObject
 from abi.errors import MotionError
 from abi.robot.urdf.tip_pose import tip_pose
 from abi.scene.scene import Scene
@@ -351,6 +352,14 @@ def test_what_is_not_read_of_a_file_is_told() -> None:
         ),
         ({"trajectory_start": standing(0.0, turned=0.6)}, "turned otherwise"),
         ({"trajectory_start": {"multi_dof_joint_state": {"transforms": [{}]}}}, "no single place"),
+        ({"trajectory_start": standing(5.0, turned=1e101)}, "no single place"),
+        ({"trajectory_start": standing(5.0, turned=1e200)}, "no single place"),
+        ({"multi_dof_joint_trajectory": [1]}, "in space"),
+        ({"trajectory_start": {"joint_state": [1]}}, "not one position for each joint"),
+        (
+            {"trajectory_start": {"joint_state": {"name": [JOINTS[0]], "position": 5}}},
+            "not one position for each joint",
+        ),
     ],
 )
 def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
@@ -359,6 +368,22 @@ def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
     whole = {"trajectory": [{"joint_trajectory": message()}], **changed}
     with pytest.raises(MotionError, match=why):
         robot_motion(read_motion("a.json", json.dumps(whole).encode(), own_joints(ROBOT)), SCENE)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("type", [1]),
+        ("dimensions", [1e300, 1e-320, 0.05]),
+        ("orientation", [0, 0, 0, 1e-200]),
+        ("orientation", [1e200, 0, 0, 1]),
+        ("position", [1e200, 0, 0]),
+    ],
+)
+def test_an_object_that_cannot_be_is_not_compared(field: str, value: list[float]) -> None:
+    given = {"type": 1, "dimensions": [0.1] * 3, "position": [0] * 3, "orientation": [0, 0, 0, 1]}
+    kind, *rest = (given | {field: value}).values()
+    assert StatedObject.of(a_solid(kind, rest[0], "tool0", rest[1], rest[2])).solid is None  # type: ignore[arg-type]
 
 
 def a_solid(kind: int, sizes: list[float], link: str, at: list[float], turn: list[float]) -> Any:
@@ -462,6 +487,31 @@ def test_a_file_may_not_have_followers_elsewhere_than_they_follow(
     else:
         with pytest.raises(MotionError, match=why):
             robot_motion(motion, robot_scene(path))
+
+
+def test_a_plan_holds_its_object_with_the_same_link(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(arm())
+    room = {"min": [-300] * 3, "max": [300] * 3}
+    whole = {"version": 1, "unit": "cm", "workspace": room, "mesh": {"pitch": 60}}
+    whole |= {"start": [0, 0, 1], "goal": [0, 0, 1]}
+    held = {"shape": "sphere", "radius": 5.0}
+    arms = {tip: {"model": "urdf", "urdf": "r.urdf", "tip": tip, "attached": held} for tip in "cd"}
+    scenes = {tip: Scene.from_dict({**whole, "arm": one}, tmp_path) for tip, one in arms.items()}
+    table = {"joints": ["p", "q", "s"], "time": [0.0, 1.0], "positions": [[0.0] * 3, [0.1] * 3]}
+    motion = read_message({"scene": scenes["d"].to_dict(), "arm": table}, ["s"])
+    robot_motion(motion, scenes["d"])
+    with pytest.raises(MotionError, match="holds its object with d, and the scene's with c"):
+        robot_motion(motion, scenes["c"])
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"unit": ["m"]}, {"arm": {"base": [0, 0, 0], "base_wxyz": [1e-200, 0, 0, 0]}}]
+)
+def test_a_plan_of_a_scene_that_cannot_be_is_refused(wrong: dict[str, Any]) -> None:
+    scene = {"unit": "m", "arm": {"base": [0, 0, 0]}} | wrong
+    table = {"joints": ["p"], "time": [0.0, 1.0], "positions": [[0.0], [0.1]]}
+    with pytest.raises(MotionError, match="he plan's scene"):
+        read_message({"scene": scene, "arm": table}, [])
 
 
 @pytest.mark.parametrize(

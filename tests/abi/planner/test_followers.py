@@ -171,14 +171,20 @@ def test_a_joint_that_follows_itself_is_refused() -> None:
         scene(crane(follows("swing")))
 
 
-def test_lines_stand_for_the_links_of_a_robot_without_shapes() -> None:
+@pytest.mark.parametrize(
+    "base", ["", '<collision><geometry><sphere radius="0.05"/></geometry></collision>']
+)
+def test_lines_stand_for_the_links_of_a_robot_of_which_nothing_that_moves_has_a_shape(
+    base: str,
+) -> None:
     text = re.sub("<collision>.*?</collision>", "", crane(follows("lift")))
+    text = text.replace('<link name="foot">', f'<link name="foot">{base}', 1)
     one = scene(text)
     assert any("lines from joint to joint" in note for note in one.notes)
     free, data = planned(one)
     assert data["arm"]["certified"], free.error
     assert verdict(data, text).proven, verdict(data, text).reason
-    capsules = data["arm"]["capsules"]
+    capsules = [one for one in data["arm"]["capsules"] if one["link"] != "foot"]
     assert [capsule["link"] for capsule in capsules] == ["turret", "turret", "upper", "fore"]
     (fore,) = (np.array([c["from"], c["to"]]) for c in capsules if c["link"] == "fore")
     np.testing.assert_allclose(fore[1], data["arm"]["tool"], atol=1e-9)

@@ -80,6 +80,8 @@ def test_a_part_has_a_length(begin: float, end: float) -> None:
     ("axis", "arm", "field", "expected"),
     [
         ({**HELD, "direction": [0, 0, 0]}, {}, "arm.axis", "not zero"),
+        ({**HELD, "direction": [1e-200, 0, 0]}, {}, "arm.axis", "not zero"),
+        ([0, 0, -1e-200], {}, "arm.axis", "a direction, or none"),
         ({"tolerance": 0.1}, {}, "arm.axis.direction", "three numbers"),
         ({**HELD, "form": 0.1}, {}, "arm.axis.form", "did you mean from?"),
         ({**HELD, "begin": 0.1}, {}, "arm.axis.begin", "direction, tolerance, from, to"),
