@@ -15,7 +15,6 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator, mo
 
 from abi import assets
 from abi.errors import MISSING, SceneError
-from abi.length_text import with_minus
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
 from abi.obstacles.per_shape import per_shape
@@ -31,9 +30,8 @@ from abi.scene.arm_end import (
     with_arm_ends,
     without_stale_ends,
 )
-from abi.scene.arm_settings import ON_MESH, ArmSettings
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.field_errors import first_error
-from abi.scene.held_axis import check_axis
 from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
 from abi.scene.numpy_data import plain
 from abi.scene.scene_changes import (
@@ -54,6 +52,7 @@ from abi.scene.settings import (
     SplineSettings,
     Workspace,
 )
+from abi.scene.task_checks import check_tasks
 
 MOST_OBSTACLES = 5_000
 """Largest number of obstacles of a scene; the first plan with so many takes about a second."""
@@ -163,7 +162,7 @@ class Scene(Settings):
                 object.__setattr__(self, end, place)
         for name in ("start", "goal"):
             point = getattr(self, name)
-            if not (bounds := self._left_bounds(point)):
+            if not (bounds := self.workspace.left_bounds(point, self.unit)):
                 continue
             if getattr(self.arm, name) is not None:
                 expected = f"the tool tip in the workspace, {bounds}"
@@ -174,7 +173,7 @@ class Scene(Settings):
             raise SceneError(name, point, bounds)
         self.arm.check_gripper(METRES[self.unit])
         self.arm.check_allowed(len(self.obstacles))
-        self._check_tasks()
+        check_tasks(self.tasks, self.arm, len(self.obstacles), self.workspace, self.unit)
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)
@@ -188,58 +187,6 @@ class Scene(Settings):
                 f"nodes than mesh.max_nodes, {self.mesh.max_nodes:,}",
             )
         return self
-
-    def _check_tasks(self) -> None:
-        """Raise a SceneError if legs attach or release what they cannot."""
-        if self.arm.model != "urdf" and (self.tasks or self.arm.attached is not None):
-            expected = "urdf where there are tasks, or an object is attached"
-            raise SceneError("arm.model", self.arm.model, expected)
-        if self.arm.search == "mesh" and len(self.tasks) > 1:
-            raise SceneError("arm.search", "mesh", ON_MESH)
-        holds = self.arm.attached is not None
-        for number, leg in enumerate(self.tasks):
-            field = f"tasks[{number}]"
-            check_axis(f"{field}.axis", leg.axis, self.arm.model, self.arm.search)
-            if number > 0 and leg.goal is None:
-                raise SceneError(f"{field}.goal", MISSING, "a waypoint")
-            if leg.attach is not None and leg.attach >= len(self.obstacles):
-                expected = f"the number of an obstacle, below {len(self.obstacles)}"
-                raise SceneError(f"{field}.attach", leg.attach, expected)
-            if leg.attach is not None and (holds or leg.release):
-                expected = "none before what is held is released, on an earlier leg"
-                raise SceneError(f"{field}.attach", leg.attach, expected)
-            if leg.release and not holds:
-                raise SceneError(f"{field}.release", True, "false where nothing is held")
-            holds = leg.attach is not None or (holds and not leg.release)
-            if number > 0:
-                self._check_later_leg(field, leg)
-
-    def _check_later_leg(self, field: str, leg: Leg) -> None:
-        """Raise a SceneError if the arm has no such gripper or goal, or the goal is outside."""
-        metres = METRES[self.unit]
-        try:
-            arm = self.arm.model_copy(update={"goal": leg.goal})
-            place = leg.goal if isinstance(leg.goal, tuple) else arm.tool_at("goal", metres)
-            held = dict(self.arm.gripper)
-            if leg.gripper is not None:
-                held |= self.arm.held("arm.gripper", leg.gripper, metres)
-            goal = None if isinstance(leg.goal, tuple) else leg.goal
-            ends = {"start": None, "goal": goal}
-            self.arm.model_copy(update={**ends, "gripper": held}).check_gripper(metres)
-        except SceneError as error:
-            name = error.field.replace("arm", field, 1)
-            raise SceneError(name, error.value, error.expected) from None
-        assert place is not None
-        if bounds := self._left_bounds(place):
-            raise SceneError(f"{field}.goal", place, f"the tool tip in the workspace, {bounds}")
-
-    def _left_bounds(self, place: Vec3) -> str:
-        """Between what numbers the workspace lies where a place is outside; empty inside."""
-        bounds = zip("xyz", place, self.workspace.min, self.workspace.max, strict=True)
-        for axis, number, low, high in bounds:
-            if not low <= number <= high:
-                return f"{axis} between {with_minus(f'{low:g} and {high:g}')} {self.unit}"
-        return ""
 
     @property
     def robot(self) -> Robot:

@@ -13,6 +13,7 @@ from pydantic import (
 )
 
 from abi.errors import SceneError
+from abi.length_text import with_minus
 from abi.obstacles.pose import LARGEST, Vec3
 from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.section import Settings
@@ -59,6 +60,13 @@ class Workspace(Settings):
         """Edge lengths, [unit]."""
         x, y, z = (high - low for low, high in zip(self.min, self.max, strict=True))
         return (x, y, z)
+
+    def left_bounds(self, place: Vec3, unit: str) -> str:
+        """Between what numbers it lies, in words, where a place is outside; empty inside."""
+        for axis, number, low, high in zip("xyz", place, self.min, self.max, strict=True):
+            if not low <= number <= high:
+                return f"{axis} between {with_minus(f'{low:g} and {high:g}')} {unit}"
+        return ""
 
     @property
     def slack(self) -> float:
