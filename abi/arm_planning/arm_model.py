@@ -244,6 +244,9 @@ class ArmModel(Protocol):
     def branches(self, problem: BranchProblem, only: str = "") -> Sequence[ArmBranch]:
         """The allowed branches; if one is named, it alone or none."""
 
+    def branches_in_turn(self, problem: BranchProblem) -> Iterator[ArmBranch]:
+        """The allowed branches, each made on demand, that of the last joint path first."""
+
     def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ArmBranch], str]:
         """Further branches, tried if none of the first leads to a motion, each made on demand.
 

@@ -79,6 +79,10 @@ class PaperArmModel:
             for elbow in settings.branches
         )
 
+    def branches_in_turn(self, problem: BranchProblem) -> Iterator[ElbowBranch]:
+        """One branch for each allowed elbow."""
+        return iter(self.branches(problem))
+
     def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ElbowBranch], str]:
         """No further branches: an elbow has only two sides."""
         return iter(()), ""

@@ -105,8 +105,14 @@ class UrdfArmModel:
                 if self._is_clear(problem, poses[pair.first])
             )
         clear = self._clear(poses[:TRIED], problem)
-        pairs = [PosePair(number, None) for number in _first_ones(clear)]
-        return tuple(self._branch(pair, problem) for pair in pairs)
+        return tuple(self._branch(PosePair(k, None), problem) for k in _first_ones(clear))
+
+    def branches_in_turn(self, problem: BranchProblem) -> Iterator[ChainBranch]:
+        """The same, each made on demand; the pose along the tool's own curve comes first."""
+        self._remember(problem)
+        clear = self._clear(self._poses_at(problem.scene.start)[:TRIED], problem)
+        numbers = sorted(_first_ones(clear), key=lambda number: number != self._start)
+        return (self._branch(PosePair(number, None), problem) for number in numbers)
 
     def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ChainBranch], str]:
         """One branch for each of a few clear pairs of a start pose and a pose at the goal.

@@ -33,12 +33,14 @@ class _Candidate(NamedTuple):
     Attributes:
         cost: of its path, or a lower bound of that as long as there is none.
         number: of the branch.
+        name: of the branch.
         run: its stages, the graph's among those that have run.
         path: the path, None as long as it has not been sought.
     """
 
     cost: float
     number: int
+    name: str
     run: BranchRun
     path: ShortestPath | None
 
@@ -47,8 +49,9 @@ class ArmAware:
     """Planner for the whole arm, which remembers what the arm excludes from the mesh.
 
     Attributes:
-        kept: name of the branch that led to the last plan, the only one that is tried in haste;
-            empty for none, and for an arm whose branches are the two sides of its elbow.
+        kept: name of the branch that led to the last plan, in haste the only one that is tried as
+            long as it leads to a motion; then the first other that does. Empty for none, and for an
+            arm whose branches are the two sides of its elbow.
     """
 
     def __init__(self) -> None:
@@ -78,15 +81,24 @@ class ArmAware:
             kept = [on(one, self._memory) for one in problem.model.branches(asked, self.kept)]
             if (found := _shortest_motion(kept, tool)[0]) is not None:
                 return found.run.plan
-        arm_branches = problem.model.branches(asked)
-        every = [on(one, one.name) for one in arm_branches]
-        found, faults = _shortest_motion(every, tool)
+        every, found, faults = list[WholeArmBranch](), None, dict[str, ArmNotClear]()
+        if problem.hasty and not problem.model.arm.has_elbow:
+            # to make all takes longer than a frame, and at rest they are compared
+            for one in problem.model.branches_in_turn(asked):
+                every.append(on(one, one.name))
+                found, refused = _shortest_motion(every[-1:], tool)
+                faults |= refused
+                if found is not None:
+                    break
+        else:
+            every = [on(one, one.name) for one in problem.model.branches(asked)]
+            found, faults = _shortest_motion(every, tool)
         self.kept = ""
         if found is not None and not problem.model.arm.has_elbow:
-            self.kept = self._memory = arm_branches[found.number].name
+            self.kept = self._memory = found.name
         if found is None and all(fault.where in _NO_PATH for fault in faults.values()):
             # near the base axis, and along an obstacle, a proof may take more
-            shut = [one for one in arm_branches if faults[one.name].where == "path"]
+            shut = [one.arm_branch for one in every if faults[one.arm_branch.name].where == "path"]
             patient = [on(one.scaled(tries=_PATIENCE), one.name) for one in shut]
             found, again = _shortest_motion(patient, tool)
             faults |= again
@@ -139,7 +151,7 @@ def _shortest_motion(
         except ArmNotClear as fault:
             shut[number] = fault
         else:
-            waiting.append(_Candidate(cost, number, run, None))
+            waiting.append(_Candidate(cost, number, branch.arm_branch.name, run, None))
     found = None
     while waiting and found is None:
         best = min(waiting, key=_order)
@@ -156,7 +168,7 @@ def _shortest_motion(
             if best.path is None:
                 shut[best.number] = fault
             else:
-                failed[branches[best.number].arm_branch.name] = fault
+                failed[best.name] = fault
     names = [one.arm_branch.name for one in branches]
     return found, {names[number]: shut[number] for number in sorted(shut)} | failed
 

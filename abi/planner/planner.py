@@ -96,8 +96,9 @@ class Planner:
                 is faster.
             hasty: whether somebody waits for one of many plans: a URDF arm is then tried from the
                 start pose of the last plan alone, or in the space of its joints if that had none,
-                as long as there is a motion there; its path may be a little longer than need be,
-                and a quadratic that it does not follow is that of least squares.
+                as long as there is a motion there, and then from one pose after the other until
+                one has a motion; its path may be longer than need be, a path of its joints is kept
+                while it is clear, and a quadratic that it does not follow is that of least squares.
 
         Returns:
             The plan. If the scene has none, its ``error`` says why, and nothing is raised.

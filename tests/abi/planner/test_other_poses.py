@@ -150,3 +150,5 @@ def test_a_branch_that_is_named_is_the_one_among_all() -> None:
         (alone,) = model.branches(asked, one.name)
         assert alone.configurations is one.configurations
     assert model.branches(asked, "From pose 99 at the start") == ()
+    in_turn = [one.name for one in model.branches_in_turn(asked)]
+    assert sorted(in_turn) == sorted(one.name for one in model.branches(asked))
