@@ -7,6 +7,7 @@ Iron; in older ones a ``JointTrajectory`` alone can be read.
 from __future__ import annotations
 
 import io
+import itertools
 import sqlite3
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -28,6 +29,10 @@ _MOST = 10_000
 """Trajectories in a bag, at most."""
 _LISTED = 100
 """Trajectories of which one can be chosen from a list, at most."""
+_UNPACKED, _PIECE = 200_000_000, 1 << 20
+"""Most bytes of a bag once it is unpacked, and those that are unpacked at a time to count them."""
+_STEPS, _BETWEEN = 20_000_000, 100_000
+"""Most steps of SQLite for a query, and those between two looks at their number."""
 _PLAIN_CDR = (b"\0\0", b"\0\1")
 """Beginnings of messages whose bytes are big- and little-endian."""
 _PADDING = 4
@@ -146,6 +151,7 @@ def _mcap_messages(content: bytes) -> Iterator[tuple[str, Any]]:
     """
     from mcap.reader import NonSeekingReader  # here, since few need it
 
+    _check_size(content)
     reader = NonSeekingReader(io.BytesIO(content), validate_crcs=True)
     found = []
     for schema, channel, message in reader.iter_messages(log_time_order=False):
@@ -160,12 +166,45 @@ def _mcap_messages(content: bytes) -> Iterator[tuple[str, Any]]:
         yield channel.topic, _decoded(decoders[key], data)
 
 
+def _check_size(content: bytes) -> None:
+    """Raise where an MCAP file is much larger once it is unpacked, whatever it says itself."""
+    import lz4.frame  # type: ignore[import-untyped]
+    import zstandard
+    from mcap.records import Chunk
+    from mcap.stream_reader import StreamReader
+
+    size = 0
+    for record in StreamReader(io.BytesIO(content), emit_chunks=True).records:
+        if not isinstance(record, Chunk) or record.compression not in ("zstd", "lz4"):
+            continue
+        packed = io.BytesIO(record.data)
+        is_zstd = record.compression == "zstd"
+        unpacked = (
+            zstandard.ZstdDecompressor().stream_reader(packed)
+            if is_zstd
+            else lz4.frame.open(packed)
+        )
+        with unpacked:
+            while piece := unpacked.read(_PIECE):
+                size += len(piece)
+                if size > _UNPACKED:
+                    raise MotionError(
+                        f"The bag holds more than {_UNPACKED // 10**6} MB once it is unpacked.",
+                        "Record the trajectory's topic alone.",
+                    )
+
+
 def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
     """Topic and data of each trajectory of an SQLite file."""
     bag = sqlite3.connect(":memory:")
     try:
         bag.deserialize(content)
         bag.execute("PRAGMA temp_store = MEMORY")  # no file may be written where others' are read
+        bag.execute("PRAGMA trusted_schema = OFF")
+        steps = itertools.count(_BETWEEN, _BETWEEN)
+        bag.set_progress_handler(lambda: next(steps) > _STEPS, _BETWEEN)
+        if missing := {"topics", "messages"} - _tables(bag):
+            raise MotionError(f"The bag has no table {min(missing)}.", "Record it with ROS 2.")
         definitions = {KINDS[0]: JOINT_TRAJECTORY} | _definitions(bag)
         rows = bag.execute(
             "SELECT topics.name, topics.type, topics.serialization_format, messages.data "
@@ -190,14 +229,19 @@ def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
 
 def _definitions(bag: sqlite3.Connection) -> dict[str, str]:
     """Definitions of kinds of trajectories; none in bags of ROS 2 Humble and before."""
-    tables = bag.execute("SELECT name FROM sqlite_master WHERE name = 'message_definitions'")
-    if tables.fetchone() is None:
+    if "message_definitions" not in _tables(bag):
         return {}
     rows = bag.execute(
         "SELECT topic_type, encoded_message_definition FROM message_definitions "
         "WHERE encoding = 'ros2msg'"
     )
     return {str(kind): str(text) for kind, text in rows if kind in KINDS}
+
+
+def _tables(bag: sqlite3.Connection) -> set[str]:
+    """Names of its tables; a view may stand for anything, also for a query without an end."""
+    rows = bag.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
+    return {str(name) for (name,) in rows}
 
 
 def _decoder(schema: Schema, encoding: str) -> Callable[[bytes], Any]:

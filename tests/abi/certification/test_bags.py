@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import sqlite3
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import NonSeekingReader
+from mcap.writer import CompressionType
 from mcap.writer import Writer as RawWriter
 from mcap_ros2.writer import Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as BagWriter
 from rosbags.typesys import Stores, get_typestore
 
+from abi.certification import read_bag
 from abi.certification.read_bag import JOINT_TRAJECTORY
 from abi.certification.read_motion import load_motion, own_joints, read_motion
 from abi.certification.robot_scene import robot_scene
@@ -165,3 +168,46 @@ def test_a_message_that_goes_on_after_its_end_is_refused(count: int) -> None:
 def test_a_bag_is_read_whatever_its_end_lists(missing: str) -> None:
     motion = read_motion("a.mcap", copied(omitted=missing), own_joints(ROBOT))
     np.testing.assert_array_equal(motion.positions, POSITIONS)
+
+
+@pytest.mark.parametrize("compression", [CompressionType.ZSTD, CompressionType.LZ4])
+def test_a_bag_that_is_far_larger_once_unpacked_is_refused(
+    compression: CompressionType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = io.BytesIO()
+    writer = RawWriter(file, chunk_size=1, compression=compression)
+    writer.start()
+    schema = writer.register_schema(KIND, "ros2msg", JOINT_TRAJECTORY.encode())
+    channel = writer.register_channel("/plan", "cdr", schema)
+    for _ in range(4):
+        writer.add_message(channel, 0, bytes(1_000_000), 0)
+    writer.finish()  # type: ignore[no-untyped-call]
+    content = file.getvalue()
+    assert len(content) < 100_000
+    monkeypatch.setattr(read_bag, "_UNPACKED", 3_500_000)
+    with pytest.raises(MotionError, match="more than 3 MB once it is unpacked"):
+        read_motion("a.mcap", content, own_joints(ROBOT))
+
+
+@pytest.mark.parametrize(
+    ("messages", "words"),
+    [
+        ("CREATE VIEW messages AS {endless}", "no table messages"),
+        ("CREATE TABLE messages (topic_id, timestamp, data)", "interrupted"),
+    ],
+)
+def test_a_bag_whose_query_would_not_end_is_refused(
+    messages: str, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    endless = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT x FROM c"
+    rows = 300
+    monkeypatch.setattr(read_bag, "_STEPS", rows**2)
+    bag = sqlite3.connect(":memory:")
+    bag.execute("CREATE TABLE topics (id, name, type, serialization_format)")
+    bag.execute(messages.format(endless=endless))
+    bag.executemany("INSERT INTO topics VALUES (1, 'a', ?, 'cdr')", [(KIND,)] * rows)
+    if "TABLE" in messages:
+        bag.executemany("INSERT INTO messages VALUES (1, ?, x'00')", [(k,) for k in range(rows)])
+    with pytest.raises(MotionError, match=words):
+        read_motion("a.db3", bag.serialize(), own_joints(ROBOT))
+    bag.close()
