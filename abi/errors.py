@@ -238,7 +238,11 @@ def _of_kind(
 
 def short(value: object) -> str:
     """Text of a value, shortened in the middle if it is long."""
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # a whole number, or one in the value, has more digits than Python writes
+        holder = "" if isinstance(value, int) else f"{type(value).__name__} with a "
+        return f"a {holder}number of thousands of digits"
     return text if len(text) <= 90 else f"{text[:40]} … {text[-40:]}"
 
 

@@ -1,6 +1,7 @@
 """Start or goal of an arm, given by more than the position of its tool."""
 
 import math
+import sys
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
@@ -37,7 +38,8 @@ def _read(value: object) -> Joints | None:
     if rows and all(isinstance(row, list | tuple) and len(row) == 2 for row in rows):
         named, rows = dict(rows), []  # as it is kept
     numbers = [*named.values(), *rows]
-    fits = all(type(number) in (int, float) and math.isfinite(number) for number in numbers)
+    largest = sys.float_info.max  # a whole number may be larger; NaN is not within it either
+    fits = all(type(number) in (int, float) and abs(number) <= largest for number in numbers)
     if not numbers or not fits or not all(isinstance(name, str) for name in named):
         raise ValueError("a number for each joint, by its name or in their order")
     if named:

@@ -19,6 +19,9 @@ _RIGID = 1e-6
 _NO_FIELDS = "cmM"
 """Kinds of numpy's types whose numbers no field has: complex ones, durations and dates."""
 
+_BITS = 10_000
+"""Most bits of a whole number: no field takes as large a one, and Python writes few larger ones."""
+
 
 def plain(field: str, value: object) -> object:
     """Plain data of a scene's field that may contain numpy or trimesh objects.
@@ -31,10 +34,13 @@ def plain(field: str, value: object) -> object:
         value: what was given for it.
 
     Raises:
-        SceneError: an array (4, 4) is no pose, one is not of real numbers, or a mesh is none.
+        SceneError: an array (4, 4) is no pose, one is not of real numbers, a mesh is none, or a
+            whole number has thousands of digits.
     """
     if isinstance(value, BaseModel | str | bytes) or value is None:
         return value
+    if isinstance(value, int) and value.bit_length() > _BITS:
+        raise SceneError(field, value, "a number of fewer digits")
     if isinstance(value, np.generic):
         value = np.asarray(value)
     if isinstance(value, np.ndarray):
@@ -52,12 +58,28 @@ def plain(field: str, value: object) -> object:
     return value
 
 
+def plain_fields(data: Mapping[str, Any], field: str = "") -> dict[str, Any]:
+    """Fields with plain values.
+
+    Args:
+        data: values by the fields' names.
+        field: name of the field that they belong to; empty for those of the scene.
+
+    Raises:
+        SceneError: a name is no text, or as in :func:`plain`.
+    """
+    for name in data:
+        if not isinstance(name, str):
+            raise SceneError(f"{field}.[key]".lstrip("."), name, "names of fields as text")
+    return {name: plain(f"{field}.{name}".lstrip("."), one) for name, one in data.items()}
+
+
 def _with_pose(field: str, data: Mapping[str, Any]) -> dict[str, Any]:
     """Plain fields, in place of an array as ``pose`` a position and a quaternion.
 
     In files there is no such field, and it is refused as any other that is not known.
     """
-    found = {name: plain(f"{field}.{name}", one) for name, one in data.items()}
+    found = plain_fields(data, field)
     pose = data.get("pose")
     if not isinstance(pose, np.ndarray) or pose.shape != (4, 4):
         return found

@@ -33,7 +33,7 @@ from abi.scene.arm_end import (
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.field_errors import first_error
 from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
-from abi.scene.numpy_data import plain
+from abi.scene.numpy_data import plain, plain_fields
 from abi.scene.scene_changes import (
     changed_value,
     with_files,
@@ -209,7 +209,7 @@ class Scene(Settings):
         """
         if not isinstance(data, dict):
             raise SceneError("scene", data, "a mapping with version: 1")
-        plain_data = {name: plain(name, value) for name, value in data.items()}
+        plain_data = plain_fields(data)
         check_said_once(plain_data)
         scene = cls._checked(plain_data, MeshSource.of(folder))
         check_said_so(plain_data, scene.arm, {name: getattr(scene, name) for name in ENDS})

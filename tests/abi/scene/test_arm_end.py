@@ -125,6 +125,8 @@ def test_an_end_that_is_moved_is_a_point_again_and_the_other_stays() -> None:
         ({"joints": [0, 0, 9]}, "arm.start.joints.s is 9.0; expected -2 to 2, the limits of s"),
         ({"joints": ["a"]}, "arm.start.joints is ['a']; expected a number for each joint"),
         ({"joints": [float("nan")] * 3}, "expected a number for each joint"),
+        ({"joints": [float("inf"), 10**400, 0]}, "expected a number for each joint"),
+        ({"joints": [0, 10**400, 0]}, "expected a number for each joint"),
         ({"state": "home"}, "arm.start.state is 'home'; expected a state of its SRDF: ready"),
         ({}, "arm.start is {}; expected one of joints, state and position"),
         ({"state": "ready", "joints": [0, 0, 0]}, "expected one of joints, state and position"),

@@ -316,6 +316,14 @@ def test_a_change_of_another_kind_names_the_field(change: dict[str, object]) -> 
         ({"search": {"taut": "yes"}}, "search.taut is 'yes'; expected true or false."),
         ({"mesh": {"pitch": "1"}}, "mesh.pitch is '1'; expected a number."),
         ({(1, 2): 3}, "expected names of fields as text."),
+        *(
+            ({"search": {"astar": many}}, "expected a number of fewer digits.")
+            for many in (16**5000, [16**5000], {"a": -(16**5000)})
+        ),
+        (
+            {"mesh": {16**5000: 1}},
+            "mesh.[key] is a number of thousands of digits; expected names of fields as text.",
+        ),
     ],
 )
 def test_what_would_work_is_said_in_plain_words(change: dict[object, object], words: str) -> None:
