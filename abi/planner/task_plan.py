@@ -16,12 +16,16 @@ import numpy as np
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.errors import StageError
+from abi.obstacles.pose import METRES
 from abi.planner import plan_json
 from abi.planner.joined_legs import joined_clearance, joined_motion
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.planner.task_scenes import first_scene, next_scene
 from abi.scene.scene import Scene, require_scene
+
+_FAR = 0.25
+"""Distance from the tool tip to an object that it takes, from which on a note tells of it, [m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -87,13 +91,25 @@ class TaskPlan(ShortRepr):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on the scene, and on the gripper's own motion, which no leg is about."""
+        """Sentences on the scene, and the gripper's own motion, and what is taken from afar."""
         held = [leg.scene.arm.gripper for leg in self.legs]
         moving = [str(k + 1) for k in range(1, len(held)) if held[k] != held[k - 1]]
-        if not moving:
-            return self.scene.notes
-        told = f"How the gripper moves before leg {', '.join(moving)} is not proven."
-        return (*self.scene.notes, told)
+        told = [f"How the gripper moves before leg {', '.join(moving)} is not proven."]
+        return (*self.scene.notes, *(told if moving else ()), *self._taken_from_afar())
+
+    def _taken_from_afar(self) -> Iterator[str]:
+        """Sentences on objects that are attached where the tool tip is nowhere near them."""
+        unit = self.scene.unit
+        for number, (leg, task) in enumerate(zip(self.legs, self.scene.tasks, strict=False), 1):
+            if task.attach is None or leg.motion is None:
+                continue
+            taken = leg.scene.obstacles[task.attach]
+            away = float(taken.signed_distance(leg.motion.tool[-1:])[0])
+            if away * METRES[unit] > _FAR:
+                yield (
+                    f"On leg {number} obstacle {task.attach + 1} is taken from {away:.3g} {unit} "
+                    "away: tasks.attach counts obstacles from 0."
+                )
 
     def to_dict(self, full: bool = False) -> dict[str, Any]:
         """Plain data, ready for JSON, as ``docs/scene-and-plan.md`` describes it.

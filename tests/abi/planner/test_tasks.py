@@ -221,6 +221,17 @@ def test_notes_name_the_legs_before_which_the_gripper_moves_unproven() -> None:
     assert "before leg 3 is not proven" in replace(whole, legs=tuple(legs)).notes[-1]
 
 
+def test_a_note_tells_of_an_object_that_is_taken_from_afar() -> None:
+    assert not any("taken from" in note for note in planned().notes)
+    taken = planned().scene.tasks[0].attach
+    assert taken is not None
+    leg = planned().legs[0]
+    far = replace(leg.motion, tool=leg.motion.tool + 0.5)  # type: ignore[type-var, union-attr]
+    moved = replace(planned(), legs=(replace(leg, motion=far),))
+    (note,) = (note for note in moved.notes if "taken from" in note)
+    assert note.startswith(f"On leg 1 obstacle {taken + 1} is taken from 0.")
+
+
 def test_a_certified_motion_has_what_is_held_as_a_body() -> None:
     leg = planned().legs[1]
     assert leg.motion is not None
