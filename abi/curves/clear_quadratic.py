@@ -151,6 +151,8 @@ def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | Non
     Returns:
         The curve, clear as far as measured, or None.
     """
+    if not len(target.obstacles):
+        return Quadratic.from_control_points(target.control_points, target.breaks)
     pieces = _short_pieces(target, _even_cuts(target.breaks))
     candidates: list[tuple[float, int, FloatArray]] = []
     for start in starts:

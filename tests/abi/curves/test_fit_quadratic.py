@@ -322,3 +322,18 @@ def test_a_further_condition_is_met_or_no_curve_is_given_for_one(mode: Mode) -> 
         np.testing.assert_allclose(found.curve(np.array([0.0, 1.0])), ends[[0, -1]], atol=1e-9)
     none = fit(spline, ball, 0.2, mode, lambda curve: False)
     assert none.note
+
+
+@pytest.mark.parametrize("mode", ["clear", "pieces"])
+def test_without_obstacles_the_further_condition_alone_has_to_be_met(mode: Mode) -> None:
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 0.0], [2.0, 0.0, 0.0]])
+    spline = fit_spline(read_only(corners), 2, NO_OBSTACLES, 0.2, True)
+
+    def is_low(curve: Quadratic) -> bool:
+        return bool(curve(np.array([0.5]))[0, 1] < 0.3)
+
+    assert not is_low(fit(spline, NO_OBSTACLES, 0.2, mode).curve)
+    found = fit(spline, NO_OBSTACLES, 0.2, mode, is_low)
+    assert found.holds
+    assert is_low(found.curve)
+    assert fit(spline, NO_OBSTACLES, 0.2, mode, lambda curve: False).note
