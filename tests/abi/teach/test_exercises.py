@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import networkx
@@ -14,7 +15,7 @@ import pytest
 
 import abi.teach
 from abi.teach.boxes import segment_meets
-from abi.teach.exercise import Exercise
+from abi.teach.exercise import Exercise, Trial
 from abi.teach.hidden_scenes import SCENES, hidden_scenes
 from abi.teach.student_main import answers_of
 from abi.teach.student_process import job_of, read
@@ -27,9 +28,15 @@ from tests.thorough import of_each_kind
 _ALL = tuple(abi.teach.exercises().values())
 
 
+@cache
+def trials_of(one: Exercise, seed: int) -> tuple[Trial, ...]:
+    """Hidden trials, which students' functions get as JSON and cannot change."""
+    return one.trials(seed)
+
+
 def verdict_of(one: Exercise, function: Callable[..., Any], seed: int = SEED) -> dict[str, Any]:
     """The verdict without the process, which takes most of the time."""
-    trials = one.trials(seed)
+    trials = trials_of(one, seed)
     job = json.loads(json.dumps(job_of(function, one.name, one.caller, [t.calls for t in trials])))
     lines = (json.dumps(line).encode() for line in answers_of(job))
     return judged(one, trials, read(lines, len(trials)))
