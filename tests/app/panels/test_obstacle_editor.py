@@ -312,10 +312,7 @@ def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("widget", "value", "factor"), [("unit", "mm", 0.1), ("scale", 0.5, 0.5)])
-def test_a_mesh_shrinks_about_its_middle(
-    tmp_path: Path, widget: str, value: Any, factor: float
-) -> None:
+def test_a_mesh_shrinks_about_its_middle(tmp_path: Path) -> None:
     vertices, faces = meshes.box((2.0, 2.0, 2.0))
     vertices = vertices - vertices.min(axis=0)  # a corner at the file's origin, as from CAD
     (tmp_path / "part.stl").write_bytes(meshes.stl((vertices, faces)))
@@ -324,31 +321,32 @@ def test_a_mesh_shrinks_about_its_middle(
     path = tmp_path / "part.yaml"
     path.write_text(dump({"version": 1, "obstacles": [turned]}, path.name), encoding="utf-8")
     with served(path) as (fake, session):
-        assert session.plan is not None
-        before = session.plan.scene.obstacles[0].bounds()
-        fake.set(getattr(session.panels.editor.sizes, widget), value)
-        until(lambda: session.plan.scene.obstacles[0].bounds()[1][0] != before[1][0])  # type: ignore[union-attr]
-        after = session.plan.scene.obstacles[0].bounds()
-    np.testing.assert_allclose(np.add(*after), np.add(*before), atol=1e-9)
-    np.testing.assert_allclose(np.subtract(*after), factor * np.subtract(*before), atol=1e-6)
+        for widget, value, factor in (("unit", "mm", 0.1), ("scale", 0.5, 0.5)):
+            assert session.plan is not None
+            before = session.plan.scene.obstacles[0].bounds()
+            fake.set(getattr(session.panels.editor.sizes, widget), value)
+            until(lambda: session.plan.scene.obstacles[0].bounds()[1][0] != before[1][0])  # type: ignore[union-attr]  # noqa: B023
+            after = session.plan.scene.obstacles[0].bounds()
+            np.testing.assert_allclose(np.add(*after), np.add(*before), atol=1e-9)
+            np.testing.assert_allclose(
+                np.subtract(*after), factor * np.subtract(*before), atol=1e-6
+            )
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("unit", "scale"), [("mm", 0.211), ("m", 2.11e-4)])
-def test_a_fitted_mesh_fits_in_any_unit_of_its_file(
-    tmp_path: Path, unit: str, scale: float
-) -> None:
+def test_a_fitted_mesh_fits_in_any_unit_of_its_file(tmp_path: Path) -> None:
     (tmp_path / "part.stl").write_bytes(meshes.stl(meshes.box((95.0, 40.0, 40.0))))
     obstacle = {"shape": "mesh", "file": "part.stl", "scale": 0.0211, "position": [3, 3, 3]}
     path = tmp_path / "part.yaml"
     path.write_text(dump({"version": 1, "obstacles": [obstacle]}, path.name), encoding="utf-8")
     with served(path) as (fake, session):
-        fake.set(session.panels.editor.sizes.unit, unit)
-        until(lambda: session.plan.scene.obstacles[0].unit == unit)  # type: ignore[union-attr]
-        mesh = session.plan.scene.obstacles[0]  # type: ignore[union-attr]
-        assert isinstance(mesh, MeshShape)
-        assert mesh.scale == session.panels.editor.sizes.scale.value == scale
-    assert np.ptp(mesh.bounds(), axis=0).max() == pytest.approx(2.0, rel=5e-3)
+        for unit, scale in (("mm", 0.211), ("m", 2.11e-4)):
+            fake.set(session.panels.editor.sizes.unit, unit)
+            until(lambda: session.plan.scene.obstacles[0].unit == unit)  # type: ignore[union-attr]  # noqa: B023
+            mesh = session.plan.scene.obstacles[0]  # type: ignore[union-attr]
+            assert isinstance(mesh, MeshShape)
+            assert mesh.scale == session.panels.editor.sizes.scale.value == scale
+            assert np.ptp(mesh.bounds(), axis=0).max() == pytest.approx(2.0, rel=5e-3)
 
 
 @pytest.mark.slow
