@@ -110,7 +110,7 @@ def written() -> dict[str, Any]:
 
 
 @cache
-def honest() -> list[Verdict]:
+def honest() -> tuple[Verdict, ...]:
     return verify(written(), planned().scene.meshes)
 
 
