@@ -99,6 +99,24 @@ def exclusion_near_mesh(
 
 
 @jitable
+def _directions_of(adjacency: Adjacency, placement: Placement) -> tuple[FloatArray, FloatArray]:
+    """Edges (d, 3) of a lattice's cell in a surface's frame, and their lengths (d,)."""
+    shape, places, steps = adjacency.shape, adjacency.places, adjacency.steps
+    y0, z0 = y_and_z_origins(shape)
+    factor = placement.factor
+    edges, sizes = np.empty((shape.directions, 3)), np.empty(shape.directions)
+    for k in range(shape.directions):
+        along = (
+            steps[3 * k] * (places[1] - places[0]) / factor,
+            steps[3 * k + 1] * (places[y0 + 1] - places[y0]) / factor,
+            steps[3 * k + 2] * (places[z0 + 1] - places[z0]) / factor,
+        )
+        edges[k, 0], edges[k, 1], edges[k, 2] = in_body(placement.axes, along)
+        sizes[k] = norm(along)
+    return edges, sizes
+
+
+@jitable
 def _edges_of_lattice(
     adjacency: Adjacency,
     open_directions: IntArray,
@@ -111,24 +129,11 @@ def _edges_of_lattice(
     Returns:
         Nodes that lose edges, and the bits of these edges.
     """
-    shape, places, steps, offsets = (
-        adjacency.shape,
-        adjacency.places,
-        adjacency.steps,
-        adjacency.offsets,
-    )
+    shape, places, offsets = adjacency.shape, adjacency.places, adjacency.offsets
     placement = surface.placement
     y0, z0 = y_and_z_origins(shape)
-    cross, factor = shape.cross, placement.factor
-    edges, sizes = np.empty((shape.directions, 3)), np.empty(shape.directions)
-    for k in range(shape.directions):
-        along = (
-            steps[3 * k] * (places[1] - places[0]) / factor,
-            steps[3 * k + 1] * (places[y0 + 1] - places[y0]) / factor,
-            steps[3 * k + 2] * (places[z0 + 1] - places[z0]) / factor,
-        )
-        edges[k, 0], edges[k, 1], edges[k, 2] = in_body(placement.axes, along)
-        sizes[k] = norm(along)
+    cross = shape.cross
+    edges, sizes = _directions_of(adjacency, placement)
     cut_nodes, cut_bits = np.empty(256, np.int32), np.empty(256, np.int32)
     tables, _, _, _, _, room = surface
     tree, own = tables.tree, no_triangles()

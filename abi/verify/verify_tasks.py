@@ -88,7 +88,18 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
         elif task.get("release"):
             obstacles = [*obstacles[:place], _posed(tool, held), *obstacles[place:]]
             held, allowed = None, whole["arm"]["allowed"]
-    trajectory = mapping("trajectory", plan.get("trajectory"))
+    _check_trajectory(mapping("trajectory", plan.get("trajectory")), legs, rows)
+    moved = sum(task.attach is not None for task in scene.tasks)
+    carried = ", and what is held is where the gripper took it" if moved else ""
+    unproven = f"; not proven is how the gripper moves before leg {', '.join(moving)}"
+    joined = f"{len(legs)} legs join without a jump of the joints{carried}"
+    return f"{joined}{unproven}" if moving else joined
+
+
+def _check_trajectory(
+    trajectory: dict[str, Any], legs: list[dict[str, Any]], rows: list[list[float]]
+) -> None:
+    """Raise a Fault if a trajectory is not that of the legs, whose joints go through ``rows``."""
     names = [mapping("arm", leg.get("arm")).get("joints") for leg in legs]
     if any(one != trajectory.get("joints") for one in names):
         raise Fault("its trajectory names other joints than the legs")
@@ -104,11 +115,6 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
     joins = [times[end - 1] for end in (1, *np.cumsum(counts))]
     if len(begins) != len(joins) or np.abs(np.subtract(begins, joins)).max() > _SAME:
         raise Fault("its trajectory's legs are said to begin at other times")
-    moved = sum(task.attach is not None for task in scene.tasks)
-    carried = ", and what is held is where the gripper took it" if moved else ""
-    unproven = f"; not proven is how the gripper moves before leg {', '.join(moving)}"
-    joined = f"{len(legs)} legs join without a jump of the joints{carried}"
-    return f"{joined}{unproven}" if moving else joined
 
 
 def _times(legs: list[dict[str, Any]]) -> list[float]:

@@ -174,6 +174,19 @@ def _visible_parent(
     return origin
 
 
+@jitable
+def _path_through(tree: _SearchTree, first: int, last: int) -> FloatArray:
+    """Points of the path from one node to another, flat, [unit]; empty where none was found."""
+    found = [0.0] * 0
+    node = last
+    while tree.closed[last] == 1:
+        found.extend([tree.z[node], tree.y[node], tree.x[node]])
+        if node == first:
+            break
+        node = int(tree.parent[node])
+    return np.array(found[::-1])
+
+
 @compiled(example=(NO_ADJACENCY, FLAGS, 1, 1.0, (_POINT, _POINT), (FLOATS, FLOATS), 2.0))
 def any_angle(
     adjacency: Adjacency,
@@ -251,11 +264,4 @@ def any_angle(
                     cost[other] = through
                     parent[other] = origin
                     heapq.heappush(queue, (through + to_go, to_go, other))
-    found = [0.0] * 0
-    node = last
-    while closed[last] == 1:
-        found.extend([z[node], y[node], x[node]])
-        if node == first:
-            break
-        node = int(parent[node])
-    return np.array(found[::-1])
+    return _path_through(tree, first, last)
