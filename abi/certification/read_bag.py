@@ -31,6 +31,8 @@ _LISTED = 100
 """Trajectories of which one can be chosen from a list, at most."""
 _UNPACKED, _PIECE = 200_000_000, 1 << 20
 """Most bytes of a bag once it is unpacked, and those that are unpacked at a time to count them."""
+_LARGEST = 20_000_000
+"""Most bytes of a message."""
 _STEPS, _BETWEEN = 20_000_000, 100_000
 """Most steps of SQLite for a query, and those between two looks at their number."""
 _PLAIN_CDR = (b"\0\0", b"\0\1")
@@ -268,6 +270,8 @@ def _decoded(decoder: Callable[[bytes], Any], data: bytes) -> Any:
         MotionError: it is compressed, in a newer CDR, whose numbers are aligned otherwise, or goes
             on where its definition ends.
     """
+    if len(data) > _LARGEST:
+        raise MotionError(f"A message of the bag is larger than {_LARGEST // 10**6} MB.")
     if bytes(data[:2]) not in _PLAIN_CDR:
         raise MotionError(
             "A message of the bag does not begin as one in CDR does.",

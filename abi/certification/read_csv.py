@@ -28,7 +28,7 @@ _DURATIONS = {"": 1.0, "s": 1.0, "ms": 0.001, "ns": 1e-9}
 _HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*)\s*[\])])?$")
 _STATES = ("state", "tool_state")
 """Columns in which an export says what is proven of a motion, and what its tool holds."""
-_LONGEST_STATE = 500
+_LONGEST_STATE, _LONGEST_HEADING = 500, 300
 _DELIMITERS = ",;\t"
 _MOST_LINES = MOST_WAYPOINTS + 2
 """Lines that are read: with the header, one more than a motion may have."""
@@ -132,7 +132,7 @@ def _fits(header: str, delimiter: str, slides: Mapping[str, bool]) -> tuple[int,
 
 def _column(place: int, cell: str, slides: Mapping[str, bool]) -> _Column:
     """A column by its cell in the header; what looks like a unit may be part of a joint's name."""
-    if cell.strip() in slides:
+    if cell.strip() in slides or len(cell) > _LONGEST_HEADING:
         return _Column(place, cell.strip(), "")
     match = _HEADING.match(cell.strip().strip('"'))
     assert match is not None  # every text is a name

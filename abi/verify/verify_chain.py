@@ -101,7 +101,8 @@ def check_chain(
     in_hand = [hull.frame == chain.frames[scene.arm.tool] for hull, _ in capsules]
     touchable = [scene.arm.grasping and behind for behind in in_hand]
     links = {hull.link for (hull, _), touches in zip(capsules, touchable, strict=True) if touches}
-    if {*section.get("apart_only", links)} != links:
+    stated = list_of("arm.apart_only", section.get("apart_only", [*links]))
+    if not all(isinstance(name, str) for name in stated) or {*stated} != links:
         raise Fault("the plan names other links that need only be apart from obstacles")
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     span = Fraction(0), Fraction(len(rows) - 1)

@@ -111,9 +111,13 @@ def _check_told(data: dict[str, Any]) -> None:
     if data.get("interpolation") != ("linear", "cubic", "quintic")[rates]:
         raise Fault("its joints move otherwise between waypoints than it says")
     sentence = str(data.get("sentence"))
-    told = {float(number) for number in re.findall(r"\d[\d.e+-]*\d|\d", sentence)}
+    told = re.findall(r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)([^.,;:]*)", sentence)
     margin = finite("clearance", data.get("clearance") or 0.0)
-    as_proven = all(0.999 * margin <= number <= margin for number in told)
+    unit = data["scene"].get("unit", "cm")
+    as_proven = all(
+        0.999 * margin <= float(number) <= margin and rest.split()[:1] == [unit]
+        for number, rest in told
+    )
     if not sentence.startswith("Proven clear") or not as_proven:
         raise Fault("its sentence says something else")
 
@@ -139,8 +143,10 @@ def _motion(motion: dict[str, Any], scene: Scene) -> tuple[JointMotion, ExactCha
     robot, units = scene.robot, round(1 / METRES[scene.unit])
     names = list_of("motion.joints", motion.get("joints"))
     free = {one.name: one for one in robot.joints if one.kind != "fixed" and one.mimic is None}
-    if not names or len(set(names)) != len(names) or not all(name in free for name in names):
+    if not all(isinstance(name, str) and name in free for name in names):
         raise Fault("its joints are not the robot's")
+    if not 0 < len(names) == len(set(names)):
+        raise Fault("its joints are not named once each")
     held = {name: at for name, at in scene.arm.gripper.items() if name not in names}
     stands = scene.arm.base, units, scene.arm.base_wxyz, held
     chain = exact_joints(robot, tuple(names), *stands)

@@ -153,6 +153,12 @@ def test_messages_that_are_encoded_otherwise_are_refused() -> None:
             read_motion("a.mcap", copied(first=compressed_or_newer), own_joints(ROBOT))
 
 
+def test_a_large_message_is_refused_before_it_is_decoded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read_bag, "_LARGEST", 1_000_000)
+    with pytest.raises(MotionError, match="larger than 1 MB"):
+        read_motion("a.mcap", copied(more=bytes(1_000_000)), own_joints(ROBOT))
+
+
 @pytest.mark.parametrize("count", range(12))
 def test_a_message_that_goes_on_after_its_end_is_refused(count: int) -> None:
     content = copied(more=bytes(range(count)))

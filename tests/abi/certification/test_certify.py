@@ -151,6 +151,12 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
         data["interpolation"] = "quintic"
     elif kind == "sentence":
         data["sentence"] = data["sentence"].replace("keep 0.", "keep 1.")
+    elif kind == "unit":
+        data["sentence"] = data["sentence"].replace(" m ", " km ")
+    elif kind == "number":
+        data["sentence"] = data["sentence"].replace("keep 0.", "keep 1-2 and 0.")
+    elif kind == "names":
+        data["motion"]["joints"] = [[name] for name in data["motion"]["joints"]]
     elif kind == "contact":
         data["touches"].append({"link": "forearm_link", "obstacle": 0})
     elif kind == "margin":
@@ -165,6 +171,7 @@ def damaged(kind: str, data: dict[str, Any]) -> dict[str, Any]:
     [
         *("motion", "plane", "direction", "body", "pair", "margin", "obstacle"),
         *("stretch", "first", "last", "interpolation", "sentence", "contact"),
+        *("unit", "number", "names"),
         *("adjacent", "srdf", "always", "mount"),
     ],
 )

@@ -194,6 +194,8 @@ def rows_with(row: int, column: int, value: object) -> list[list[object]]:
         ("a.csv", csv_text(rows_with(0, 0, 0), (JOINTS[1], *JOINTS[1:])), [JOINTS[1], "2 times"]),
         ("a.csv", csv_text(rows_with(0, 0, 0), ("elbow_joint [ft]", *JOINTS[1:])), ["unit"]),
         ("a.csv", b"", ["empty"]),
+        ("a.csv", b"a" + b"(" * 100_000 + b",b\n0,1\n1,2", ["column", "a(("]),
+        ("a.csv", b"a" + b" " * 100_000 + b"x,b\n0,1\n1,2", ["column", "shoulder_pan_joint"]),
         ("a.csv", b"time,a\n0,1\n1,2", ["column", "shoulder_pan_joint"]),
         ("a.csv", csv_text(rows_with(0, 0, 0)[:1]), ["1 waypoint"]),
         ("a.json", json.dumps(message(joint_names=[*JOINTS[:5], "wrist"])).encode(), ["wrist"]),

@@ -175,6 +175,7 @@ def test_damaged_directions_are_refused(honest: Data, damage: str) -> None:
         (("arm", "joints", 0), "elbow_joint"),
         (("arm", "time", 1), 0.0),
         (("arm", "allowed"), []),
+        (("arm", "apart_only"), [["tool0"]]),
         (("timing", "duration"), 99.0),
     ],
 )
