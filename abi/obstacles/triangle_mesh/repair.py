@@ -19,7 +19,7 @@ from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
 from abi.obstacles.triangle_mesh.shells import Shells, areas_of, have_both_sides, shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.t_junctions import split_at_corners
-from abi.obstacles.triangle_mesh.union import united
+from abi.obstacles.triangle_mesh.union import cancel, united
 from abi.obstacles.triangle_mesh.welding import (
     faces_in_order,
     in_order,
@@ -82,13 +82,16 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     faces, sheets = shells.faces[is_solid], shells.faces[~is_solid]
     most, is_as_in_file = _MOST if shells.closed.any() else 0, True
     if (parts := int(shells.closed.sum())) > 1:
-        merged = united(vertices, faces, shells.label[is_solid])
+        label = shells.label[is_solid]
+        merged = united(vertices, faces, label)
         if merged is not None:
             notes = (*notes, f"Its {parts} parts count as one solid.")
             corners, faces = in_order(*merged)
             is_as_in_file, before = False, np.int32(len(corners))
             sheets, moved = sheets + before, moved + before
             vertices = np.concatenate([corners, vertices])
+        elif cancel(vertices, faces, label):
+            most, faces, sheets = 0, faces[:0], shells.faces
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
     moved = moved[areas_of(vertices, moved) > 0]
     if len(sheets) + len(moved) and len(faces) + 2 * (len(sheets) + len(moved)) <= most:

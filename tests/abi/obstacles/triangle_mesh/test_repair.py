@@ -398,6 +398,23 @@ def test_shells_that_run_into_themselves_are_solid_where_several_do(beside: bool
     assert not inside(surface, np.array([[0, 0, 0], [2, 0, 0.9]])).any()
 
 
+def test_a_lobe_that_winds_the_other_way_leaves_no_solid_hollow_that_it_runs_through() -> None:
+    """A prism whose outline crosses itself winds -1 times around one of its two lobes."""
+    outline = [(2, 1), (14, 10), (14, 1), (2, 5.5)]
+    vertices = np.array([(x, y, z) for z in (1, 7) for x, y in outline], dtype=np.float64)
+    walls = [(k, (k + 1) % 4, (k + 1) % 4 + 4) for k in range(4)]
+    walls += [(k, (k + 1) % 4 + 4, k + 4) for k in range(4)]
+    caps = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)]
+    prism = vertices, np.array([*walls, *caps], np.int32)
+    surface = clean(*meshes.joined(meshes.box((4, 8, 8), at=(2, 4, 4)), prism))
+    probes = np.random.default_rng(1).uniform((0.1, 0.1, 0.1), (3.9, 7.9, 7.9), (500, 3))
+    sheet = any("thin shell" in note for note in surface.notes)
+    assert sheet != surface.closed
+    assert sheet or inside(surface, probes).all()
+    apart = clean(*meshes.joined(meshes.box((4, 8, 8), at=(-9, 4, 4)), prism))
+    assert apart.closed
+
+
 @pytest.mark.parametrize("noise", [1e-10, 1e-8, 6e-8])
 def test_gaps_much_smaller_than_the_tolerance_are_closed_wherever_they_are(noise: float) -> None:
     """Each corner of a triangle has coordinates of its own, some on another side of a border."""
