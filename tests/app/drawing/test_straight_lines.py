@@ -50,7 +50,8 @@ def test_lines_draw_the_edges(lattice: str, share: float) -> None:
 
     lines = _lines(mesh, points, edges)
     assert _lengths(lines).sum() == pytest.approx(_lengths(points[edges]).sum())
-    assert all(_is_drawn(lines, middle) for middle in points[edges].mean(axis=1))
+    some = edges[random.permutation(len(edges))[:300]]  # of all it takes as long as they are many
+    assert all(_is_drawn(lines, middle) for middle in points[some].mean(axis=1))
 
 
 @pytest.mark.parametrize("lattice", REGULAR)
@@ -61,7 +62,8 @@ def test_edges_to_a_point_that_is_on_a_node_are_drawn(lattice: str) -> None:
     edges = np.concatenate([mesh.edges, joined])
     points = np.concatenate([mesh.points, mesh.points[_NODE : _NODE + 1] + 1e-9])
     lines = _lines(mesh, points, edges)
-    assert all(_is_drawn(lines, middle) for middle in points[edges].mean(axis=1))
+    some = np.concatenate([edges[::10], joined])
+    assert all(_is_drawn(lines, middle) for middle in points[some].mean(axis=1))
 
 
 @pytest.mark.parametrize("lattice", REGULAR)

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -28,8 +28,10 @@ from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.search.taut.test_taut_path import CUBE, round_cube, scene_of
 from tests.abi.shape_distances import segment_distance
 from tests.random_scenes import box_scene
+from tests.thorough import of_each_kind
 
 MARGIN = 0.1
+DIAGONALS = (((0, 0, 0), (6, 6, 6)), ((6, 0, 0), (0, 6, 6)))
 
 
 def solids_of(scene: Scene) -> tuple[Primitive, ...]:
@@ -121,14 +123,22 @@ def test_every_few_nodes_are_a_coarser_lattice(lattice: str, stride: int) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ends", [([0, 0, 0], [6, 6, 6]), ([6, 0, 0], [0, 6, 6])])
-@pytest.mark.parametrize("lattice", LATTICES)
+@pytest.mark.parametrize(
+    ("lattice", "ends"),
+    of_each_kind(
+        product(LATTICES, DIAGONALS),
+        ("bcc", DIAGONALS[0]),
+        ("kuhn", DIAGONALS[1]),
+        ("delaunay", DIAGONALS[0]),
+    ),
+)
 def test_on_finer_meshes_it_nears_the_optimum(
-    lattice: str, ends: tuple[list[float], list[float]]
+    lattice: str, ends: tuple[tuple[int, ...], tuple[int, ...]]
 ) -> None:
     lengths = []
     for pitch in (1.0, 0.5, 0.25):
-        scene = scene_of([CUBE], start=ends[0], goal=ends[1], pitch=pitch, lattice=lattice)
+        start, goal = map(list, ends)
+        scene = scene_of([CUBE], start=start, goal=goal, pitch=pitch, lattice=lattice)
         whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
         lengths.append(length(found(whole, scene, 0.2)))
 
