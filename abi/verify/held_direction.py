@@ -164,7 +164,8 @@ def _turn(chain: ExactChain, tip: str, here: Row, others: Sequence[Row]) -> Frac
         joint = chain.joints[k]
         if joint.kind != "prismatic":
             at = chain.value(joint, here)
-            total += max(abs(chain.value(joint, one) - at) for one in others)
+            values = [chain.value(joint, one) for one in others]
+            total += max(max(values) - at, at - min(values))
     return total
 
 

@@ -105,7 +105,7 @@ class JointMotion:
             here = self.path.positions(at)
             columns = zip(*self.path.hull(start, end), strict=True)
             self.ways[key] = [
-                max(abs(one - middle) for one in column)
+                max(max(column) - middle, middle - min(column))
                 for column, middle in zip(columns, here, strict=True)
             ]
         return self.frames[at], self.ways[key]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -49,7 +48,10 @@ class Interval(NamedTuple):
 def enclose(low: Fraction, high: Fraction | None = None) -> Interval:
     """The interval, rounded outwards to a multiple of 2^-90."""
     top = low if high is None else high
-    return Interval(Fraction(math.floor(low * _ONE), _ONE), Fraction(math.ceil(top * _ONE), _ONE))
+    # with whole numbers, as products of fractions would be reduced first
+    first = low.numerator * _ONE // low.denominator
+    last = -(-top.numerator * _ONE // top.denominator)
+    return Interval(Fraction(first, _ONE), Fraction(last, _ONE))
 
 
 def rounded(point: Vec3) -> Vec3:

@@ -28,8 +28,13 @@ def vector(numbers: Sequence[float]) -> Vec3:
 
 
 def dot(a: Vec3, b: Vec3) -> Fraction:
-    """a·b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    """a·b, reduced once and not at each step."""
+    above, below = 0, 1
+    for one, other in zip(a, b, strict=True):
+        part = one.denominator * other.denominator
+        above = above * part + one.numerator * other.numerator * below
+        below *= part
+    return Fraction(above, below)
 
 
 def sub(a: Vec3, b: Vec3) -> Vec3:
