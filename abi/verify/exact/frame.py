@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,13 +66,24 @@ def turned(joint: Joint, angle: Fraction) -> tuple[Exact, int]:
     if abs(angle) > _LARGEST_ANGLE:
         raise Fault(f"{joint.name} turns by more than {_LARGEST_ANGLE} rad")
     sine, cosine, error = sine_and_cosine(angle)
-    # in whole numbers: a fraction for each entry would take ten times as long
-    scale = math.lcm(*(part.denominator for part in fractions(joint.axis)))
-    x, y, z = axis = np.array([int(part * scale) for part in fractions(joint.axis)], dtype=object)
-    across = scale * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=object)
-    turn = ((ONE - cosine) * np.outer(axis, axis) + sine * across) // scale**2
+    along, across, square = _products(*joint.axis.tolist())
+    turn = ((ONE - cosine) * along + sine * across) // square
     turn[np.diag_indices(3)] += cosine
     return turn, 4 * error + 1
+
+
+@lru_cache(maxsize=256)
+def _products(*axis: float) -> tuple[Exact, Exact, int]:
+    """The axis times itself, its cross product as a matrix, and by what both are too large.
+
+    In whole numbers: a fraction for each entry would take ten times as long.
+    """
+    parts = [*map(Fraction, axis)]
+    scale = math.lcm(*(part.denominator for part in parts))
+    x, y, z = numbers = [int(part * scale) for part in parts]
+    along: Exact = np.array([[one * other for other in numbers] for one in numbers], dtype=object)
+    across: Exact = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=object)
+    return along, scale * across, scale**2
 
 
 def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
