@@ -26,6 +26,8 @@ _SLACK = Fraction(1, 10**9)
 """Angle by which the tolerance may be exceeded, [rad], as URDF files are rounded."""
 _SHORTEST = Fraction(1, 1 << 12)
 """Shortest stretch that is tried, over the interval between two samples."""
+_MOST_STRETCHES = 20_000
+"""Stretches that are tried at most, in seconds to half a minute."""
 _UNIFORM = 1e-9
 """Largest difference between steps of time, over the motion's duration."""
 
@@ -122,7 +124,11 @@ def check_held(
     """
     waiting = [part]
     tolerance = Fraction(axis.tolerance) + _SLACK
-    while waiting:
+    for count in itertools.count(1):
+        if not waiting:
+            return
+        if count > _MOST_STRETCHES:
+            raise Fault("the direction that it keeps has too little room to be checked")
         start, end = waiting.pop()
         middle = _cut(start, end)
         here = path.positions(middle)

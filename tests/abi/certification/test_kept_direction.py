@@ -17,6 +17,7 @@ from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict_words import direction_sentences
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
+from abi.verify import held_direction
 from abi.verify.exact.robot_chain import exact_joints
 from abi.verify.exact_path import exact_path
 from abi.verify.fault import Fault
@@ -144,13 +145,19 @@ def test_the_verdict_is_checked_again_in_exact_numbers() -> None:
 
 
 @pytest.mark.parametrize("degree", [1, 3, 5])
-def test_another_direction_or_part_than_the_scene_s_is_refused(degree: int) -> None:
+def test_another_direction_or_part_than_the_scene_s_is_refused(
+    degree: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     scene = holding(tolerance=0.1)
     verdict = certify_motion(nodding(degree, 0.098), scene)
     data = verdict.to_dict()
     chain = exact_joints(scene.arm.robot, JOINTS, scene.arm.base, 1, scene.arm.base_wxyz)
     path = exact_path(data["motion"], [1] * len(JOINTS))
     assert "of its direction" in check_held_in_motion(data, scene, chain, path)
+    monkeypatch.setattr(held_direction, "_MOST_STRETCHES", 3)
+    with pytest.raises(Fault, match="too little room"):
+        check_held_in_motion(data, scene, chain, path)
+    monkeypatch.undo()
     silent = {**data, "direction": None}
     assert "not said to be kept" in check_held_in_motion(silent, scene, chain, path)
     assert check_held_in_motion(silent, alone().replace(arm={"axis": None}), chain, path) == ""
