@@ -77,6 +77,15 @@ class Remaining:
     share: float
     seconds: float | None
 
+    @property
+    def time(self) -> str:
+        """The time that is left, in words; empty while too little is done to tell it."""
+        if self.seconds is None or self.share < _SURE:
+            return ""
+        if self.seconds > _MINUTES:
+            return f"{self.seconds / 60:.0f} minutes"
+        return f"{max(math.ceil(self.seconds / 10), 1) * 10} s"
+
 
 _TOLD = 2.0
 """Seconds between two sentences on how far the compilation is."""
@@ -313,12 +322,9 @@ def compile(spare: int = 0) -> None:
 def _words(left: Remaining | None) -> str:
     """What is told of the compilation while somebody waits for it."""
     words = "compiling the program, once on this machine"
-    if left is None or left.seconds is None or left.share < _SURE:
+    if left is None or not left.time:
         return words
-    time = f"{math.ceil(left.seconds / 10) * 10} s"
-    if left.seconds > _MINUTES:
-        time = f"{left.seconds / 60:.0f} minutes"
-    return f"{words}: {left.share:.0%} done, about {time} left"
+    return f"{words}: {left.share:.0%} done, about {left.time} left"
 
 
 def begin(spare: int | None = None) -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import math
 import threading
 from dataclasses import replace
 from types import MappingProxyType
@@ -143,28 +142,15 @@ class WarmUp:
         )
 
 
-_SURE = 0.1
-"""Share of the kernels from which the time that is left can be told."""
-
-
 def _words(remaining: compiling.Remaining | None) -> tuple[str, str]:
     """Title and text of the notice."""
     share = "" if remaining is None else f": {remaining.share:.0%} are done"
-    sure = remaining is not None and remaining.share >= _SURE
+    time = "" if remaining is None else remaining.time
     return (
-        f"First start: {_faster(remaining.seconds if remaining is not None and sure else None)}",
+        f"First start: {f'faster in about {time}' if time else 'getting faster'}",
         f"The program is being compiled, once on this machine{share}. What this scene needs comes "
         "first. Meanwhile everything works but fine meshes, which wait for it.",
     )
-
-
-def _faster(seconds: float | None) -> str:
-    """Phrase for the ``seconds`` until planning is faster."""
-    if seconds is None:
-        return "getting faster"
-    if seconds > 90:
-        return f"faster in about {seconds / 60:.0f} minutes"
-    return f"faster in about {max(10 * math.ceil(seconds / 10), 10)} s"
 
 
 def prepare_picture() -> None:

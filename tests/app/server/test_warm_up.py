@@ -15,7 +15,7 @@ from abi.compiling import Remaining
 from abi.planner.live_planner import LivePlanner
 from abi.scene.scene import load_scene
 from app.server import warm_up
-from app.server.warm_up import WarmUp, _faster, _words
+from app.server.warm_up import WarmUp, _words
 from app.shared.shared_plans import SharedPlans
 
 
@@ -34,7 +34,8 @@ class Tab:
 
 @pytest.mark.parametrize("left", [0.0, 3.0, 10.0, 11.0, 89.0, 91.0, 600.0])
 def test_the_time_left_is_told_in_round_numbers(left: float) -> None:
-    [number], minutes = re.findall(r"\d+", _faster(left)), "minutes" in _faster(left)
+    words = Remaining(0.5, left).time
+    [number], minutes = re.findall(r"\d+", words), "minutes" in words
     told = int(number) * (60 if minutes else 1)
     assert math.isclose(told, left, abs_tol=30 if minutes else 10)
     assert told > 0
