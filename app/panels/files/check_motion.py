@@ -24,15 +24,14 @@ from abi.errors import AbiError, MotionError, SeveralChoicesError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.files.file_uploads import FileUploads, UploadJob
+from app.panels.files.several import SeveralInFile
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.reading.reader import READER
-from app.reading.stored_upload import StoredUpload
 from app.state.frame import Frame
 from app.ui import notices
 from app.ui.overlay import button
 from app.ui.time_bar import legend
 
-_NONE = "choose one…"
 _SIGNS = {"clear": "✓", "touches": "✗", "undecided": "?"}
 
 
@@ -56,16 +55,9 @@ class CheckMotionPanel:
             "ROS 2 JointTrajectory, bag, CSV with joint names, or JSON.",
         )
         self.uploads = FileUploads(gui, self.upload, self._deal, wake)
-        self.trajectory = gui.add_dropdown(
-            "trajectory in the bag",
-            (_NONE,),
-            hint="Its topic, and its number there.",
-            visible=False,
+        self.trajectory = SeveralInFile(
+            gui, "trajectory in the bag", "Its topic, and its number there.", wake
         )
-        self.trajectory.on_update(wake)
-        self._several: StoredUpload | None = None
-        self._bag, self._chosen = "", _NONE
-        self._choices: tuple[str, ...] = ()
         self.save = gui.add_button(
             "Save the verdict",
             color="gray",
@@ -100,16 +92,18 @@ class CheckMotionPanel:
         before = self._motion
         for one in self.uploads.news():
             if isinstance(one.result, SeveralChoicesError):
-                self._offer(one.name, one.file, one.result.choices)
+                self.trajectory.offer(one.name, one.file, one.result.choices)
                 continue
-            if one.name != self._bag:
-                self._offer("", None)
+            if one.name != self.trajectory.file:
+                self.trajectory.forget()
             if isinstance(one.result, Motion):
                 self._motion, self._name = one.result.from_zero(), one.name
                 self.verdict, self._plan, self._repaired = None, None, ""
             elif one.result is not None:
                 self._refuse(one.name, one.result)
-        self._read_chosen()
+        if (asked := self.trajectory.asked()) is not None:
+            bag, topic = asked
+            self.uploads.again(self.trajectory.file, bag, partial(self._deal, topic=topic))
         if pressed(self.back):
             self.leave()
         if pressed(self.repair) and self.verdict is not None:
@@ -188,22 +182,6 @@ class CheckMotionPanel:
 
     def _refuse(self, name: str, error: AbiError) -> None:
         notices.notify_refusal(self._client, f"{name} is not checked", _sentence(error), stays=True)
-
-    def _offer(
-        self, name: str, several: StoredUpload | None, choices: tuple[str, ...] = ()
-    ) -> None:
-        """Offer the trajectories of a bag; None for no such file."""
-        self._bag, self._several, self._choices, self._chosen = name, several, choices, _NONE
-        self.trajectory.visible = several is not None
-        self.trajectory.options = (_NONE, *choices)
-        self.trajectory.value = _NONE
-
-    def _read_chosen(self) -> None:
-        """Have the trajectory read that was chosen of several."""
-        several, chosen = self._several, self.trajectory.value
-        if several is not None and chosen in self._choices and chosen != self._chosen:
-            self._chosen = chosen
-            self.uploads.again(self._bag, several, partial(self._deal, topic=chosen))
 
     def _deal(self, job: UploadJob[Motion], topic: str | None = None) -> Motion:
         """Read a motion's file for the robot that the tab has now."""

@@ -19,11 +19,11 @@ from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
 from app.panels.files.file_uploads import FileUploads, UploadJob
+from app.panels.files.several import SeveralInFile
 from app.panels.stages.gripper import GripperPanel
 from app.panels.stages.tool_direction import ToolDirectionPanel
 from app.panels.widgets import Wake
 from app.reading.reader import READER
-from app.reading.stored_upload import StoredUpload
 from app.ui import notices
 
 _PAPER = "the paper's arm"
@@ -40,7 +40,6 @@ _MOUNTS: dict[str, Quaternion] = {
 _OTHER = "as in the scene"
 _OF_ONE_ARM: Mapping[str, Any] = {"srdf": None, "allowed": ()}
 """Fields that hold for one arm with one tip only, as they are for another."""
-_NONE = "choose one…"
 
 
 class ArmModelPanel:
@@ -61,13 +60,7 @@ class ArmModelPanel:
             "Add an arm…", mime_type=".zip,.urdf", hint="A URDF file, or a zip with its meshes."
         )
         self.uploads = FileUploads(gui, self.upload, _read, wake)
-        self.robot = gui.add_dropdown(
-            "robot in the file", (_NONE,), hint="The URDF file to take.", visible=False
-        )
-        self.robot.on_update(wake)
-        self._several: StoredUpload | None = None
-        self._choices: tuple[str, ...] = ()
-        self._chosen = _NONE
+        self.robot = SeveralInFile(gui, "robot in the file", "The URDF file to take.", wake)
         self.tip = gui.add_dropdown(
             "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
         )
@@ -109,15 +102,18 @@ class ArmModelPanel:
             self.uploads.drop()
         for one in self.uploads.news():
             if isinstance(one.result, SeveralChoicesError):
-                self._offer(one.file, one.result.choices)
+                self.robot.offer(one.name, one.file, one.result.choices)
             elif isinstance(one.result, Robot):
-                if one.name != _zip_of(self._chosen):
-                    self._offer(None)
+                if one.name != _zip_of(self.robot.chosen):
+                    self.robot.forget()
                 self._take(one.name, one.result)
             elif one.result is not None:
                 title = f"{one.name} is not added"
                 notices.notify_refusal(self._client, title, one.result.message, stays=True)
-        self._read_chosen()
+        if (asked := self.robot.asked()) is not None:
+            content, chosen = asked
+            read = partial(_read, name=f"robots.zip/{chosen}")
+            self.uploads.again(_zip_of(chosen), content, read)
         self._model_shown = self.model.value
         name = self._name()
         if name is None:
@@ -180,21 +176,6 @@ class ArmModelPanel:
         chosen = by_label.get(self.model.value, self.model.value)
         # a page may send anything: only listed arms are taken
         return chosen if chosen in SHIPPED or chosen in self.files else None
-
-    def _offer(self, several: StoredUpload | None, choices: tuple[str, ...] = ()) -> None:
-        """Offer the robots of a file that has several; None for no such file."""
-        self._several, self._choices, self._chosen = several, choices, _NONE
-        self.robot.visible = several is not None
-        self.robot.options = (_NONE, *choices)
-        self.robot.value = _NONE
-
-    def _read_chosen(self) -> None:
-        """Have the robot read that was chosen of several."""
-        several, chosen = self._several, self.robot.value
-        if several is not None and chosen in self._choices and chosen != self._chosen:
-            self._chosen = chosen
-            read = partial(_read, name=f"robots.zip/{chosen}")
-            self.uploads.again(_zip_of(chosen), several, read)
 
     def _take(self, name: str, robot: Robot) -> None:
         """Choose an arm that was read."""
