@@ -26,6 +26,8 @@ class Interval(NamedTuple):
 
     def times(self, other: Interval) -> Interval:
         """Product."""
+        if self.low.numerator >= 0 and other.low.numerator >= 0:  # most are
+            return enclose(self.low * other.low, self.high * other.high)
         ends = [a * b for a in self for b in other]
         return enclose(min(ends), max(ends))
 
