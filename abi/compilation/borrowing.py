@@ -47,7 +47,7 @@ def borrowing(passes: Any) -> Any:
 
 @register_pass(mutates_CFG=False, analysis_only=False)  # type: ignore[no-untyped-call]
 class _BorrowArguments(FunctionPass):
-    """Puts ``x = borrowed(x)`` for each argument x at the beginning of a function."""
+    """Puts ``x = borrowed(x)`` for each argument x with arrays at the beginning of a function."""
 
     _name = "borrow_arguments"
 
@@ -59,10 +59,18 @@ class _BorrowArguments(FunctionPass):
         body = []
         for line in first.body:
             body.append(line)
-            if isinstance(line, ir.Assign) and isinstance(line.value, ir.Arg):
+            given = line.value if isinstance(line, ir.Assign) else None
+            if isinstance(given, ir.Arg) and _has_arrays(state.args[given.index]):
                 body += _borrow(line.target, first.scope, line.loc)
         first.body = body
         return True
+
+
+def _has_arrays(kind: Any) -> bool:
+    """Whether a value of this type is an array, or a tuple with one."""
+    if isinstance(kind, types.BaseTuple):
+        return any(map(_has_arrays, kind.types))  # type: ignore[attr-defined]
+    return isinstance(kind, types.Array)
 
 
 def _borrow(argument: Any, scope: Any, where: Any) -> list[Any]:

@@ -128,7 +128,7 @@ def place_bodies(
         _place_body(bodies, c, poses, ends)
 
 
-@jitable(forceinline=True)
+@jitable
 def _place_body(bodies: Bodies, c: int, poses: FloatArray, ends: FloatArray) -> None:
     """Write both ends of capsule c, [unit], world, by the poses of the joints."""
     frame, scale = bodies.frames[c], bodies.scale
@@ -254,7 +254,7 @@ def _go_to(problem: _AlongKnots, piece: Piece, at: float) -> _NearPose:
     return bodies, pose
 
 
-@jitable(forceinline=True)
+@jitable
 def _need(near: _NearPose, c: int) -> None:
     """Place capsule c at the pose, if it is not."""
     bodies, (_, _, ends, poses, _, placed) = near
