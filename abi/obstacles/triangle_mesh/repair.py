@@ -14,7 +14,11 @@ from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.words import counted
-from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, in_rows
+from abi.obstacles.triangle_mesh.distinct_rows import (
+    distinct_rows,
+    first_of_distinct_rows,
+    in_rows,
+)
 from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
 from abi.obstacles.triangle_mesh.shells import Shells, areas_of, have_both_sides, shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -39,7 +43,7 @@ _CLOSED_GAPS = "Small gaps between its triangles were closed."
 _SPLIT = "Triangles were split where corners of others lie on their edges."
 _AS_THEY_WERE = "Where that moved corners, the triangles count as they were, too."
 
-_MOST_WOUND = 2 * 10**8
+_MOST_WOUND = 3 * 10**6
 """Most pairs of triangles that are tested for one inside the other; else it counts as a sheet."""
 _MOST = 500_000
 """Most triangles of a united surface, so that its file can be read again."""
@@ -170,17 +174,26 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
     """Split a mesh into shells without joining nearby corners.
 
     Solids that touch in a face have its triangles twice, once from each side, as surfaces have
-    that are to be seen from both. So both sides are kept only where one does not bound a solid.
+    that are to be seen from both; where one stands in the other, flush with its side, they are
+    there twice from the same side. So all are kept only where one does not bound a solid. Of both
+    ways to read them the one is taken by which fewer triangles are sheets.
     """
     kept, other_sides = without_duplicates(faces)
     shells = shells_of(vertices, kept)
     if len(other_sides) and not shells.closed.all():
         sheets = np.sort(kept[~shells.is_solid & ~shells.has_border], axis=1)
-        of_sheet = in_rows(np.sort(other_sides, axis=1), sheets)
-        kept = np.concatenate([kept, other_sides[of_sheet]])
-        turned = shells_of(vertices, faces_in_order(kept))
-        ordered = shells_of(vertices, faces_in_order(turned.faces))
-        shells = replace(ordered, notes=turned.notes)
+        first = first_of_distinct_rows(np.sort(faces, axis=1).astype(np.int64))
+        repeated = np.delete(faces, first, axis=0)
+        found = []
+        for more in (other_sides, repeated):
+            all_of_sheet = in_rows(np.sort(more, axis=1), sheets)
+            both = np.concatenate([kept, more[all_of_sheet]])
+            turned = shells_of(vertices, faces_in_order(both))
+            ordered = shells_of(vertices, faces_in_order(turned.faces))
+            found.append(replace(ordered, notes=turned.notes))
+        thin = [int((~one.is_solid | _is_thin(vertices, one)).sum()) for one in found]
+        shells = min(zip(found, thin, strict=True), key=lambda one: one[1])[0]
+        kept = shells.faces
     dropped = len(faces) - len(kept)
     twice = (f"{counted(dropped, 'triangle')} there twice, and once is enough.",) if dropped else ()
     return replace(shells, notes=(*twice, *shells.notes))

@@ -9,7 +9,12 @@ import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.words import counted
-from abi.obstacles.triangle_mesh.distinct_rows import first_of_distinct_rows, in_groups, in_rows
+from abi.obstacles.triangle_mesh.distinct_rows import (
+    distinct_rows,
+    first_of_distinct_rows,
+    in_groups,
+    in_rows,
+)
 
 _FLAT = 1e-9
 """Relative volume, over the area to the power 3/2, below which a shell has no inside."""
@@ -186,11 +191,17 @@ class _Edges:
 
 
 def have_both_sides(faces: IntArray) -> BoolArray:
-    """Mask (m,) of the faces that occur twice, once from each side."""
+    """Mask (m,) of the faces that occur as often from one side as from the other."""
     corners = np.sort(faces, axis=1)
     rest = np.ones(len(faces), dtype=np.bool_)
     rest[first_of_distinct_rows(corners.astype(np.int64))] = False
-    return in_rows(corners, corners[rest])
+    both = in_rows(corners, corners[rest])
+    if both.any():
+        a, b, c = faces[both].T
+        sides = np.where((a < b) ^ (b < c) ^ (c < a), 1, -1)
+        _, number = distinct_rows(corners[both].astype(np.float64))
+        both[both] = np.bincount(number, sides)[number] == 0
+    return both
 
 
 def _components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:

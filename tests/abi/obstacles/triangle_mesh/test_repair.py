@@ -116,6 +116,24 @@ def test_a_union_keeps_all_of_solids_that_touch_in_a_face(
     assert (MeshShape.of(surface).signed_distance(corners) <= 1e-9).all()
 
 
+@pytest.mark.parametrize(
+    ("turned", "twice"), [([], []), (range(24), []), ([3], []), ([20], []), ([], range(12, 24))]
+)
+def test_a_solid_is_whole_where_another_in_it_is_flush_with_its_side(
+    turned: list[int], twice: list[int]
+) -> None:
+    """Triangles that both have in common are there twice, from the same side."""
+    within = meshes.box((4, 2, 4), (0, 1, 0))
+    vertices, faces = meshes.joined(meshes.box((4, 4, 4)), within)
+    faces = np.array(faces)
+    faces[[*turned]] = faces[[*turned], ::-1]
+    surface = clean(*meshes.joined((vertices, faces), (vertices, faces[[*twice]])))
+    assert surface.closed
+    assert not any("thin shell" in note for note in surface.notes)
+    assert inside(surface, PROBES[in_box(PROBES, 3.9)]).all()
+    assert clean(surface.vertices, surface.faces).digest == surface.digest
+
+
 def test_the_union_has_no_faces_inside() -> None:
     surface = clean(*meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))))
     assert volume(surface) == pytest.approx(2.7 * 4)
