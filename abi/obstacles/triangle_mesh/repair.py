@@ -20,7 +20,13 @@ from abi.obstacles.triangle_mesh.distinct_rows import (
     in_rows,
 )
 from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
-from abi.obstacles.triangle_mesh.shells import Shells, areas_of, have_both_sides, shells_of
+from abi.obstacles.triangle_mesh.shells import (
+    Shells,
+    areas_of,
+    have_both_sides,
+    patches_of,
+    shells_of,
+)
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.t_junctions import split_at_corners
 from abi.obstacles.triangle_mesh.union import cancel, united
@@ -128,8 +134,11 @@ def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:
     if not thin.any():
         return thin
     rest, walls = shells.faces[is_solid & ~thin], shells.faces[thin]
-    if len(rest) * len(walls) <= _MOST_WOUND:
-        thin[thin] = windings(vertices, rest, vertices[walls].mean(axis=1)) == 0
+    asked, of = np.arange(len(walls)), np.arange(len(walls))
+    if len(rest) * len(walls) > _MOST_WOUND:  # all of a patch between solids are as one of it is
+        _, asked, of = np.unique(patches_of(walls, rest), return_index=True, return_inverse=True)
+    if len(rest) * len(asked) <= _MOST_WOUND:
+        thin[thin] = (windings(vertices, rest, vertices[walls[asked]].mean(axis=1)) == 0)[of]
     return thin
 
 

@@ -204,6 +204,20 @@ def have_both_sides(faces: IntArray) -> BoolArray:
     return both
 
 
+def patches_of(faces: IntArray, others: IntArray) -> IntArray:
+    """Label (m,) of the patches into which edges of other faces divide faces (m, 3)."""
+    sides, bounds = (
+        np.sort(one[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1) for one in (faces, others)
+    )
+    inner = np.flatnonzero(~in_rows(sides, bounds))
+    if not len(inner):
+        return np.arange(len(faces), dtype=np.int32)
+    _, edge = distinct_rows(sides[inner].astype(np.float64))
+    face = (inner // 3).astype(np.int32)
+    count = len(faces) + int(edge.max()) + 1
+    return _components(face, edge + np.int32(len(faces)), count)[1][: len(faces)]
+
+
 def _components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:
     """Connected components of ``count`` nodes with edges from a to b: their number, and labels."""
     edges = scipy.sparse.coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(count, count))

@@ -5,12 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh import repair
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.shells import shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.welding import weld_nearby
+from abi.obstacles.triangle_mesh.welding import weld, weld_nearby
+from abi.obstacles.triangle_mesh.winding import windings
 from tests.abi import meshes
 from tests.abi.meshes import Mesh
 from tests.thorough import examples
@@ -132,6 +135,28 @@ def test_a_solid_is_whole_where_another_in_it_is_flush_with_its_side(
     assert not any("thin shell" in note for note in surface.notes)
     assert inside(surface, PROBES[in_box(PROBES, 3.9)]).all()
     assert clean(surface.vertices, surface.faces).digest == surface.digest
+
+
+@pytest.mark.parametrize("is_sheet", [False, True])
+def test_a_wall_between_solids_is_told_from_a_sheet_by_a_point_of_each_patch(
+    is_sheet: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two cubes that touch, or one whose walls are all there with both their sides."""
+    touching = BOX[0] * (-1, 1, 1) + (2, 0, 0), BOX[1][:, ::-1]  # mirrored in the common side
+    parts = [BOX, meshes.inverted(BOX), touching] if is_sheet else [BOX, touching]
+    shells = shells_of(*(mesh := weld(*meshes.joined(*parts))))
+    exact = repair._is_thin(mesh[0], shells)
+    assert exact.sum() == (20 if is_sheet else 0)
+    asked = []
+
+    def counted(vertices: FloatArray, faces: IntArray, points: FloatArray) -> IntArray:
+        asked.append(len(points))
+        return windings(vertices, faces, points)
+
+    monkeypatch.setattr(repair, "windings", counted)
+    monkeypatch.setattr(repair, "_MOST_WOUND", 30)
+    np.testing.assert_array_equal(repair._is_thin(mesh[0], shells), exact)
+    assert asked == [1]
 
 
 def test_the_union_has_no_faces_inside() -> None:
