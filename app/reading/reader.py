@@ -130,14 +130,14 @@ class Reader:
         """
         answer = self.read(Job("motion", name, content, slides, topic), stopped, delayed)
         data = json.loads(answer.data)
-        joints, objects, base, root, attached, rests = data["start"]
+        joints, objects, base, root, attached, *others = data["start"]
         held = None if attached is None else (*attached,)
         named = tuple(
             StatedObject(name, link, solid and (solid[0], (*solid[1],), (*solid[2],)))
             for name, link, solid in objects or ()
         )
         stated = None if objects is None else named
-        state = RobotState(joints, stated, base and (*base,), root, held, rests)
+        state = RobotState(joints, stated, base and (*base,), root, held, *others)
         changed = {
             "joints": tuple(data["joints"]),
             "notes": tuple(data["notes"]),
