@@ -10,6 +10,7 @@ from numba.core.untyped_passes import IRProcessing
 from numba.extending import lower_builtin, type_callable
 
 from abi.compilation.borrowed import borrowed
+from abi.compilation.counters import COUNTER, places_of_counters
 
 
 @type_callable(borrowed)
@@ -27,14 +28,9 @@ def _lower_borrowed(context: Any, builder: Any, signature: Any, arguments: Any) 
 
 def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     """The value with no owner at any of its arrays; to nothing numba counts no references."""
-    if isinstance(kind, types.Array):
-        array = context.make_array(kind)(context, builder, value)
-        array.meminfo, array.parent = array.meminfo.type(None), array.parent.type(None)
-        return array._getvalue()
-    if isinstance(kind, types.BaseTuple):
-        for k, field in enumerate(kind.types):  # type: ignore[attr-defined]
-            inner = builder.extract_value(value, k)
-            value = builder.insert_value(value, _without_owner(context, builder, field, inner), k)
+    for place, counted in places_of_counters(context.data_model_manager, kind):
+        if counted is COUNTER:
+            value = builder.insert_value(value, context.get_constant_null(counted), place)
     return value
 
 

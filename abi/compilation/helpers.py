@@ -19,13 +19,13 @@ from typing import Any, cast
 import numba
 from numba import _dynfunc  # type: ignore[attr-defined]
 from numba.core import types
-from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import register_jitable
 
 from abi.compilation.borrowing import borrowing
 from abi.compilation.jitable import UNDECLARED, options_of
+from abi.compilation.linking import HelperLibrary, link_what_helpers_call
 
 VERSIONS = ("0.68",)
 """Versions of numba with which the tests have seen that it works."""
@@ -87,20 +87,10 @@ class _Calls(AbstractTemplate):
         return _JITTED[type(self).key].get_overload(signature.args)
 
 
-class _HelperLibrary(JITCodeLibrary):
-    """A helper's code with that of all it calls, neither optimised nor translated."""
-
-    def finalize(self) -> None:
-        for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
-        self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
-        self._finalized = True
-
-
 class _HelperCompiler(CompilerBase):
     def define_pipelines(self) -> list[Any]:
-        state, library = self.state, cast(Any, _HelperLibrary)
+        link_what_helpers_call()
+        state, library = self.state, cast(Any, HelperLibrary)
         state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
         # of a context for this function alone
         state.targetctx.get_executable = _without_code
@@ -108,7 +98,7 @@ class _HelperCompiler(CompilerBase):
         return [borrowing(passes)]
 
 
-def _without_code(library: _HelperLibrary, description: Any, environment: Any) -> Any:
+def _without_code(library: HelperLibrary, description: Any, environment: Any) -> Any:
     """Numba's object of a compiled function, by which it finds the helper; it cannot be called."""
     name, nowhere = description.qualname, 0
     module = description.lookup_module()

@@ -27,6 +27,7 @@ from numba.core.typing.templates import _OverloadFunctionTemplate
 
 from abi.compilation import array_elements, helpers
 from abi.compilation.counters import places_of_counters
+from abi.compilation.variables import VALUES
 
 
 def take() -> None:
@@ -205,5 +206,6 @@ def _decorator_of_helpers(template: Any) -> Callable[..., Any]:
 OVERLOADS: dict[tuple[Any, str], Any] = {
     (_OverloadFunctionTemplate, "_get_jit_decorator"): _decorator_of_helpers,
     (CPUCodeLibrary, "_optimize_functions"): _optimise_bodies,
+    **VALUES,
 }
 """The same where kernels compute the same, but may be inlined in another order."""

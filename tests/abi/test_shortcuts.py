@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numba
 import numpy as np
 import pytest
+from numba.core import runtime as numba_runtime
 
 from abi.arrays import FloatArray
 from abi.compilation import shortcuts
+from abi.compilation.dispatcher import Dispatcher
 from abi.compilation.helpers import is_known
+from abi.compilation.jitable import jitable
+from abi.compiled import NEW_FLOATS
 
 
 def make_kernel() -> Callable[[FloatArray, int], float]:
@@ -83,3 +87,49 @@ def test_kernels_compute_the_same_where_numbas_functions_are_helpers(
     assert compiled(numbers, 50) == expected
     with pytest.raises(ValueError, match="negative dimensions"):
         compiled(numbers, -1)
+
+
+def make_lender() -> Callable[[FloatArray, int], Any]:
+    """A new function each time, which lends arrays and lists to a helper."""
+
+    @jitable
+    def part(tables: Any, lists: Any, i: int) -> float:
+        numbers, (inner, share) = tables
+        last, seen = numbers, lists[0]
+        if i % 2:
+            last, seen = inner, lists[1]
+        seen.append(i)
+        while share > 2.0 * len(seen):
+            share -= last[i % len(last)]
+            last = tables[1][0]
+        return float(last[i % len(last)] + len(lists[1]) + share)
+
+    def lender(numbers: FloatArray, count: int) -> Any:
+        lists, total = ([0] * 0, [0]), 0.0
+        for i in range(count):
+            fresh = np.full(3, 1.0 + i)
+            total += part((numbers, (fresh, float(i))), lists, i)
+            lists = (lists[1], lists[0]) if i % 3 else lists
+        return total, np.array(lists[0] + lists[1])
+
+    return lender
+
+
+def test_all_that_is_lent_is_counted_neither_too_often_nor_too_seldom(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    use(monkeypatch, shortcuts.SHORTCUTS | shortcuts.OVERLOADS)
+    lender, numbers = make_lender(), np.arange(1.0, 6.0)
+    kernel = Dispatcher(lender, (NEW_FLOATS, 1), {})
+    kernel.compile()
+    expected, runtime = lender(numbers, 40), cast(Any, numba_runtime)
+    runtime._nrt_python.memsys_enable_stats()
+    before = runtime.rtsys.get_allocation_stats()
+    for _ in range(100):
+        total, places = kernel.of_numba(numbers, 40)
+        assert total == expected[0]
+        np.testing.assert_array_equal(places, expected[1])
+    del places
+    after = runtime.rtsys.get_allocation_stats()
+    runtime._nrt_python.memsys_disable_stats()
+    assert after.alloc - before.alloc == after.free - before.free >= 4_000
