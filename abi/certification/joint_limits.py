@@ -30,10 +30,12 @@ class LimitsKept(ShortRepr):
             is not known: speeds without times, accelerations and torques of straight motions, whose
             speeds jump at waypoints, torques without masses or times.
         passed: limits that are passed, positions in [rad] or [m].
+        judged: what is known and what a joint has a limit of; a position always is.
     """
 
     peaks: dict[Quantity, FloatArray | None]
     passed: tuple[Violation, ...]
+    judged: tuple[Quantity, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data: peaks, what was not judged, and what is passed."""
@@ -52,7 +54,7 @@ class LimitsKept(ShortRepr):
             "peaks": {
                 name: None if peak is None else peak.tolist() for name, peak in self.peaks.items()
             },
-            "not_judged": [name for name, peak in self.peaks.items() if peak is None],
+            "not_judged": [name for name in self.peaks if name not in self.judged],
         }
 
 
@@ -86,18 +88,23 @@ def joint_limits(motion: RobotMotion, acceleration: float | None = None) -> Limi
     if speed is not None and has_masses(chain):
         torques = _torques(motion, speed, growth)
         passed += _torques_past(motion, torques)
-    return LimitsKept(
-        peaks={
-            "position": read_only(np.abs(motion.points).max(axis=(0, 1))),
-            "speed": None if speed is None else _peak(speed),
-            "acceleration": None if growth is None else _peak(growth),
-            # what a straight motion needs at a constant speed may be too much, but is not all
-            "torque": None
-            if torques is None or growth is None
-            else read_only(np.abs(torques).max(axis=(0, 1))),
-        },
-        passed=tuple(passed),
-    )
+    peaks: dict[Quantity, FloatArray | None] = {
+        "position": read_only(np.abs(motion.points).max(axis=(0, 1))),
+        "speed": None if speed is None else _peak(speed),
+        "acceleration": None if growth is None else _peak(growth),
+        # what a straight motion needs at a constant speed may be too much, but is not all
+        "torque": None
+        if torques is None or growth is None
+        else read_only(np.abs(torques).max(axis=(0, 1))),
+    }
+    limited = {
+        "position": True,
+        "speed": bool(np.isfinite(chain.speeds).any()),
+        "acceleration": acceleration is not None,
+        "torque": bool(np.isfinite(chain.efforts).any()),
+    }
+    judged = tuple(name for name, peak in peaks.items() if peak is not None and limited[name])
+    return LimitsKept(peaks, tuple(passed), judged)
 
 
 def _derivative(points: FloatArray) -> FloatArray:

@@ -28,6 +28,8 @@ _DURATIONS = {"": 1.0, "s": 1.0, "ms": 0.001, "ns": 1e-9}
 _HEADING = re.compile(r"^(?P<name>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*)\s*[\])])?$")
 _STATES = ("state", "tool_state")
 """Columns in which an export says what is proven of a motion, and what its tool holds."""
+_FEW = 20
+"""Remarks before the header that are told, at most."""
 _LONGEST_STATE, _LONGEST_HEADING = 500, 300
 _DELIMITERS = ",;\t"
 _MOST_LINES = MOST_WAYPOINTS + 2
@@ -81,7 +83,9 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
         if one not in found and one not in time[:1] and one.place not in stated
     ]
     notes = []
-    remarks = sum(line.startswith("#") for line in filled[filled.index(lines[0]) :])
+    begin = filled.index(lines[0])
+    remarks = sum(line.startswith("#") for line in filled[begin:])
+    notes += [f"The file says: {one.strip('# ')[:_LONGEST_STATE]}" for one in filled[:begin]][:_FEW]
     if remarks:
         notes.append(f"{counted(remarks, 'row')} left out: # begins a remark.")
     said = [cell.strip() for row in rows[1:] for k, cell in enumerate(row) if k in stated]

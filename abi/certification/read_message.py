@@ -94,6 +94,8 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
                 return _planned(planned, found["scene"], slides)
         notes += _unused(found, _MESSAGE)
         found = next((found[name] for name in _INSIDE if name in found), None)
+    if isinstance(found, list) and len(found) > 1:
+        raise MotionError(f"The file holds {len(found)} motions.", "Give one of them.")
     raise MotionError(
         "The file holds no motion.",
         "Give a JointTrajectory with joint_names and points, a plan, or joints and positions.",
@@ -144,8 +146,10 @@ def _check_single(message: Mapping[str, Any]) -> None:
 
 def _state(state: object) -> RobotState:
     """Where a message says that the robot stands, and what it holds."""
-    if not isinstance(state, dict):
+    if state is None:
         return RobotState({})
+    if not isinstance(state, dict):
+        raise MotionError(f"The message's start state is {short(state)}, and no state.")
     held = state.get("attached_collision_objects") or []
     objects = [StatedObject.of(one) for one in (held if isinstance(held, list) else [held])]
     is_said = bool(objects) or state.get("is_diff") is not True  # else it holds what it held before
@@ -161,7 +165,7 @@ def _state(state: object) -> RobotState:
 
 def _base(joints: object) -> tuple[float, ...] | None:
     """Where a message says that the robot's root stands; None if it does not."""
-    places = joints.get("transforms") if isinstance(joints, dict) else None
+    places = joints.get("transforms") if isinstance(joints, dict) else joints
     if not places:
         return None
     place = places[0] if isinstance(places, list) and len(places) == 1 else None
@@ -245,8 +249,12 @@ def _planned(motion: dict[str, Any], scene: dict[str, Any], slides: Sequence[str
 
 def _state_of_arm(arm: object, unit: str, slides: Sequence[str]) -> RobotState:
     """Where the scene of a plan has its robot, what this holds, and its joints beside the arm."""
-    if not isinstance(arm, dict):
+    if arm is None:
         return RobotState({})
+    if not isinstance(arm, dict):
+        raise MotionError(
+            f"The arm of the plan's scene is {short(arm)}.", "Give the plan as abi plan wrote it."
+        )
     metres = METRES[unit]
     base, wxyz = arm.get("base"), arm.get("base_wxyz", [1, 0, 0, 0])
     numbers = [*base, *wxyz] if isinstance(base, list) and isinstance(wxyz, list) else []

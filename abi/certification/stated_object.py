@@ -24,6 +24,7 @@ _KINDS = (1, "box"), (2, "sphere"), (3, "cylinder")
 """Numbers of ``shape_msgs/msg/SolidPrimitive``."""
 _TURN = 1e-100, 1e100
 """Least and largest entry of a quaternion, whose square has to be a number."""
+_LARGEST = 10**300
 _SIZES = 1e-9, 1e6
 """Least and largest size of an object, [m]."""
 
@@ -135,7 +136,7 @@ def _numbers(values: object) -> tuple[float, ...] | None:
     """Finite numbers of a list; None for anything else."""
     if not isinstance(values, Sequence) or isinstance(values, str):
         return None
-    numbers = [one for one in values if type(one) in (int, float) and np.isfinite(one)]
+    numbers = [one for one in values if type(one) in (int, float) and abs(one) <= _LARGEST]
     return tuple(map(float, numbers)) if len(numbers) == len(values) else None
 
 

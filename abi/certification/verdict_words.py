@@ -24,8 +24,8 @@ def limit_sentences(verdict: MotionVerdict) -> list[str]:
         verdict: on the motion.
     """
     passed = [_limit_sentence(one, verdict) for one in verdict.limits.passed]
-    unknown = [name for name, peak in verdict.limits.peaks.items() if peak is None]
-    judged = [name for name, peak in verdict.limits.peaks.items() if peak is not None]
+    judged = verdict.limits.judged
+    unknown = [name for name in verdict.limits.peaks if name not in judged]
     if not passed:
         passed.append(f"The joints keep their limits of {_listed(judged)}.")
     if unknown:

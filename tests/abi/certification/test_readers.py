@@ -310,7 +310,7 @@ def test_a_row_that_is_a_remark_is_told_of() -> None:
         read_motion("a.csv", one.encode(), own_joints(ROBOT)).notes
         for one in (f"# by hand\n{text}", text.replace("\n1.25", "\n#1.25"))
     ]
-    assert told == [(), ("1 row is left out: # begins a remark.",)]
+    assert told == [("The file says: by hand",), ("1 row is left out: # begins a remark.",)]
 
 
 @pytest.mark.parametrize("unit", ["deg", "degrees", ["rad", "mm"]])
@@ -358,6 +358,9 @@ def test_what_is_not_read_of_a_file_is_told() -> None:
         ({"trajectory_start": standing(5.0, turned=1e101)}, "no single place"),
         ({"trajectory_start": standing(5.0, turned=1e200)}, "no single place"),
         ({"multi_dof_joint_trajectory": [1]}, "in space"),
+        ({"trajectory": [{"joint_trajectory": message()}] * 2}, "holds 2 motions"),
+        ({"trajectory_start": ["a"]}, "and no state"),
+        ({"trajectory_start": {"multi_dof_joint_state": ["a"]}}, "no single place"),
         ({"trajectory_start": {"joint_state": [1]}}, "not one position for each joint"),
         (
             {"trajectory_start": {"joint_state": {"name": [JOINTS[0]], "position": 5}}},
@@ -381,6 +384,7 @@ def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
         ("orientation", [0, 0, 0, 1e-200]),
         ("orientation", [1e200, 0, 0, 1]),
         ("position", [1e200, 0, 0]),
+        ("position", [10**400, 0, 0]),
     ],
 )
 def test_an_object_that_cannot_be_is_not_compared(field: str, value: list[float]) -> None:
