@@ -184,8 +184,9 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
 
     Solids that touch in a face have its triangles twice, once from each side, as surfaces have
     that are to be seen from both; where one stands in the other, flush with its side, they are
-    there twice from the same side. So all are kept only where one does not bound a solid. Of both
-    ways to read them the one is taken by which fewer triangles are sheets.
+    there twice from the same side. So all are kept only where one does not bound a solid. Of the
+    ways to read them, with sides as in the file or as most of their neighbours have them, that one
+    is taken by which the fewest triangles are sheets.
     """
     kept, other_sides = without_duplicates(faces)
     shells = shells_of(vertices, kept)
@@ -193,15 +194,20 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
         sheets = np.sort(kept[~shells.is_solid & ~shells.has_border], axis=1)
         first = first_of_distinct_rows(np.sort(faces, axis=1).astype(np.int64))
         repeated = np.delete(faces, first, axis=0)
-        found = []
-        for more in (other_sides, repeated):
+        agreeing = shells.faces
+        same = agreeing[in_rows(np.sort(kept, axis=1), np.sort(other_sides, axis=1))]
+        told, least = shells.notes, len(faces) + 1
+        ways = ((kept, other_sides, ()), (kept, repeated, ()), (agreeing, same, told))
+        for once, more, before in ways:
             all_of_sheet = in_rows(np.sort(more, axis=1), sheets)
-            both = np.concatenate([kept, more[all_of_sheet]])
+            both = np.concatenate([once, more[all_of_sheet]])
             turned = shells_of(vertices, faces_in_order(both))
             ordered = shells_of(vertices, faces_in_order(turned.faces))
-            found.append(replace(ordered, notes=turned.notes))
-        thin = [int((~one.is_solid | _is_thin(vertices, one)).sum()) for one in found]
-        shells = min(zip(found, thin, strict=True), key=lambda one: one[1])[0]
+            thin = int((~ordered.is_solid | _is_thin(vertices, ordered)).sum())
+            if thin < least:
+                shells, least = replace(ordered, notes=(*before, *turned.notes)), thin
+            if not thin:
+                break
         kept = shells.faces
     dropped = len(faces) - len(kept)
     twice = (f"{counted(dropped, 'triangle')} there twice, and once is enough.",) if dropped else ()

@@ -120,7 +120,8 @@ def test_a_union_keeps_all_of_solids_that_touch_in_a_face(
 
 
 @pytest.mark.parametrize(
-    ("turned", "twice"), [([], []), (range(24), []), ([3], []), ([20], []), ([], range(12, 24))]
+    ("turned", "twice"),
+    [([], []), (range(24), []), ([3], []), ([21], []), ([20], []), ([], range(12, 24))],
 )
 def test_a_solid_is_whole_where_another_in_it_is_flush_with_its_side(
     turned: list[int], twice: list[int]
