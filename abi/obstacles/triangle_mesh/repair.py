@@ -49,6 +49,9 @@ _CLOSED_GAPS = "Small gaps between its triangles were closed."
 _SPLIT = "Triangles were split where corners of others lie on their edges."
 _AS_THEY_WERE = "Where that moved corners, the triangles count as they were, too."
 
+_LIDS = "Some of its triangles have no solid on either side: what they cover counts as hollow."
+_BESIDE = 1e-6
+"""Distance from a triangle at which it is asked what is solid, over the mesh's size."""
 _MOST_WOUND = 3 * 10**6
 """Most pairs of triangles that are tested for one inside the other; else it counts as a sheet."""
 _MOST = 500_000
@@ -102,6 +105,8 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
             vertices = np.concatenate([corners, vertices])
         elif cancel(vertices, faces, label):
             most, faces, sheets = 0, faces[:0], shells.faces
+    if is_as_in_file and _have_lids(vertices, faces):
+        notes = (*notes, _LIDS)
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
     moved = moved[areas_of(vertices, moved) > 0]
     if len(sheets) + len(moved) and len(faces) + 2 * (len(sheets) + len(moved)) <= most:
@@ -120,6 +125,26 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     vertices, faces = in_order(*weld(vertices, faces[areas_of(vertices, faces) > 0]))
     faces = faces if is_as_in_file else faces_in_order(faces)
     return Surface(read_only(vertices), read_only(faces), parts > 0, notes)
+
+
+def _have_lids(vertices: FloatArray, faces: IntArray) -> bool:
+    """Whether some triangles of solids have no solid on either side, as over a hollow.
+
+    They are looked for where more than two meet in an edge, at some if there are too many.
+    """
+    if not len(faces):
+        return False
+    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    _, edge = distinct_rows(sides.astype(np.float64))
+    found = np.flatnonzero((np.bincount(edge)[edge] > 2).reshape(-1, 3).any(axis=1))
+    found = found[:: 1 + 2 * len(found) * len(faces) // _MOST_WOUND]
+    corners = vertices[faces[found]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    away = _BESIDE * np.ptp(vertices, axis=0).max() * normals / np.where(lengths > 0, lengths, 1.0)
+    middles = corners.mean(axis=1)
+    in_front, behind = (windings(vertices, faces, middles + one) for one in (away, -away))
+    return bool(((in_front == 0) & (behind == 0)).any())
 
 
 def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:

@@ -160,6 +160,17 @@ def test_a_wall_between_solids_is_told_from_a_sheet_by_a_point_of_each_patch(
     assert asked == [1]
 
 
+def test_a_lid_over_a_hollow_is_told() -> None:
+    # a box inside out, and one in it that is flush with its side, whose triangles are others there
+    vertices, faces = meshes.box((2, 1, 2), (0, 0.5, 0))
+    mirrored = vertices * [-1, 1, 1], faces[:, ::-1]
+    surface = clean(*meshes.joined(meshes.inverted(BOX), mirrored))
+    probes = np.array([[0.0, 0.5, 0.0], [0.0, -0.5, 0.0]])
+    is_solid = MeshShape.of(surface).signed_distance(probes) < 0
+    assert is_solid.all() or any("counts as hollow" in note for note in surface.notes)
+    assert not any("hollow" in note for note in clean(*meshes.joined(BOX, mirrored)).notes)
+
+
 def test_the_union_has_no_faces_inside() -> None:
     surface = clean(*meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))))
     assert volume(surface) == pytest.approx(2.7 * 4)
