@@ -108,7 +108,7 @@ class UrdfArmModel:
         return tuple(self._branch(PosePair(k, None), problem) for k in _first_ones(clear))
 
     def branches_in_turn(self, problem: BranchProblem) -> Iterator[ChainBranch]:
-        """The same, each made on demand; the pose along the tool's own curve comes first."""
+        """Start poses, each made on demand; the one along the tool's own curve comes first."""
         self._remember(problem)
         clear = self._clear(self._poses_at(problem.scene.start)[:TRIED], problem)
         numbers = sorted(_first_ones(clear), key=lambda number: number != self._start)

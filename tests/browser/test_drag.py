@@ -128,6 +128,7 @@ def _coordinates(page: Page) -> list[float]:
 
 
 def test_a_control_point_bends_a_curve_of_the_tabs_own(page: Page, session: Session) -> None:
+    page.until(lambda: session.resting, "rest")
     plan = session.plan
     assert plan is not None
     assert plan.bspline is not None

@@ -85,7 +85,7 @@ def test_a_lesson_is_found_again_after_a_reload(student: Page, desk: Tabs, serve
     page.click(panel.progress.titles[1])
     page.reads("Lesson 2 of ")
     page.until(lambda: session.resting, "rest")
-    page.until(lambda: page.tab.evaluate(_KEPT) == panel.progress, "the lesson to be kept")
+    page.until(lambda: page.tab.evaluate(_KEPT) == panel.progress.kept, "the lesson to be kept")
     desk.reload(page)
     page.reads("Lesson 2 of ")
     assert page.is_open("Result")
