@@ -56,6 +56,7 @@ def test_a_motion_is_checked_repaired_and_saved(page: Page, session: Session) ->
     (proof,) = verify(saved)
     assert proof.proven, proof.reason
 
+    page.close_notices()  # of what was saved
     gizmo = drawn.obstacles(page)[-1]
     old = np.array(page.position(gizmo))
     page.drag_arrow(gizmo, 2, 0.3)

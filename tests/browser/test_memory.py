@@ -53,8 +53,13 @@ def _is_back(page: Page, session: Session, scene: abi.Scene, camera: drawn.Point
 def test_what_cannot_be_brought_back_is_told(tabs: Tabs, server: Server) -> None:
     page = tabs("?state=nonsense")
     page.reads("The link cannot be opened")
-    assert server.sessions[page.client].plan.scene == abi.load_scene("paper")  # type: ignore[union-attr]
+    session = server.sessions[page.client]
+    assert session.plan is not None
+    assert session.plan.scene == abi.load_scene("paper")
 
+    page.click("Pause")  # what goes on is remembered anew all the time
+    page.until(lambda: session.resting, "rest")
+    _is_kept(page, session)
     page.tab.evaluate("sessionStorage.setItem('abi-tab', 'x'.repeat(abi.LONGEST + 1))")
     student = page.tab.evaluate("localStorage.getItem('abi-student')")
     assert len(student) >= 16
