@@ -60,6 +60,7 @@ def test_a_mesh_is_drawn_and_planning_goes_on_while_it_is_prepared(
     obstacles = session.panels.obstacles
     foreseen = obstacles.foreseen
     assert foreseen is not None
+    until(lambda: foreseen.body is not None)
     assert foreseen.body is not None
     faint = foreseen.body.opacity
 
