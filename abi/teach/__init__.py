@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from abi.teach.catalogue import exercises
-    from abi.teach.exercise import Exercise
+    from abi.teach.exercise import Counterexample, Exercise
     from abi.teach.exercise_notebook import notebook
     from abi.teach.quiz.question import QuizQuestion
     from abi.teach.quiz.templates import question, templates
     from abi.teach.student_process import Limits
-    from abi.teach.verdict import Counterexample, ExerciseVerdict, check
+    from abi.teach.verdict import ExerciseVerdict, check
 
 __all__ = [
     "Counterexample",
@@ -42,7 +42,7 @@ __all__ = [
 ]
 
 _MODULES = {
-    "Counterexample": "abi.teach.verdict",
+    "Counterexample": "abi.teach.exercise",
     "Exercise": "abi.teach.exercise",
     "Limits": "abi.teach.student_process",
     "QuizQuestion": "abi.teach.quiz.question",

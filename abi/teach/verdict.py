@@ -3,48 +3,16 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from abi.scene.scene import Scene
 from abi.teach.catalogue import exercise
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.numbers import shown
 from abi.teach.student_process import Answers, Limits, Student, run
 
 SEED = 2016
 """Default seed of the hidden scenes; a teacher may choose another."""
-
-
-@dataclass(frozen=True)
-class Counterexample:
-    """A case that a student's function gets wrong.
-
-    Attributes:
-        scene: what a page can show of it.
-        arguments: with which the function was called, as plain data.
-        got: what it returned, as text; empty where it failed.
-        expected: what would be right, as text; empty where it failed.
-        steps: nodes that the student's search expands, up to where it goes wrong; empty where the
-            exercise is no search.
-        right_steps: nodes that the right search expands.
-    """
-
-    scene: Scene
-    arguments: tuple[Any, ...]
-    got: str = ""
-    expected: str = ""
-    steps: tuple[int, ...] = ()
-    right_steps: tuple[int, ...] = ()
-
-    @property
-    def parting(self) -> int:
-        """Number of steps that both searches have in common."""
-        pairs = zip(self.steps, self.right_steps, strict=False)
-        return next(
-            (number for number, (own, right) in enumerate(pairs) if own != right),
-            min(len(self.steps), len(self.right_steps)),
-        )
 
 
 @dataclass(frozen=True)
@@ -67,7 +35,7 @@ class ExerciseVerdict:
     sentence: str
     right: int
     scenes: int
-    seconds: float
+    seconds: float = 0.0
     counterexample: Counterexample | None = None
 
     def __str__(self) -> str:
@@ -104,53 +72,37 @@ def check(
     trials = asked.trials(seed)
     calls = [trial.calls for trial in trials]
     answers = run(function, asked.name, asked.caller, calls, limits)
-    found = judged(asked, trials, answers)
-    return ExerciseVerdict(name, seconds=time.perf_counter() - began, scenes=len(trials), **found)
+    return replace(judged(asked, trials, answers), seconds=time.perf_counter() - began)
 
 
-def judged(asked: Exercise, trials: tuple[Trial, ...], answers: Answers) -> dict[str, Any]:
-    """The fields of a verdict that the answers decide."""
+def judged(asked: Exercise, trials: tuple[Trial, ...], answers: Answers) -> ExerciseVerdict:
+    """What the answers to an exercise's trials are worth."""
+    right, count = len(answers.values), len(trials)
     if not answers.began:
         sentence = f"It could not be loaded: {answers.failure}."
-        return {"passed": False, "sentence": sentence, "right": 0}
+        return ExerciseVerdict(asked.name, False, sentence, 0, count)
     for number, (trial, values) in enumerate(zip(trials, answers.values, strict=False)):
-        fault = _fault(asked, trial, values)
-        if fault is not None:
-            return _wrong(trial, number, len(trials), fault)
-    right = len(answers.values)
-    if right < len(trials):
+        if (case := _case(asked, trial, values)) is not None:
+            return _failed(asked, case, number, count)
+    if right < count:
         trial = trials[right]
         given = f"({_given(trial.calls[answers.call])})" if asked.caller == "alone" else ""
         sentence = f"{asked.name}{given} failed: {answers.failure}."
-        fault = ExerciseFault(sentence, answers.call)
-        return _wrong(trial, right, len(trials), fault)
-    sentence = f"All {len(trials)} hidden scenes are right."
-    return {"passed": True, "sentence": sentence, "right": right}
+        return _failed(asked, trial.wrong(sentence, answers.call), right, count)
+    return ExerciseVerdict(asked.name, True, f"All {count} hidden scenes are right.", right, count)
 
 
-def _fault(asked: Exercise, trial: Trial, values: list[Any]) -> ExerciseFault | None:
-    """Fault of the values of a trial, which may be anything."""
+def _case(asked: Exercise, trial: Trial, values: list[Any]) -> Counterexample | None:
+    """What is wrong with the values of a trial, which may be anything."""
     if len(values) != len(trial.calls):
-        return ExerciseFault("It did not answer every call.")
+        return trial.wrong("It did not answer every call.")
     return asked.judge(trial, values)
 
 
-def _wrong(trial: Trial, number: int, trials: int, fault: ExerciseFault) -> dict[str, Any]:
-    scene = trial.scene.replace(**fault.change) if fault.change else trial.scene
-    case = Counterexample(
-        scene,
-        trial.calls[fault.call],
-        fault.got,
-        fault.expected,
-        fault.steps,
-        fault.right_steps,
-    )
-    return {
-        "passed": False,
-        "sentence": f"Hidden scene {number + 1} of {trials}: {fault.sentence}",
-        "right": number,
-        "counterexample": case,
-    }
+def _failed(asked: Exercise, case: Counterexample, number: int, count: int) -> ExerciseVerdict:
+    """Verdict on a function that gets the hidden scene of a number wrong, from 0 on."""
+    sentence = f"Hidden scene {number + 1} of {count}: {case.sentence}"
+    return ExerciseVerdict(asked.name, False, sentence, number, count, counterexample=case)
 
 
 def _given(arguments: tuple[Any, ...]) -> str:

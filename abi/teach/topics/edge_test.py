@@ -9,7 +9,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.teach.boxes import segment_meets
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import point, shown, text
 
@@ -54,10 +54,10 @@ def _meets(a: Any, b: Any, low: Any, high: Any, grown: Fraction) -> bool:
     return segment_meets(exact_a, exact_b, ([x - grown for x in lower], [x + grown for x in upper]))
 
 
-def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
+def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
     for call, (value, meets) in enumerate(zip(values, trial.facts["meets"], strict=True)):
         if value is not True and value is not False and value not in (0, 1):
-            return ExerciseFault(
+            return trial.wrong(
                 f"For {_segment(trial, call)} it returns {shown(value)} instead of True or False.",
                 call,
             )
@@ -67,17 +67,17 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
     return None
 
 
-def _fault(trial: Trial, call: int, meets: bool) -> ExerciseFault:
+def _fault(trial: Trial, call: int, meets: bool) -> Counterexample:
     a, b, low, high = trial.calls[call]
     box = f"the box from {point(low)} to {point(high)}"
     truth, why = ("meets", _why_met) if meets else ("does not meet", _why_clear)
-    return ExerciseFault(
+    return trial.wrong(
         f"{_segment(trial, call).capitalize()} {truth} {box}: {why(a, b, low, high)} Your function "
         f"returns {not meets}.",
         call,
         str(not meets),
         str(meets),
-        change=_around(a, b, low, high),
+        **_around(a, b, low, high),
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from abi.search.search import search
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_numbers, shown, text
 
@@ -40,7 +40,7 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
     return Trial(one.scene, tuple(calls))
 
 
-def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
+def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
     for call, (value, arguments) in enumerate(zip(values, trial.calls, strict=True)):
         sentence = fault_of(value, *arguments)
         if sentence:
@@ -48,7 +48,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
             case = f"For a tip at r = {text(r)}, z = {text(z)} and links of {text(upper)} and "
             right = right_angles(*arguments)
             expected = "None" if right is None else f"({text(right[0])}, {text(right[1])})"
-            return ExerciseFault(f"{case}{text(fore)}: {sentence}", call, shown(value), expected)
+            return trial.wrong(f"{case}{text(fore)}: {sentence}", call, shown(value), expected)
     return None
 
 

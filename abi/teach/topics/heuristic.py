@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from abi.search.graph import Graph
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import is_number, point, shown, text
 
@@ -36,20 +36,21 @@ def _trial(one: HiddenScene, telling: bool) -> Trial:
     )
 
 
-def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
+def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
     graph, nodes = trial.facts["graph"], trial.facts["nodes"]
     for call, value in enumerate(values):
         if not is_number(value):
             place = point(graph.points[nodes[call]].tolist())
-            return ExerciseFault(
+            return trial.wrong(
                 f"For the node at {place} it returns {shown(value)}, which is no finite number.",
                 call,
             )
     estimates = dict(zip(nodes, map(float, values), strict=True))
-    return _goal_fault(graph, estimates) or _edge_fault(graph, estimates) or _use(trial, estimates)
+    return _goal_fault(trial, estimates) or _edge_fault(trial, estimates) or _use(trial, estimates)
 
 
-def _goal_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | None:
+def _goal_fault(trial: Trial, estimates: dict[int, float]) -> Counterexample | None:
+    graph = trial.facts["graph"]
     at_goal = estimates[graph.goal]
     if abs(at_goal) <= _ROUNDING:
         return None
@@ -57,11 +58,12 @@ def _goal_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | No
     sentence = (
         f"At the goal itself nothing is left to go, so h must be 0; yours is {text(at_goal)}."
     )
-    return ExerciseFault(sentence, call, text(at_goal), "0")
+    return trial.wrong(sentence, call, text(at_goal), "0")
 
 
-def _edge_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | None:
+def _edge_fault(trial: Trial, estimates: dict[int, float]) -> Counterexample | None:
     """The edge along which the estimate falls by most more than the edge is long."""
+    graph: Graph = trial.facts["graph"]
     worst, most = None, _ROUNDING
     for node, estimate in estimates.items():
         for place in range(graph.indptr[node], graph.indptr[node + 1]):
@@ -74,7 +76,7 @@ def _edge_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | No
     node, other, length = worst
     drop = estimates[node] - estimates[other]
     a, b = (point(graph.points[one].tolist()) for one in (node, other))
-    return ExerciseFault(
+    return trial.wrong(
         f"The edge from {a} to {b} is {text(length)} long, but along it your h falls by "
         f"{text(drop)}, from {text(estimates[node])} to {text(estimates[other])}. A consistent h "
         "never falls by more than the edge is long; with yours A* may miss the shortest path.",
@@ -86,7 +88,7 @@ def _edge_fault(graph: Graph, estimates: dict[int, float]) -> ExerciseFault | No
     )
 
 
-def _use(trial: Trial, estimates: dict[int, float]) -> ExerciseFault | None:
+def _use(trial: Trial, estimates: dict[int, float]) -> Counterexample | None:
     """Fault of an estimate that saves no node although any useful one does."""
     if not trial.facts["dijkstra"]:
         return None
@@ -94,7 +96,7 @@ def _use(trial: Trial, estimates: dict[int, float]) -> ExerciseFault | None:
     steps, best = (expanded_with(graph, one) for one in (estimates, _straight(graph, estimates)))
     if len(steps) < trial.facts["dijkstra"]:
         return None
-    return ExerciseFault(
+    return trial.wrong(
         f"It is consistent, but saves no work: with it A* expands {len(steps)} nodes, as many as "
         f"Dijkstra's algorithm does; with the straight distance {len(best)} are enough.",
         got=f"{len(steps)} nodes expanded",

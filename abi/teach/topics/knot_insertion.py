@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.search.search import search
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_points, point, shown, text
 
@@ -48,25 +48,21 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
     return Trial(one.scene, tuple(calls))
 
 
-def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
-    for call, (value, arguments) in enumerate(zip(values, trial.calls, strict=True)):
-        fault = _fault(value, call, *arguments)
-        if fault is not None:
-            return fault
-    return None
+def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
+    cases = (_case(trial, call, value) for call, value in enumerate(values))
+    return next((case for case in cases if case is not None), None)
 
 
-def _fault(
-    value: Any, call: int, points: list[Any], knots: list[float], degree: int, place: float
-) -> ExerciseFault | None:
+def _case(trial: Trial, call: int, value: Any) -> Counterexample | None:
+    points, knots, degree, place = trial.calls[call]
     asked = f"One more knot, at t = {text(place)}, in a curve of degree {degree}"
     if not are_points(value):
-        return ExerciseFault(
+        return trial.wrong(
             f"{asked}: it returns {shown(value)}, not a list of points (x, y, z).", call
         )
     wanted = len(points) + 1
     if len(value) != wanted:
-        return ExerciseFault(
+        return trial.wrong(
             f"{asked} turns {len(points)} control points into {wanted}; yours are {len(value)}.",
             *(call, str(len(value)), str(wanted)),
         )
@@ -78,7 +74,7 @@ def _fault(
     worst = int(away.argmax())
     if away[worst] <= _ROUNDING * max(1.0, float(np.abs(points).max())):
         return None
-    return ExerciseFault(
+    return trial.wrong(
         f"{asked} with {len(points)} control points must leave the curve where it was. At the "
         f"parameter {text(parameters[worst])} it was at {point(before[worst])}; with your control "
         f"points it is at {point(after[worst])}.",

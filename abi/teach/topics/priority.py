@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from abi.search.graph import Graph
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import hidden_scenes
 from abi.teach.numbers import point, text
 
@@ -22,14 +22,14 @@ def _trials(seed: int) -> tuple[Trial, ...]:
     )
 
 
-def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
+def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
     """Follow the student's order: each node must have the least g + h of those waiting."""
     graph, order = trial.facts["graph"], values[0]
     fault = first_fault(graph, order)
     if fault is None:
         return None
     number, sentence = fault
-    return ExerciseFault(
+    return trial.wrong(
         sentence,
         got=f"{len(order)} nodes expanded",
         expected=f"{len(expanded_by_a_star(graph))} nodes expanded",

@@ -8,7 +8,7 @@ from typing import Any
 
 from abi.search.search import search
 from abi.teach.boxes import segment_meets_any
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_points, point, shown, text
 
@@ -27,36 +27,37 @@ def _trial(one: HiddenScene) -> Trial:
     return Trial(one.scene, ((path, list(one.boxes)),))
 
 
-def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
-    path, boxes = trial.calls[0]
-    answer = values[0]
+def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
+    path, answer = trial.calls[0][0], values[0]
     if not are_points(answer) or len(answer) < 2:
-        return ExerciseFault(f"It returns {shown(answer)}, not a list of points (x, y, z).")
+        return trial.wrong(f"It returns {shown(answer)}, not a list of points (x, y, z).")
     for name, asked, given in (("start", path[0], answer[0]), ("end", path[-1], answer[-1])):
         if math.dist(asked, given) > _ROUNDING:
-            return ExerciseFault(
+            return trial.wrong(
                 f"The path has to {name} at {point(asked)}; yours {name}s at {point(given)}."
             )
-    return _blocked(answer, boxes) or _foreign(answer, path) or _left(answer, path, boxes)
+    return _blocked(trial, answer) or _foreign(trial, answer) or _left(trial, answer)
 
 
-def _blocked(answer: list[list[float]], boxes: list[Any]) -> ExerciseFault | None:
+def _blocked(trial: Trial, answer: list[list[float]]) -> Counterexample | None:
+    _, boxes = trial.calls[0]
     for a, b in itertools.pairwise(answer):
         if segment_meets_any(a, b, boxes):
-            return ExerciseFault(
+            return trial.wrong(
                 f"The leg of your path from {point(a)} to {point(b)} runs into a box."
             )
     return None
 
 
-def _foreign(answer: list[list[float]], path: list[list[float]]) -> ExerciseFault | None:
-    """Fault of a corner that the path does not have, or not there."""
+def _foreign(trial: Trial, answer: list[list[float]]) -> Counterexample | None:
+    """A corner that the path does not have, or not there."""
+    path, _ = trial.calls[0]
     place = 0
     for corner in answer:
         while place < len(path) and math.dist(path[place], corner) > _ROUNDING:
             place += 1
         if place == len(path):
-            return ExerciseFault(
+            return trial.wrong(
                 f"Your path has the corner {point(corner)}, which the given path has not, or not "
                 "at this place of its order."
             )
@@ -64,15 +65,14 @@ def _foreign(answer: list[list[float]], path: list[list[float]]) -> ExerciseFaul
     return None
 
 
-def _left(
-    answer: list[list[float]], path: list[list[float]], boxes: list[Any]
-) -> ExerciseFault | None:
-    """The fault of a corner that could be left out."""
+def _left(trial: Trial, answer: list[list[float]]) -> Counterexample | None:
+    """A corner that could be left out."""
+    path, boxes = trial.calls[0]
     for a, corner, b in zip(answer, answer[1:], answer[2:], strict=False):
         if not segment_meets_any(a, b, boxes):
             saved = math.dist(a, corner) + math.dist(corner, b) - math.dist(a, b)
             gain = f"{text(saved)} shorter" if saved > _SHORTER else "just as long"
-            return ExerciseFault(
+            return trial.wrong(
                 f"Your path still has the corner {point(corner)}, which it does not need: the "
                 f"straight line from {point(a)} to {point(b)} is clear, and {gain}.",
                 got=f"{len(answer)} points of {len(path)}",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from abi.search.search import search
-from abi.teach.exercise import Exercise, ExerciseFault, Trial
+from abi.teach.exercise import Counterexample, Exercise, Trial
 from abi.teach.hidden_scenes import HiddenScene, hidden_scenes
 from abi.teach.numbers import are_numbers, point, shown, text
 
@@ -33,7 +33,7 @@ def _trial(one: HiddenScene, seed: int) -> Trial:
     return Trial(one.scene, tuple(calls))
 
 
-def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
+def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
     for call, (value, arguments) in enumerate(zip(values, trial.calls, strict=True)):
         sentence = fault_of(value, *arguments)
         if sentence:
@@ -44,9 +44,7 @@ def _judge(trial: Trial, values: list[Any]) -> ExerciseFault | None:
                 f"{text(up)} cm/s² and slowing down at {text(down)} cm/s²"
             )
             motion = {"speed": speed, "acceleration": up, "deceleration": down}
-            return ExerciseFault(
-                f"{case}: {sentence}", call, shown(value), right, change={"motion": motion}
-            )
+            return trial.wrong(f"{case}: {sentence}", call, shown(value), right, motion=motion)
     return None
 
 

@@ -8,7 +8,8 @@ from collections.abc import Callable
 import viser
 
 from abi.teach.catalogue import exercise
-from abi.teach.verdict import Counterexample, ExerciseVerdict
+from abi.teach.exercise import Counterexample
+from abi.teach.verdict import ExerciseVerdict
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame

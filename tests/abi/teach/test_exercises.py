@@ -20,7 +20,7 @@ from abi.teach.hidden_scenes import SCENES, hidden_scenes
 from abi.teach.student_main import answers_of
 from abi.teach.student_process import job_of, read
 from abi.teach.topics.priority import expanded_by_a_star
-from abi.teach.verdict import SEED, judged
+from abi.teach.verdict import SEED, ExerciseVerdict, judged
 from tests.abi.teach.right_students import RIGHT
 from tests.abi.teach.wrong_students import WRONG
 from tests.thorough import of_each_kind
@@ -34,7 +34,7 @@ def trials_of(one: Exercise, seed: int) -> tuple[Trial, ...]:
     return one.trials(seed)
 
 
-def verdict_of(one: Exercise, function: Callable[..., Any], seed: int = SEED) -> dict[str, Any]:
+def verdict_of(one: Exercise, function: Callable[..., Any], seed: int = SEED) -> ExerciseVerdict:
     """The verdict without the process, which takes most of the time."""
     trials = trials_of(one, seed)
     job = json.loads(json.dumps(job_of(function, one.name, one.caller, [t.calls for t in trials])))
@@ -45,17 +45,18 @@ def verdict_of(one: Exercise, function: Callable[..., Any], seed: int = SEED) ->
 @pytest.mark.parametrize(("name", "function"), RIGHT)
 def test_a_right_function_is_accepted(name: str, function: Callable[..., Any]) -> None:
     found = verdict_of(abi.teach.exercises()[name], function)
-    assert found["passed"], found["sentence"]
+    assert found.passed, found.sentence
 
 
 @pytest.mark.parametrize(("name", "function"), WRONG)
 def test_a_wrong_function_is_caught_with_a_case(name: str, function: Callable[..., Any]) -> None:
     found = verdict_of(abi.teach.exercises()[name], function)
-    assert not found["passed"]
-    case = found["counterexample"]
+    assert not found.passed
+    case = found.counterexample
+    assert case is not None
     assert case.scene.obstacles
-    assert found["sentence"].endswith(".")
-    assert len(found["sentence"]) < 420
+    assert found.sentence.endswith(".")
+    assert len(found.sentence) < 420
 
 
 def test_there_are_thirty_of_each() -> None:
@@ -70,20 +71,21 @@ def test_there_are_thirty_of_each() -> None:
 def test_other_scenes_accept_what_is_right_and_catch_what_is_wrong(seed: int) -> None:
     for solutions, passed in ((RIGHT, True), (WRONG, False)):
         for name, function in dict(solutions).items():
-            assert verdict_of(abi.teach.exercises()[name], function, seed)["passed"] is passed
+            assert verdict_of(abi.teach.exercises()[name], function, seed).passed is passed
 
 
 @pytest.mark.parametrize("one", _ALL, ids=lambda one: one.name)
 def test_an_exercise_tells_what_to_do_and_begins_with_an_error(one: Exercise) -> None:
     names: dict[str, Any] = {}
     exec(one.starter, names)
-    assert not verdict_of(one, names[one.name])["passed"]
+    assert not verdict_of(one, names[one.name]).passed
     assert len(one.starter.splitlines()) <= 15
     assert len(one.trials(SEED)) == SCENES
 
 
 def test_a_wrong_search_parts_from_the_right_one_at_its_last_step() -> None:
-    case = verdict_of(abi.teach.exercises()["priority"], lambda g, h: h)["counterexample"]
+    case = verdict_of(abi.teach.exercises()["priority"], lambda g, h: h).counterexample
+    assert case is not None
     assert case.steps[: case.parting] == case.right_steps[: case.parting]
     assert len(case.steps) == case.parting + 1
     assert case.right_steps[-1] == hidden_scenes(SEED)[0].graph.goal
