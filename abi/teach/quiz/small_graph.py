@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import string
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,26 +14,21 @@ _NODES = 6
 _LONGEST = 9
 
 
-@dataclass(frozen=True, eq=False)
-class SmallGraph:
-    """A graph whose nodes are A, B, C, …; the first is the start, the last the goal.
+Edge = tuple[int, int, int]
+"""Two nodes, the lesser first, and the length between them."""
 
-    Attributes:
-        edges: (node, node, length), each once.
-        arcs: the same for searches, without estimates.
-    """
 
-    edges: tuple[tuple[int, int, int], ...]
-    arcs: Arcs
+def edges_of(graph: Arcs) -> tuple[Edge, ...]:
+    """The edges of a small graph, each once, in the order of their nodes."""
+    tails = np.repeat(np.arange(_NODES), np.diff(graph.rows.indptr)).tolist()
+    lengths = map(int, graph.rows.weights)
+    rows = zip(tails, graph.rows.indices.tolist(), lengths, strict=True)
+    return tuple(edge for edge in rows if edge[0] < edge[1])
 
-    @property
-    def told(self) -> str:
-        """The edges with their lengths, as text."""
-        return ", ".join(f"{letter(a)}–{letter(b)} {length}" for a, b, length in self.edges)
 
-    def length(self, a: int, b: int) -> int:
-        """Length of the edge between two nodes."""
-        return next(length for *ends, length in self.edges if set(ends) == {a, b})
+def told(graph: Arcs) -> str:
+    """The edges of a small graph with their lengths, as text."""
+    return ", ".join(f"{letter(a)}–{letter(b)} {length}" for a, b, length in edges_of(graph))
 
 
 def letter(node: int) -> str:
@@ -42,20 +36,20 @@ def letter(node: int) -> str:
     return string.ascii_uppercase[node]
 
 
-def small_graph(random: np.random.Generator) -> SmallGraph:
-    """A random connected graph: a tree and some more edges."""
+def small_graph(random: np.random.Generator) -> Arcs:
+    """A random connected graph, without estimates: a tree and some more edges.
+
+    The first node is the start, the last the goal.
+    """
     edges = {}
     for node in range(1, _NODES):
         edges[(int(random.integers(0, node)), node)] = int(random.integers(1, _LONGEST + 1))
     for _ in range(_NODES - 1):
         a, b = sorted(random.choice(_NODES, 2, replace=False).tolist())
         edges.setdefault((a, b), int(random.integers(1, _LONGEST + 1)))
-    ordered = tuple((a, b, length) for (a, b), length in sorted(edges.items()))
-    return SmallGraph(ordered, _arcs(ordered))
-
-
-def _arcs(edges: tuple[tuple[int, int, int], ...]) -> Arcs:
-    both = sorted([*edges, *((b, a, length) for a, b, length in edges)])
+    both = sorted(
+        edge for (a, b), length in edges.items() for edge in ((a, b, length), (b, a, length))
+    )
     tails = np.array([tail for tail, _, _ in both])
     rows = ArcRows(
         read_only(np.searchsorted(tails, np.arange(_NODES + 1)).astype(np.int32)),
