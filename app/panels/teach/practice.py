@@ -37,7 +37,7 @@ class PracticePanel:
         self.practice = Practice()
         self._presses: list[int] = []
         self._drawn: tuple[object, ...] = ()
-        self._subjects = {one.title: name for name, one in templates().items()}
+        self._subjects = {title: name for name, title in templates().items()}
         self._shows = False
         self._folder = gui.add_folder("Practise", expand_by_default=False)
         self._place = self._folder.order
@@ -56,7 +56,7 @@ class PracticePanel:
             self.back = gui.add_button("Back to my scene", visible=False, color="gray")
             with gui.add_folder("A quiz for others", expand_by_default=False):
                 self.asked = {
-                    name: gui.add_checkbox(one.title, False) for name, one in templates().items()
+                    name: gui.add_checkbox(title, False) for name, title in templates().items()
                 }
                 self.link = gui.add_button(
                     "Copy quiz link", hint="Whoever opens it is asked about these, without end."
@@ -162,7 +162,7 @@ def _progress(practice: Practice) -> str:
     """What has been reached, as HTML."""
     if not practice.template:
         return _INTRO
-    title = templates()[practice.template].title
+    title = templates()[practice.template]
     streak = practice.streaks.get(practice.template, 0)
     mastered = [name for name in practice.chosen if name in practice.mastered]
     state = "✓ mastered" if practice.template in practice.mastered else f"{streak} of {MASTERY}"
