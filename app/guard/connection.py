@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import socket
+import time
 from typing import TYPE_CHECKING, Any
 
 from websockets.asyncio.server import ServerConnection
@@ -23,7 +24,6 @@ from app.guard.messages import (
 )
 from app.guard.messages import decode as decode_message
 from app.guard.porter import LONGEST_HEAD
-from app.guard.rate import Rate
 from app.guard.uploads import Uploads
 from app.guard.values import fits
 
@@ -53,8 +53,7 @@ class GuardedConnection(ServerConnection):
         super().__init__(*args, **options)
         self._guard = guard
         self._head: bytes | None = b""
-        self._messages = Rate(MESSAGES_PER_SECOND, BURST * MESSAGES_PER_SECOND)
-        self._bytes = Rate(BYTES_PER_SECOND, BURST * BYTES_PER_SECOND)
+        self._messages_paid = self._bytes_paid = 0.0
         self._uploads = Uploads()
         self._refused = 0
         self._looking: asyncio.TimerHandle | None = None
@@ -161,7 +160,10 @@ class GuardedConnection(ServerConnection):
 
     def _delay(self, size: int) -> float:
         """Delay before the next message after one of this size in bytes, [s]."""
-        return max(self._messages.delay(1), self._bytes.delay(size))
+        now = time.monotonic()
+        self._messages_paid = paid_until(self._messages_paid, now, 1 / MESSAGES_PER_SECOND)
+        self._bytes_paid = paid_until(self._bytes_paid, now, size / BYTES_PER_SECOND)
+        return max(self._messages_paid, self._bytes_paid) - now - BURST
 
     async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
         """The next message for viser to read; delayed if they come too fast."""
@@ -186,7 +188,7 @@ class GuardedConnection(ServerConnection):
             return None if self._uploads.continues(message) else "unannounced"
         if isinstance(message, WidgetUpdate):
             widget = self._guard.widget(self, message.uuid)
-            allowed = widget is not None and fits(widget, message.updates.value)
+            allowed = widget is not None and fits(widget, message.updates["value"])
             return None if allowed else "value"
         if isinstance(message, UploadStart):
             button = self._guard.widget(self, message.source_component_uuid)
@@ -205,3 +207,14 @@ class GuardedConnection(ServerConnection):
             _log.warning("messages refused", extra={"why": reason, "address": str(address)})
         if self._refused > MAX_REFUSED:
             await self.close(_POLICY_VIOLATION, "too many messages that no page sends")
+
+
+def paid_until(paid: float, now: float, cost: float) -> float:
+    """Moment until which a sender has used up a rate, after a message that takes ``cost`` of it.
+
+    Args:
+        paid: the moment before this message, [s].
+        now: when it came, [s].
+        cost: time in which the rate lets one such message through, [s].
+    """
+    return max(paid, now) + cost

@@ -61,17 +61,11 @@ class CameraMoved(Message, frozen=True, tag="ViewerCameraMessage"):
         return distance >= _SHORTEST and math.hypot(*self.up_direction) >= _SHORTEST
 
 
-class Value(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """New value of a widget; what it may be depends on the widget."""
-
-    value: object
-
-
 class WidgetUpdate(Message, frozen=True, tag="GuiUpdateMessage"):
-    """A widget was used; only its value can be set."""
+    """A widget was used; only its value can be set, and what that may be depends on the widget."""
 
     uuid: _Id
-    updates: Value
+    updates: Annotated[dict[Literal["value"], object], msgspec.Meta(min_length=1)]
 
 
 class GizmoUpdate(Message, frozen=True, tag="TransformControlsUpdateMessage"):

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.guard.connection import BURST, paid_until
 from app.guard.messages import UploadPart, UploadStart
-from app.guard.rate import Rate
 from app.guard.uploads import MAX_TRANSFERS, Uploads
 from app.guard.values import MAX_TEXT, fits
 
@@ -78,14 +78,12 @@ def test_a_tab_sends_few_files_at_once() -> None:
     assert uploads.begins(_start(3, 1, number=MAX_TRANSFERS), BUTTON)
 
 
-def test_a_burst_passes_and_what_is_over_the_rate_waits(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = SimpleNamespace(now=0.0)
-    monkeypatch.setattr("time.monotonic", lambda: clock.now)
-    rate = Rate(per_second=10, burst=20)
-    assert [rate.delay(1) for _ in range(20)] == [0.0] * 20
-    waited = 0.0
-    for _ in range(100):
-        pause = rate.delay(1)
-        clock.now += pause
-        waited += pause
-    assert waited == pytest.approx(10.0)
+def test_a_burst_passes_and_what_is_over_the_rate_waits() -> None:
+    now, cost = 50.0, BURST / 20
+    paid = 0.0
+    for number in range(120):
+        paid = paid_until(paid, now, cost)
+        pause = max(paid - now - BURST, 0.0)
+        assert number >= 20 or pause == pytest.approx(0.0)
+        now += pause
+    assert now - 50.0 == pytest.approx(100 * cost)
