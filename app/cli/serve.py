@@ -20,7 +20,7 @@ from app.process.logs import LEVELS, configure
 from app.process.scratch import remove_abandoned
 from app.process.unused_memory import load_at_once
 from app.server.address import Address
-from app.server.workers import Workers, are_possible, seat
+from app.server.workers import Workers, are_possible
 from app.state.appearance import OPENING, Appearance
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ _PERIOD = 1.0
     type=click.IntRange(1, 64),
     help="Processes that share the tabs, one a core (Linux).",
 )
-@click.option("--joins", type=click.IntRange(1, 63), hidden=True)
+@click.option("--joins", type=click.IntRange(2, 64), hidden=True)
 def serve(
     scene: str,
     host: str,
@@ -152,18 +152,18 @@ def serve(
     helpers = _workers(workers, classroom)
     room = _room(teach, policy.token, results) if classroom else None
     announce = functools.partial(_announce, open_tab, room)
-    address = Address(host, port, helpers.seats, helpers.porter)
+    address = Address(host, port, helpers.porter)
     if joins is not None:
-        address = Address(host, port, seat(joins), SideDoor.of_input(ended.set))
+        address = Address(host, port, SideDoor.of_input(ended.set, joins))
     # of several processes not all listen yet
-    told = {"announce": announce} if helpers.seats is None else {}
+    told = {"announce": announce} if helpers.porter is None else {}
     look = Appearance(plain, dark, demo)
     server = start(address, scene, look, policy, lessons, room, exercise, **told)
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
     helpers.start(_arguments(scene, **place, **options), policy.token, server.meet)
     try:
-        if helpers.seats is not None:
+        if helpers.porter is not None:
             helpers.wait(ended)
             announce(server.link)
         # a signal that came to another thread is heard at the next turn

@@ -94,7 +94,7 @@ class GuardedConnection(ServerConnection):
             if self._guard.entrance is not None:
                 if b"\r\n\r\n" not in self._head and len(self._head) < LONGEST_HEAD:
                     return
-                if self._guard.entrance.hands_on(self, self._head):
+                if not self._guard.is_full and self._guard.entrance.hands_on(self, self._head):
                     self._head = b""
                     self.transport.abort()
                     return

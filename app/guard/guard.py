@@ -19,7 +19,6 @@ from app.guard.page_file import page_response
 from app.guard.policy import Policy
 from app.guard.porter import Porter
 from app.guard.refusals import Refusals
-from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
 from app.guard.side_door import SideDoor
 from app.ui import page
@@ -43,18 +42,15 @@ class Guard:
         policy: the rules.
         connections: all that are open, requests for the page's files included.
         tabs: those of them that are tabs.
-        seats: tabs of all processes behind the same address; None where this one is alone.
-        entrance: by which its connections come in then.
+        entrance: by which connections come in where several processes serve the address; None
+            where this one is alone.
         refusals: requests that were not granted.
         viser: the server, once it is built.
         ready: whether plans can be made.
     """
 
-    def __init__(
-        self, policy: Policy, seats: Seats | None = None, entrance: Porter | SideDoor | None = None
-    ) -> None:
+    def __init__(self, policy: Policy, entrance: Porter | SideDoor | None = None) -> None:
         self.policy = policy
-        self.seats = seats
         self.entrance = entrance
         self.connections: weakref.WeakSet[ServerConnection] = weakref.WeakSet()
         self.tabs: set[ServerConnection] = set()
@@ -65,24 +61,9 @@ class Guard:
 
     @property
     def is_full(self) -> bool:
-        """Whether the server has as many tabs as it takes."""
-        elsewhere = 0 if self.seats is None else self.seats.elsewhere
+        """Whether the server has as many tabs as it takes, those of other processes included."""
+        elsewhere = 0 if self.entrance is None else self.entrance.elsewhere
         return len(self.tabs) + elsewhere >= self.policy.max_tabs
-
-    def admit(self, tab: ServerConnection) -> None:
-        """Count a tab."""
-        self.tabs.add(tab)
-        self.note_tabs()
-
-    def dismiss(self, tab: ServerConnection) -> None:
-        """Stop counting a tab."""
-        self.tabs.discard(tab)
-        self.note_tabs()
-
-    def note_tabs(self) -> None:
-        """Tell the other processes at the same address how many tabs this one has."""
-        if self.seats is not None:
-            self.seats.note(len(self.tabs))
 
     def hang_up(self) -> None:
         """Close the connections that belong to no tab, on the server's loop; some close slowly."""

@@ -127,11 +127,11 @@ async def _handle(guard: Guard, handler: _Handler, connection: ServerConnection)
         # others came between its request and now
         await connection.close(_TRY_AGAIN_LATER, "all places are taken")
         return
-    guard.admit(connection)
+    guard.tabs.add(connection)
     try:
         await handler(connection)
     finally:
-        guard.dismiss(connection)
+        guard.tabs.discard(connection)
 
 
 def _add_headers(

@@ -26,9 +26,13 @@ class Porter:
     """Entry of the process that listens; used only in the thread of its connections.
 
     A tab counts from its request on, so that those that come at once are shared out, too.
+
+    Attributes:
+        processes: number of those behind the address, this one included.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, processes: int) -> None:
+        self.processes = processes
         self._own = set[ServerConnection]()
         self._given = dict[socket.socket, int]()
         self._lost = dict[socket.socket, int]()
@@ -65,6 +69,16 @@ class Porter:
     def leave(self, connection: ServerConnection) -> None:
         """Stop counting a connection."""
         self._own.discard(connection)
+
+    @property
+    def elsewhere(self) -> int:
+        """Number of tabs of all other processes."""
+        return sum(map(self._count, self._lost))
+
+    @property
+    def are_all_there(self) -> bool:
+        """Whether every process takes tabs; asked from any thread."""
+        return len(self._lost) == self.processes - 1
 
     def _count(self, channel: socket.socket) -> int:
         return self._given[channel] - self._lost[channel]

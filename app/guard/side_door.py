@@ -25,12 +25,16 @@ class SideDoor:
 
     Attributes:
         sockets: none to listen at.
+        processes: number of those behind the address.
+        elsewhere: tabs of all other processes, of which only the one that listens needs to know.
     """
 
     sockets = ()
+    elsewhere = 0
 
-    def __init__(self, channel: socket.socket, ended: Callable[[], object]) -> None:
+    def __init__(self, channel: socket.socket, ended: Callable[[], object], processes: int) -> None:
         """Receive connections from a channel; ``ended`` is called once the other end is closed."""
+        self.processes = processes
         self._channel = channel
         self._ended = ended
         self._lost = 0
@@ -40,14 +44,14 @@ class SideDoor:
         self._entering = set[asyncio.Task[None]]()
 
     @classmethod
-    def of_input(cls, ended: Callable[[], object]) -> SideDoor:
+    def of_input(cls, ended: Callable[[], object], processes: int) -> SideDoor:
         """The side door whose channel is this process's standard input."""
         channel = socket.socket(fileno=os.dup(_INPUT))
         # a child would keep the channel open past this process's end
         empty = os.open(os.devnull, os.O_RDONLY)
         os.dup2(empty, _INPUT)
         os.close(empty)
-        return cls(channel, ended)
+        return cls(channel, ended, processes)
 
     async def open(
         self, factory: Callable[[], asyncio.Protocol], *address: Any, **options: Any

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import viser
 
 from app.guard.porter import Porter
-from app.guard.seats import Seats
 from app.guard.side_door import SideDoor
 
 if TYPE_CHECKING:
@@ -28,13 +27,12 @@ class Address:
     Attributes:
         host: a name or an address of this machine.
         port: 0 takes any free one.
-        seats: those of all processes that serve the address; None where this one is alone.
-        entrance: by which connections come in then.
+        entrance: by which connections come in where several processes serve the address; None
+            where this one is alone.
     """
 
     host: str = "127.0.0.1"
     port: int = 8080
-    seats: Seats | None = None
     entrance: Porter | SideDoor | None = None
 
     def usable_host(self) -> str:

@@ -74,11 +74,10 @@ class Server:
         self.classroom: Classroom | None = None
         self.exercise: ExerciseWatch | None = None
         host, port = address.host, address.port
-        self.guard = Guard(policy or policy_for(host), address.seats, address.entrance)
+        self.guard = Guard(policy or policy_for(host), address.entrance)
         usable = address.usable_host()
         self.viser = guarded_server.build(self.guard, usable, port, "ABI visualiser")
         ensure_port(self.viser, port)
-        self.guard.note_tabs()
         page.disable_sharing(self.viser)
         self.viser.gui.configure_theme(
             dark_mode=bool(look.dark), show_logo=False, show_share_button=False
@@ -107,8 +106,8 @@ class Server:
         """Memory for the tabs of this process."""
         from app.process.memory_budget import MemoryBudget, memory_for_tabs
 
-        seats = self.guard.seats
-        processes = 1 if seats is None else seats.processes
+        entrance = self.guard.entrance
+        processes = 1 if entrance is None else entrance.processes
         return MemoryBudget(memory_for_tabs(memory_in_all(), processes))
 
     @functools.cached_property

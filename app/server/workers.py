@@ -16,10 +16,8 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 from app.guard.porter import Porter
-from app.guard.seats import Seats
 from app.process.scratch import ScratchFolder
 
 Meet = Callable[[socket.socket], None]
@@ -46,7 +44,6 @@ class Workers:
     """Additional processes, each restarted if it ends unexpectedly.
 
     Attributes:
-        seats: tabs of all processes; None where there are no others.
         porter: who gives tabs to the processes; None where there are no others.
     """
 
@@ -55,14 +52,12 @@ class Workers:
         self._processes: dict[subprocess.Popen[bytes], socket.socket] = {}
         self._lock = threading.Lock()
         self._ending = threading.Event()
-        self.seats: Seats | None = None
         self.porter: Porter | None = None
         self._folder: ScratchFolder | None = None
         if count:
             self._folder = ScratchFolder()
             os.environ[_METRICS] = str(self._folder.path)
-            self.seats = Seats(self._folder.path, 0, count + 1)
-            self.porter = Porter()
+            self.porter = Porter(count + 1)
 
     def start(self, arguments: Sequence[str], token: str | None, meet: Meet) -> None:
         """Start them with these arguments of ``abi serve``, which do not show the token.
@@ -72,10 +67,10 @@ class Workers:
         environment = dict(os.environ)
         if token is not None:
             environment["ABI_TOKEN"] = token
-        for place in range(1, self._count + 1):
+        for _ in range(self._count):
             thread = threading.Thread(
                 target=self._keep,
-                args=(place, arguments, environment, meet),
+                args=(arguments, environment, meet),
                 name="worker",
                 daemon=True,
             )
@@ -87,7 +82,7 @@ class Workers:
         Until then the first gets every tab, and keeps it.
         """
         end = time.monotonic() + _START
-        while self.seats is not None and not self.seats.are_all_there:
+        while self.porter is not None and not self.porter.are_all_there:
             if ended.wait(_PERIOD):
                 return
             if time.monotonic() > end:
@@ -115,15 +110,13 @@ class Workers:
             os.environ.pop(_METRICS, None)
             self._folder.close()
 
-    def _keep(
-        self, place: int, arguments: Sequence[str], environment: dict[str, str], meet: Meet
-    ) -> None:
+    def _keep(self, arguments: Sequence[str], environment: dict[str, str], meet: Meet) -> None:
         """Thread that restarts one process until the server stops.
 
         One that soon ends is started again after longer and longer: it would take a core for good.
         """
-        command = [sys.executable, "-P", "-m", "app", "serve", "--joins", str(place), *arguments]
-        assert self.seats is not None
+        joins = str(self._count + 1)
+        command = [sys.executable, "-P", "-m", "app", "serve", "--joins", joins, *arguments]
         pause = 0.0
         while not self._ending.wait(pause):
             begin = time.monotonic()
@@ -143,7 +136,6 @@ class Workers:
                 if self._ending.is_set():
                     return
                 del self._processes[process]
-            self.seats.vacate(place)
             from prometheus_client import multiprocess
 
             assert self._folder is not None
@@ -154,8 +146,3 @@ class Workers:
             _log.warning("worker ended", extra={"code": code, "again_in": pause})
             if code == 0:
                 return
-
-
-def seat(place: int) -> Seats:
-    """This worker's entry among the seats of the process that started it."""
-    return Seats(Path(os.environ[_METRICS]), place)

@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from app.guard.guard import Guard
+from app.guard.policy import policy_for
 from app.guard.porter import LONGEST_HEAD, Porter, lost_tabs
 from app.guard.side_door import SideDoor
 
@@ -75,14 +77,17 @@ class Other:
 
 async def _come_and_go(seed: int) -> None:
     choose = random.Random(seed)
-    porter, (wire, far) = Porter(), socket.socketpair()
+    porter, (wire, far) = Porter(3), socket.socketpair()
+    guard = Guard(policy_for("127.0.0.1", max_tabs=4), porter)
     others = [Other(porter) for _ in range(2)]
     # who has not said a word yet gets none
     first = a_connection(wire)
     assert not porter.hands_on(first, TAB)
-    for other in others:
-        other.channel.send(lost_tabs(0))
-    await turns(lambda: len(_tabs(porter)) == 3)
+    others[0].channel.send(lost_tabs(0))
+    await turns(lambda: len(_tabs(porter)) == 2)
+    assert not porter.are_all_there
+    others[1].channel.send(lost_tabs(0))
+    await turns(lambda: porter.are_all_there)
     here = [first]
     for _ in range(100):
         if choose.random() < 0.6:
@@ -99,6 +104,7 @@ async def _come_and_go(seed: int) -> None:
         elif full := [other for other in others if other.tabs]:
             choose.choice(full).lose()
         await turns(lambda: _tabs(porter) == (len(here), *(one.tabs for one in others)))
+        assert guard.is_full == (sum(one.tabs for one in others) >= 4)
     assert not porter.hands_on(a_connection(wire), PAGE)
     assert _tabs(porter)[0] == len(here)
     # what the other end could not take as one message stays
@@ -110,6 +116,7 @@ async def _come_and_go(seed: int) -> None:
         other.channel.close()
     assert not porter.hands_on(a_connection(wire), TAB)
     await turns(lambda: len(_tabs(porter)) == 1)
+    assert not guard.is_full
     wire.close()
     far.close()
 
@@ -140,8 +147,8 @@ class Echo(asyncio.Protocol):
 
 async def _through_the_side_door() -> None:
     ended = asyncio.Event()
-    porter, (channel, other) = Porter(), pair()
-    door = SideDoor(other, ended.set)
+    porter, (channel, other) = Porter(2), pair()
+    door = SideDoor(other, ended.set, 2)
     await door.open(Echo)
     porter.meet(channel)
     await turns(lambda: _tabs(porter) == (0, 0))
