@@ -19,7 +19,6 @@ import numpy as np
 from websockets.exceptions import WebSocketException
 
 from app.guard.connection import MAX_REFUSED
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -39,7 +38,7 @@ def attack(messages: int, seed: int = 0) -> dict[str, Any]:
         the ``median_ms``, ``p99_ms`` and ``worst_ms`` from an input to its plan, beside the
         ``calm_ms`` that is the median before the attack; ``faults`` that it met.
     """
-    server = start(Address(port=0), scene="paper", look=PLAIN)
+    server = start(port=0, scene="paper", look=PLAIN)
     worker = FakeTab(server.url)
     until(lambda: bool(server.sessions))
     (session,) = server.sessions.values()

@@ -24,7 +24,6 @@ import numpy as np
 from playwright.sync_api import Browser, sync_playwright
 
 from abi.scene.scene import Scene, load_scene
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -121,7 +120,7 @@ def _tab(scene: Scene, browser: Browser) -> Iterator[tuple[Page, Session]]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.json"
         scene.save(file)
-        server = start(Address(port=0), scene=str(file), look=PLAIN)
+        server = start(port=0, scene=str(file), look=PLAIN)
     page = Page(browser, server.url, draws=True)
     try:
         page.until(lambda: len(server.sessions) == 1, "a session")

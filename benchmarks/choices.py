@@ -25,7 +25,6 @@ from playwright.sync_api import Browser
 
 import abi
 from abi.scene.scene import load_scene
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.tab.planner import TabPlanner
@@ -140,7 +139,7 @@ def measure(browser: Browser, times: int, seed: int = 0) -> dict[str, Any]:
         ``load``, the mean number of processes that ran or waited in the last minute.
     """
     abi.compile()
-    server = start(Address(port=0), scene="two-boxes", look=PLAIN)
+    server = start(port=0, scene="two-boxes", look=PLAIN)
     page = Page(browser, server.url)
     chance, took, worst = random.Random(seed), list[float](), ""
     try:

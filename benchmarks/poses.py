@@ -33,7 +33,6 @@ from abi.robot.any_arm import AnyArm
 from abi.robot.paper_arm.paper_arm import PaperArm, urdf
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import scene_names
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -245,7 +244,7 @@ def walk(walker: Walker, steps: Sequence[Step], tell: Callable[[str], None] = pr
 def measure(browser: Browser, steps: Sequence[Step]) -> dict[str, object]:
     """Walk: the number of ``steps`` taken, and the ``faults`` in words."""
     abi.compile()
-    server = start(Address(port=0), scene="paper", look=PLAIN)
+    server = start(port=0, scene="paper", look=PLAIN)
     page = Page(browser, server.url)
     try:
         walker = Walker(page, server)

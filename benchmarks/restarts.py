@@ -33,7 +33,6 @@ import abi
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.server.address import Address
 from app.state.appearance import PLAIN
 from app.state.tab_state import TabState
 from benchmarks.browser import chromium
@@ -123,7 +122,7 @@ def _serve(port: int, scene: str, told: int) -> None:
     """The forked process: serve until killed."""
     from app.server.server import start
 
-    start(Address(port=port), scene=scene, look=PLAIN)
+    start(port=port, scene=scene, look=PLAIN)
     os.write(told, b"1")
     while True:
         signal.pause()

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 import abi
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from benchmarks.browser import scene_with
@@ -44,7 +43,7 @@ def measure(nodes: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.json"
         scene.save(file)
-        server = start(Address(port=0), scene=str(file), look=PLAIN)
+        server = start(port=0, scene=str(file), look=PLAIN)
     tabs: list[FakeTab] = []
     try:
         _open_tab(server, tabs)

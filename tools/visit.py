@@ -14,7 +14,6 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 from abi.scene.scene import Scene
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import Appearance
 from app.tab.session import Session
@@ -146,8 +145,8 @@ def visit(
 def _server(scene: Scene | str, dark: bool) -> Server:
     look = Appearance(plain=True, dark=dark)
     if isinstance(scene, str):
-        return start(Address(port=0), scene=scene, look=look)
+        return start(port=0, scene=scene, look=look)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.json"
         scene.save(file)
-        return start(Address(port=0), scene=str(file), look=look)
+        return start(port=0, scene=str(file), look=look)

@@ -19,7 +19,6 @@ from app.guard.side_door import SideDoor
 from app.process.logs import LEVELS, configure
 from app.process.scratch import remove_abandoned
 from app.process.unused_memory import load_at_once
-from app.server.address import Address
 from app.server.workers import Workers, are_possible
 from app.state.appearance import OPENING, Appearance
 
@@ -152,13 +151,20 @@ def serve(
     helpers = _workers(workers, classroom)
     room = _room(teach, policy.token, results) if classroom else None
     announce = functools.partial(_announce, open_tab, room)
-    address = Address(host, port, helpers.porter)
-    if joins is not None:
-        address = Address(host, port, SideDoor.of_input(ended.set, joins))
-    # of several processes not all listen yet
-    told = {"announce": announce} if helpers.porter is None else {}
-    look = Appearance(plain, dark, demo)
-    server = start(address, scene, look, policy, lessons, room, exercise, **told)
+    entrance = helpers.porter if joins is None else SideDoor.of_input(ended.set, joins)
+    server = start(
+        scene,
+        host,
+        port,
+        Appearance(plain, dark, demo),
+        policy,
+        lessons,
+        room,
+        exercise,
+        # of several processes not all listen yet
+        announce if helpers.porter is None else None,
+        entrance,
+    )
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
     helpers.start(_arguments(scene, **place, **options), policy.token, server.meet)

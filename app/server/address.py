@@ -1,49 +1,19 @@
-"""The address that a server listens on, and its URL."""
+"""Addresses that a server can listen on, and their URLs."""
 
 from __future__ import annotations
 
 import errno
 import os
 import socket
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import viser
-
-from app.guard.porter import Porter
-from app.guard.side_door import SideDoor
 
 if TYPE_CHECKING:
     from abi.errors import AbiError
 
 _ANY_ADDRESS = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
 """Wildcard addresses, each with one that a browser can open."""
-
-
-@dataclass(frozen=True)
-class Address:
-    """Host and port at which a server listens.
-
-    Attributes:
-        host: a name or an address of this machine.
-        port: 0 takes any free one.
-        entrance: by which connections come in where several processes serve the address; None
-            where this one is alone.
-    """
-
-    host: str = "127.0.0.1"
-    port: int = 8080
-    entrance: Porter | SideDoor | None = None
-
-    def usable_host(self) -> str:
-        """A bindable host for the address; unchanged if another process listens there.
-
-        Raises:
-            AbiError: as for :func:`usable_address`.
-        """
-        if isinstance(self.entrance, SideDoor):
-            return self.host
-        return usable_address(self.host, self.port)
 
 
 def usable_address(host: str, port: int) -> str:

@@ -22,8 +22,9 @@ from app.guard import guarded_server, token
 from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
 from app.guard.porter import Porter
+from app.guard.side_door import SideDoor
 from app.process.available_memory import memory_in_all
-from app.server.address import Address, ensure_port, listening_url
+from app.server.address import ensure_port, listening_url, usable_address
 from app.state.appearance import OPENING, Appearance
 from app.ui import notices, page
 
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from app.teach.exercise_watch import ExerciseWatch
     from app.teach.lesson import Lessons, Library
 
-_ADDRESS, _AS_THE_SYSTEM = Address(), Appearance()
+_AS_THE_SYSTEM = Appearance()
 _FAREWELL = 0.2
 """Seconds to tell the tabs that the server stops."""
 _LONGEST_OPENING = 2.0
@@ -62,20 +63,21 @@ class Server:
 
     def __init__(
         self,
-        address: Address,
+        host: str,
+        port: int,
         look: Appearance = _AS_THE_SYSTEM,
         policy: Policy | None = None,
+        entrance: Porter | SideDoor | None = None,
     ) -> None:
-        """Open the port; ``policy`` as for :func:`start`."""
+        """Open the port, or the side door; arguments as for :func:`start`."""
         self._look = look
         self._tabs = threading.Condition()
         self._being_opened = 0
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
         self.exercise: ExerciseWatch | None = None
-        host, port = address.host, address.port
-        self.guard = Guard(policy or policy_for(host), address.entrance)
-        usable = address.usable_host()
+        self.guard = Guard(policy or policy_for(host), entrance)
+        usable = host if isinstance(entrance, SideDoor) else usable_address(host, port)
         self.viser = guarded_server.build(self.guard, usable, port, "ABI visualiser")
         ensure_port(self.viser, port)
         page.disable_sharing(self.viser)
@@ -193,26 +195,31 @@ class Server:
 
 
 def start(
-    address: Address = _ADDRESS,
     scene: str = OPENING,
+    host: str = "127.0.0.1",
+    port: int = 8080,
     look: Appearance = _AS_THE_SYSTEM,
     policy: Policy | None = None,
     lessons: Path | None = None,
     classroom: Classroom | None = None,
     exercise: Path | None = None,
-    announce: Callable[[str], object] = lambda url: None,
+    announce: Callable[[str], object] | None = None,
+    entrance: Porter | SideDoor | None = None,
 ) -> Server:
     """Start serving and return at once.
 
     Args:
-        address: where to listen.
         scene: a shipped scene's name or a scene file.
+        host: a name or an address of this machine.
+        port: where to listen; 0 takes any free one.
         look: how a new tab begins.
         policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
         lessons: a folder with lessons of one's own, besides the shipped ones.
         classroom: the class that its tabs join; None for tabs that know nothing of each other.
         exercise: a student's file, whose functions are checked whenever it is saved.
         announce: called with the link as soon as there is a page to load.
+        entrance: by which connections come in where several processes serve the address; None
+            where this one is alone.
 
     Raises:
         AbiError: the scene or a lesson cannot be read, the host is no address of this machine, or
@@ -225,10 +232,11 @@ def start(
     # a file that may be wrong is read before there is a page
     loaded = None if scene == OPENING else _load(scene)
     lesson_library = _library(lessons)
-    server = Server(address, look, policy)
+    server = Server(host, port, look, policy, entrance)
     server.classroom = classroom
     server.exercise = _watch(exercise)
-    announce(server.link)
+    if announce is not None:
+        announce(server.link)
     server.show(scene, loaded or _load(scene), lesson_library)
     return server
 

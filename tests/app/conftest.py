@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from app.process import logs
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.tab import browser_storage
@@ -43,7 +42,7 @@ def quiet() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    running = start(Address(port=0), scene="paper", look=PLAIN)
+    running = start(port=0, scene="paper", look=PLAIN)
     yield running
     running.stop()
 

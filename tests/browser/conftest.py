@@ -10,7 +10,6 @@ from playwright.sync_api import Browser, sync_playwright
 
 import abi
 from abi.scene.scene import load_scene
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -70,7 +69,7 @@ def chromium() -> Iterator[Browser]:
 def server() -> Iterator[Server]:
     # until it is, plans are slow and tell no times
     abi.compile()
-    server = start(Address(port=0), scene="paper", look=PLAIN)
+    server = start(port=0, scene="paper", look=PLAIN)
     yield server
     server.stop()
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.teach.classroom import Classroom
@@ -17,7 +16,7 @@ from tests.browser.page import Page
 @pytest.fixture
 def room() -> Iterator[tuple[Server, Classroom]]:
     classroom = Classroom()
-    running = start(Address(port=0), scene="paper", classroom=classroom, look=PLAIN)
+    running = start(port=0, scene="paper", classroom=classroom, look=PLAIN)
     yield running, classroom
     running.stop()
 

@@ -8,7 +8,6 @@ import pytest
 from playwright.sync_api import Browser
 
 from app.guard.policy import policy_for
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from tests.browser.page import Page
@@ -17,7 +16,7 @@ from tests.browser.page import Page
 @pytest.fixture
 def locked() -> Iterator[Server]:
     running = start(
-        Address(port=0), scene="paper", policy=policy_for("127.0.0.1", "open sesame"), look=PLAIN
+        port=0, scene="paper", policy=policy_for("127.0.0.1", "open sesame"), look=PLAIN
     )
     yield running
     running.stop()

@@ -19,7 +19,6 @@ from playwright.sync_api import Browser, Locator, expect
 from playwright.sync_api import Page as Tab
 
 from app.guard.policy import policy_for
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from tests.app.fake_tab import until
@@ -92,7 +91,7 @@ def hosted(tmp_path: Path) -> Iterator[tuple[Server, str]]:
     port = free_port()
     public = f"http://127.0.0.1:{port}"
     server = start(
-        Address(port=0),
+        port=0,
         scene="paper",
         policy=policy_for("127.0.0.1", TOKEN, origins=(public,)),
         look=PLAIN,

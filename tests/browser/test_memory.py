@@ -7,7 +7,6 @@ import pytest
 from playwright.sync_api import Browser
 
 import abi
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -102,7 +101,7 @@ def test_reload_and_back_and_a_link_bring_everything_back(tabs: Tabs, server: Se
 
 
 def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) -> None:
-    server = start(Address(port=0), scene="paper", look=PLAIN)
+    server = start(port=0, scene="paper", look=PLAIN)
     page = Page(chromium, server.url + "/")
     try:
         page.until(lambda: bool(server.sessions), "a session")
@@ -112,7 +111,7 @@ def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) ->
         camera = np.array(session.client.camera.position)
         port = server.viser.get_port()
         server.stop()
-        server = start(Address(port=port), scene="paper", look=PLAIN)
+        server = start(port=port, scene="paper", look=PLAIN)
         page.until(lambda: bool(server.sessions), "the page to connect again")
         (session,) = server.sessions.values()
         _is_back(page, session, scene, camera)

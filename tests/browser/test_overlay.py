@@ -10,7 +10,6 @@ from playwright.sync_api import Browser
 
 import abi
 from app.panels.teach.tour import STEPS
-from app.server.address import Address
 from app.server.server import start
 from app.stages.catalogue import TITLES
 from app.state.appearance import Appearance
@@ -105,7 +104,7 @@ def _is_under_the_mouse(page: Page, gizmo: str) -> bool:
 @pytest.mark.parametrize("touched", ["a button", "the obstacle"])
 def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: str) -> None:
     paper = abi.load_scene("paper")
-    server = start(Address(port=0), scene="paper", look=Appearance(plain=True, demo=True))
+    server = start(port=0, scene="paper", look=Appearance(plain=True, demo=True))
     page = Page(chromium, server.url + "/?demo=1")
     try:
         page.until(lambda: bool(server.sessions), "a session")

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from benchmarks.poses import Step, Walker, misplaced, walk
@@ -26,9 +25,7 @@ _ORDERS: dict[str, list[Step]] = {
 @pytest.fixture(scope="module")
 def walker(chromium: Browser, server: Server) -> Iterator[Walker]:
     """A tab for all orders, of a server of its own, so that it can tell its sessions apart."""
-    own = start(
-        Address(port=0), scene="paper", look=PLAIN
-    )  # after the shared one, which has all compiled
+    own = start(port=0, scene="paper", look=PLAIN)  # after the shared one, which has all compiled
     page = Page(chromium, own.url)
     yield Walker(page, own)
     page.close()

@@ -23,7 +23,6 @@ from app.__main__ import main
 from app.cli import sweep
 from app.cli.exit_code import INCOMPLETE
 from app.guard.policy import policy_for
-from app.server.address import Address
 from app.server.server import Server
 from app.state.appearance import PLAIN
 from tests.abi import meshes
@@ -364,7 +363,7 @@ def test_verify_looks_beside_the_plan_first_and_names_the_option(
 def test_the_address_shown_is_one_that_answers(host: str, shown: str) -> None:
     try:
         policy = policy_for(host, needs_token=False)
-        server = Server(Address(host, 0), PLAIN, policy)
+        server = Server(host, 0, PLAIN, policy)
     except AbiError:
         assert ":" in host, "every machine has IPv4"
         pytest.skip("no IPv6 here")
@@ -389,7 +388,7 @@ def test_a_name_with_an_address_elsewhere_is_served_on_the_one_here(
         return [(*kind, (host, port)) for host in hosts]
 
     monkeypatch.setattr(socket, "getaddrinfo", found)
-    server = Server(Address("name.invalid", 0))
+    server = Server("name.invalid", 0)
     try:
         assert server.viser.get_host() == listening
         assert server.url == f"http://name.invalid:{server.viser.get_port()}"

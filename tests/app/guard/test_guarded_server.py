@@ -19,7 +19,6 @@ from abi.errors import AbiError
 from app.guard import token
 from app.guard.connection import BURST, MAX_REFUSED, MESSAGES_PER_SECOND
 from app.guard.policy import policy_for
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -44,7 +43,7 @@ HEADERS = (
 def locked() -> Iterator[Server]:
     """A server that needs a token and takes two tabs."""
     running = start(
-        Address(port=0),
+        port=0,
         scene="paper",
         policy=policy_for("127.0.0.1", TOKEN, max_tabs=2),
         look=PLAIN,
@@ -330,10 +329,10 @@ def test_a_file_that_no_button_takes_is_not_stored(tab: tuple[FakeTab, Session])
 def test_a_busy_port_ends_with_a_sentence(server: Server) -> None:
     port = server.viser.get_port()
     with pytest.raises(AbiError, match=f"--port is {port}, which another program uses"):
-        start(Address(port=port), scene="paper")
+        start(port=port, scene="paper")
     with socket.socket() as busy:
         busy.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         busy.bind(("127.0.0.1", 65535))
         busy.listen()
         with pytest.raises(AbiError, match="65535"):
-            start(Address(port=65535))
+            start(port=65535)

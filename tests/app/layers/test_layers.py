@@ -36,7 +36,6 @@ from app.panels.base_offer import _may_help
 from app.panels.offered_changes import change_label
 from app.panels.plan_sentence import plan_sentence
 from app.panels.teach.lecture import VIEWS
-from app.server.address import Address
 from app.server.server import Server, start
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.appearance import PLAIN
@@ -186,7 +185,7 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
     path = tmp_path / "scene.yaml"
     scene_of_arm = Scene.from_dict({"version": 1, **scene})
     scene_of_arm.save(path)
-    server = start(Address(port=0), scene=str(path), look=PLAIN)
+    server = start(port=0, scene=str(path), look=PLAIN)
     try:
         fake = FakeTab(server.url)
         until(lambda: any(session.plans for session in list(server.sessions.values())))

@@ -19,7 +19,6 @@ from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
 from app.layers.arm.arm import ArmLayer
 from app.layers.result.plots import PlotsLayer
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.state.named_obstacles import numbers_of
@@ -42,7 +41,7 @@ MILLIMETRES = {
 @contextmanager
 def served(path: Path) -> Iterator[tuple[FakeTab, Session]]:
     """A tab on a scene file."""
-    running = start(Address(port=0), scene=str(path), look=PLAIN)
+    running = start(port=0, scene=str(path), look=PLAIN)
     # what measures a mesh may have to be compiled first
     fake, session = opened(running, patience=90)
     yield fake, session

@@ -12,7 +12,6 @@ import viser
 
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.widgets import VectorBox
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.tab.demo import Demo
@@ -22,7 +21,7 @@ from tests.app.fake_tab import opened
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[Session]:
-    running = start(Address(port=0), scene="paper", look=PLAIN)
+    running = start(port=0, scene="paper", look=PLAIN)
     fake, session = opened(running, patience=90)
     yield session
     fake.close()

@@ -19,7 +19,6 @@ from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from app.layers.arm.arm import ArmLayer
-from app.server.address import Address
 from app.server.server import Server, start
 from app.shared.shared_plans import SharedPlans
 from app.tab import pause
@@ -384,7 +383,7 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
         calls.append((hdri, any(session.plan is not None for session in sessions.values())))
 
     monkeypatch.setattr(viser.SceneApi, "configure_environment_map", configure)
-    running = start(Address(port=0), scene="paper")
+    running = start(port=0, scene="paper")
     sessions = running.sessions
     fake = FakeTab(running.url)
     until(lambda: len(calls) == 2)
@@ -400,7 +399,7 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
 @pytest.mark.slow
 def test_without_a_graphics_card_there_are_no_lights(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pause, "LIGHTS_DELAY", math.inf)
-    running = start(Address(port=0), scene="paper")
+    running = start(port=0, scene="paper")
     fake, session = opened(running)
     until(lambda: session.resting)
     assert session._pause.timeout(session.frame) == pause.REST  # for lights that are to come

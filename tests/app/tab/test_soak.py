@@ -13,7 +13,6 @@ from typing import Any, TypeVar
 import pytest
 
 from app.guard import connection
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.ui import page
@@ -43,7 +42,7 @@ def run_apart(work: Coroutine[Any, Any, Result]) -> Result:
 
 @pytest.fixture
 def crowd() -> Iterator[Server]:
-    running = start(Address(port=0), scene=SCENE, look=PLAIN)
+    running = start(port=0, scene=SCENE, look=PLAIN)
     yield running
     running.stop()
 

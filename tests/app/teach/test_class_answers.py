@@ -14,7 +14,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.panels.teach.poll_text import question_text
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -147,7 +146,7 @@ def test_what_is_no_answer_is_not_counted() -> None:
 @pytest.mark.slow
 def test_places_that_students_click_are_balls_in_the_teachers_scene() -> None:
     classroom = Classroom()
-    server = start(Address(port=0), "paper", classroom=classroom, look=PLAIN)
+    server = start(port=0, scene="paper", classroom=classroom, look=PLAIN)
     try:
         teacher, taught = open_tab(server, classroom.secret)
         students = [open_tab(server) for _ in range(3)]
@@ -183,7 +182,7 @@ def test_places_that_students_click_are_balls_in_the_teachers_scene() -> None:
 @pytest.mark.slow
 def test_the_next_node_of_a_lessons_search_is_voted_on_without_being_told() -> None:
     classroom = Classroom()
-    server = start(Address(port=0), "paper", classroom=classroom, look=PLAIN)
+    server = start(port=0, scene="paper", classroom=classroom, look=PLAIN)
     try:
         teacher, taught = open_tab(server, classroom.secret)
         students = [open_tab(server) for _ in range(2)]
@@ -258,7 +257,7 @@ def step_of(session: Session) -> int:
 @pytest.mark.slow
 def test_who_follows_again_is_back_and_a_reloaded_teacher_goes_on() -> None:
     classroom = Classroom()
-    server = start(Address(port=0), "paper", classroom=classroom, look=PLAIN)
+    server = start(port=0, scene="paper", classroom=classroom, look=PLAIN)
     try:
         teacher, taught = open_tab(server, classroom.secret)
         student, session = open_tab(server)

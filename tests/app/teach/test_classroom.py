@@ -9,7 +9,6 @@ import pytest
 
 from app.panels.teach.classroom import ClassroomPanel
 from app.panels.teach.poll_text import bars
-from app.server.address import Address
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -23,7 +22,7 @@ from tests.app.fake_tab import FakeTab, until
 @pytest.fixture(scope="module")
 def room() -> Iterator[tuple[Server, Classroom]]:
     classroom = Classroom()
-    running = start(Address(port=0), scene="paper", classroom=classroom, look=PLAIN)
+    running = start(port=0, scene="paper", classroom=classroom, look=PLAIN)
     yield running, classroom
     running.stop()
 
@@ -226,7 +225,7 @@ def test_all_tabs_of_a_student_have_one_answer() -> None:
 @pytest.mark.slow
 def test_every_student_sees_what_the_teacher_moves_and_every_answer_counts() -> None:
     classroom = Classroom()
-    server = start(Address(port=0), SCENE, classroom=classroom, look=PLAIN)
+    server = start(port=0, scene=SCENE, classroom=classroom, look=PLAIN)
     work = follow(server.url, classroom.secret, tabs=4, moves=2, settle=0.5, pause=0.2)
     try:
         # in a thread of its own: browser tests leave a loop running in the main one

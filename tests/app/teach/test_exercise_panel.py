@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from app.panels.teach.exercise import ExercisePanel
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
@@ -30,7 +29,7 @@ def told(session: Session) -> str:
 def test_a_file_is_checked_when_it_is_saved_and_its_case_opens(tmp_path: Path) -> None:
     file = tmp_path / "mine.py"
     file.write_text(_GREEDY)
-    server = start(Address(port=0), scene="paper", look=PLAIN, exercise=file)
+    server = start(port=0, scene="paper", look=PLAIN, exercise=file)
     try:
         fake = FakeTab(server.url)
         until(lambda: len(server.sessions) == 1)

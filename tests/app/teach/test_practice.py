@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.teach.quiz.templates import question, templates
-from app.server.address import Address
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.teach.practice import MASTERY, Practice, decoded, quiz
@@ -92,7 +91,7 @@ def test_a_damaged_practice_is_none(text: str) -> None:
 
 @pytest.mark.slow
 def test_a_tab_asks_and_its_memory_brings_the_question_back() -> None:
-    server = start(Address(port=0), scene="paper", look=PLAIN)
+    server = start(port=0, scene="paper", look=PLAIN)
     try:
         fake, session = opened(server)
         panel = session.panels.practice
