@@ -104,7 +104,7 @@ class GuardedConnection(ServerConnection):
         self._head = b""
         if not self.transport.is_closing():
             asked, reason = line.decode("ascii", "replace"), responses.odd_reason(status)
-            self._guard.refusals.note(status, asked, self.remote_address, reason)
+            self._guard.note_refusal(status, asked, self.remote_address, reason)
             answer = self._guard.secured(responses.misunderstood(status))
             self.transport.write(answer.serialize())
             self.transport.close()

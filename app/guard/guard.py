@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import http
+import logging
 import weakref
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qs, urlsplit
 
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.guard import responses, token
+from app.guard import request_line, responses, token
 from app.guard.host_check import host_fault, origin_fault, single
 from app.guard.messages import GizmoUpdate
-from app.guard.page_file import page_response
+from app.guard.page_file import Pages, file_response, page_response
 from app.guard.policy import Policy
 from app.guard.porter import Porter
-from app.guard.refusals import Refusals
 from app.guard.security_headers import secure, security_headers
 from app.guard.side_door import SideDoor
 from app.ui import page
@@ -26,13 +25,16 @@ from app.ui import page
 if TYPE_CHECKING:
     import viser
 
-Pages: TypeAlias = Callable[[ServerConnection, Request], Response | None]
-"""viser's own handler, which serves the page's files."""
+_log = logging.getLogger("abi.web")
 
 _PAGES = ("/", "/index.html")
 _HEALTH = "/healthz"
 _CONNECTION = "/connection"
 """Path where a page asks why it gets no connection; see ``assets/page/connecting.js``."""
+_MOST = 100
+"""Most reasons of refusals that are logged, as anybody can cause more."""
+_LONGEST = 80
+"""Most characters of a request that are logged."""
 
 
 class Guard:
@@ -44,7 +46,6 @@ class Guard:
         tabs: those of them that are tabs.
         entrance: by which connections come in where several processes serve the address; None
             where this one is alone.
-        refusals: requests that were not granted.
         viser: the server, once it is built.
         ready: whether plans can be made.
     """
@@ -56,7 +57,7 @@ class Guard:
         self.tabs: set[ServerConnection] = set()
         self.viser: viser.ViserServer | None = None
         self.ready = False
-        self.refusals = Refusals()
+        self._told: set[str] = set()  # reasons of refusals in the log
         self._headers = security_headers(policy)
 
     @property
@@ -81,8 +82,40 @@ class Guard:
         is_health = request.path.partition("?")[0] == _HEALTH
         if found is not None and found.status_code >= http.HTTPStatus.BAD_REQUEST and not is_health:
             status = http.HTTPStatus(found.status_code)
-            self.refusals.note(status, request.path, connection.remote_address, reason)
+            self.note_refusal(status, request.path, connection.remote_address, reason)
         return found
+
+    def note_refusal(
+        self, status: http.HTTPStatus, asked: str, address: object, reason: str = ""
+    ) -> None:
+        """Count a refused request and log it.
+
+        A page that is refused asks again every second, so each reason is told once. None of the
+        log's lines has a request's query, which may have the token.
+
+        Args:
+            status: that is answered.
+            asked: the request's path or first line.
+            address: of whoever asks.
+            reason: a sentence for whoever runs the server; empty where the status says it all.
+        """
+        # takes a tenth of a second to load, and the page is waiting
+        from app.process import metrics
+
+        metrics.REFUSED_REQUESTS.labels(status.value).inc()
+        fields = {
+            "status": status.value,
+            "asked": request_line.without_query(asked)[:_LONGEST],
+            "address": str(address),
+        }
+        level = logging.INFO
+        if reason:
+            is_new = reason not in self._told and len(self._told) < _MOST
+            level = logging.WARNING if is_new else logging.DEBUG
+            fields["why"] = reason
+            if is_new:
+                self._told.add(reason)
+        _log.log(level, "request refused", extra=fields)
 
     def secured(self, response: Response) -> Response:
         """Add the security headers to an answer."""
@@ -133,7 +166,7 @@ class Guard:
         if path in _PAGES:
             full = self.is_full
             return responses.full(self.policy.max_tabs) if full else page_response(request)
-        return _file(pages, connection, request)
+        return file_response(pages, connection, request)
 
     def _lack_of(self, request: Request) -> str:
         """Reason why a page with an Origin header gets no connection; empty if none is known."""
@@ -165,15 +198,3 @@ class Guard:
         if token.in_headers(request.headers, secret, port):
             return None
         return responses.token_needed()
-
-
-def _file(pages: Pages, connection: ServerConnection, request: Request) -> Response:
-    """One of the page's files."""
-    try:
-        response = pages(connection, request)
-    except (OSError, ValueError):
-        response = None
-    if response is None or response.status_code >= http.HTTPStatus.BAD_REQUEST:
-        return responses.text(http.HTTPStatus.NOT_FOUND, "There is no such page.\n")
-    response.headers["Cache-Control"] = "no-cache"
-    return response

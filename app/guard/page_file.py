@@ -1,4 +1,4 @@
-"""The page's file: viser's, with a script that says why there is no connection to the server.
+"""The page's files: viser's, the first with a script that says why there is no connection.
 
 viser's page goes on connecting for ever, and no page can read why its websocket was refused.
 """
@@ -8,13 +8,20 @@ from __future__ import annotations
 import functools
 import gzip
 import http
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeAlias
 
 import viser
+from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from abi import assets
+from app.guard import responses
+
+Pages: TypeAlias = Callable[[ServerConnection, Request], Response | None]
+"""viser's own handler, which serves the page's files."""
 
 _END = "</head>"
 
@@ -41,6 +48,18 @@ def page_response(request: Request) -> Response:
     headers["Cache-Control"] = "no-cache"
     headers["Vary"] = "Accept-Encoding"
     return Response(http.HTTPStatus.OK.value, http.HTTPStatus.OK.phrase, headers, content)
+
+
+def file_response(pages: Pages, connection: ServerConnection, request: Request) -> Response:
+    """Answer with another of the page's files, if there is such a one."""
+    try:
+        response = pages(connection, request)
+    except (OSError, ValueError):
+        response = None
+    if response is None or response.status_code >= http.HTTPStatus.BAD_REQUEST:
+        return responses.text(http.HTTPStatus.NOT_FOUND, "There is no such page.\n")
+    response.headers["Cache-Control"] = "no-cache"
+    return response
 
 
 @functools.cache
