@@ -11,15 +11,14 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, rows_at, segments
-from app.layers.arm.arm_nodes import JointNode
-from app.layers.arm.arm_playback import ArmPlayback, samples_of
+from app.layers.arm.arm_nodes import ArmNodes
+from app.layers.arm.arm_playback import samples_of, table_of
 from app.layers.arm.kinds import KINDS, kind_of
 from app.state.frame import Frame, Layer, Switch
-from app.ui import style
+from app.ui import page, style
 from app.ui.layout import Layout
 
 _TRACE_SAMPLES = 100
-_NO_JOINTS: list[JointNode] = []
 
 
 def prepare_bodies(arm: AnyArm) -> None:
@@ -41,9 +40,9 @@ class ArmLayer(Layer):
     )
 
     def __init__(self, layout: Layout) -> None:
-        scene = layout.client.scene
-        self._playback = ArmPlayback(layout.client)
-        self._kinds = {kind: one.nodes(scene) for kind, one in KINDS.items()}
+        self._client, scene = layout.client, layout.client.scene
+        self._playing: tuple[object, ...] = ()
+        self._kinds = {kind: ArmNodes(scene, one) for kind, one in KINDS.items()}
         self._nodes = next(iter(self._kinds.values()))
         self._arm: AnyArm | None = None
         self._posed: object = None
@@ -68,7 +67,7 @@ class ArmLayer(Layer):
         links = frozenset[str]() if clearance is None else clearance.touching(frame.time)
         if self._nodes.redden(links) and plays and not started:
             # the page's clock may be behind: a link is to turn red as it touches
-            self._playback.seek(frame.time)
+            page.call(self._client, "seek", frame.time)
         for nodes in self._kinds.values():
             nodes.root.visible = shown and arm is not None and nodes is self._nodes
         self._trace.visible = "trace" in frame.shown
@@ -80,26 +79,37 @@ class ArmLayer(Layer):
         self._nodes.place(arm)
 
     def _stand(self, time: float) -> None:
-        """Have a motion that plays end at ``time`` [s]."""
-        if self._playback.stop(time):
+        """Have a motion that the page plays end at ``time`` [s]."""
+        if self._playing:
+            self._playing = ()
+            page.call(self._client, "stand", time)
+            self._nodes.forget_poses()
             self._posed, self._traced = None, (None, -1)
 
     def _play(self, frame: Frame, motion: ArmMotion) -> bool:
         """Have the page move the arm and lengthen the trace of a motion; whether that is new."""
         # one that was changed while it is not to be seen has no nodes yet
-        joints = self._nodes.joint_nodes if frame.plan.arm is self._arm else _NO_JOINTS
-        started = self._playback.play(
-            motion,
-            self._nodes.values,
-            joints,
-            self._trace.name,
-            frame.time,
-            frame.rate,
-            frame.again,
+        joints = self._nodes.joint_nodes if frame.plan.arm is self._arm else []
+        playing = motion, frame.rate, frame.again, joints
+        if playing == self._playing:
+            return False
+        self._playing = playing
+        rows = samples_of(motion)
+        positions = motion.positions[rows]
+        page.call(
+            self._client,
+            "play",
+            {
+                **table_of(motion, self._nodes.values(positions) if joints else positions),
+                "joints": [joint.played for joint in joints],
+                "trace": self._trace.name,
+                "time": frame.time,
+                "rate": frame.rate,
+                "again": frame.again,
+            },
         )
-        if started:
-            self._trace.points = self._trace_of(frame.plan, motion.tool[samples_of(motion)])
-        return started
+        self._trace.points = self._trace_of(frame.plan, motion.tool[rows])
+        return True
 
     def _pose(self, plan: Plan, time: float) -> None:
         """Move the arm to its pose at ``time`` [s], and draw the trace up to then."""
@@ -111,10 +121,10 @@ class ArmLayer(Layer):
         if motion is None:
             self._trace.points = NO_SEGMENTS
             if plan.arm is not None and plan.arm is self._arm:
-                self._move(self._nodes.rest_pose(plan.arm, plan.scene))
+                self._nodes.rest(plan.scene)
             return
         if plan.arm is self._arm:
-            self._move(rows_at(time, motion.time, motion.positions))
+            self._nodes.move(rows_at(time, motion.time, motion.positions))
         count = int(np.searchsorted(motion.time, time, side="right"))
         if self._traced != (motion, count):
             self._traced = (motion, count)
@@ -125,9 +135,3 @@ class ArmLayer(Layer):
         """Trace through points (n, 3) of the tool, just above them, so that the curve is seen."""
         height = 0.008 * max(plan.scene.workspace.size)
         return segments(points + np.array([0.0, 0.0, height]))
-
-    def _move(self, positions: FloatArray) -> None:
-        """Pose all joints at positions (n,) of a motion."""
-        values = self._nodes.values(positions[None])[0]
-        for node in self._nodes.joint_nodes:
-            node.move(values)

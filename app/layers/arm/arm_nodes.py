@@ -1,22 +1,24 @@
-"""Scene nodes of an arm: a node for each joint in that of the joint before it, and the links."""
+"""Scene nodes of an arm: a node for each joint in that of the joint before it, and the links.
+
+What differs from one kind of arm to another is in the kind's module.
+"""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 import viser
 import viser.transforms
 
+from abi.arm_planning.branch.followed import Followed
 from abi.arrays import FloatArray
+from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from abi.scene.scene import Scene
 from app.ui import node_poses
-
-A = TypeVar("A", bound=AnyArm)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,10 +53,6 @@ class JointNode:
             "prismatic": self.prismatic,
         }
 
-    def forget_pose(self) -> None:
-        """Have the next move sent, as the page has moved the node by itself."""
-        node_poses.forget(self.frame)
-
     def move(self, positions: FloatArray) -> None:
         """Pose the node at the positions (m,) of all joints, [rad] and [unit]."""
         value = float(positions[self.column])
@@ -84,7 +82,49 @@ class LinkBody:
         self._own.visible = not on
 
 
-class ArmNodes(ABC, Generic[A]):
+class ArmKind(Protocol):
+    """What is drawn of a kind of arm: its nodes, other poses and regions. A module is one."""
+
+    @property
+    def NODES(self) -> tuple[str, str]:
+        """Name of the node that all others are in, and of the base's in it."""
+
+    @property
+    def SLOW_REGIONS(self) -> bool:
+        """Whether its regions take longer than a frame where the start is another."""
+
+    def bodies(self, arm: Any) -> object:
+        """Make the bodies of its links, which all tabs share."""
+
+    def look(self, arm: Any) -> object:
+        """Values that the nodes of an arm depend on, but for where its base stands."""
+
+    def build(self, nodes: ArmNodes, arm: Any, base: str) -> None:
+        """Add joints and bodies of an arm to ``nodes``, below the base's node of that name."""
+
+    def rest_pose(self, arm: Any, scene: Scene) -> FloatArray:
+        """Positions (n,) in which an arm stands that has no motion, [rad] and [unit]."""
+
+    def joint_values(self, arm: Any, positions: FloatArray) -> FloatArray:
+        """Positions (k, m) of the joints that have nodes, of those (k, n) of a motion."""
+
+    def end_pose(self, plan: Plan, arm: Any, end: str) -> FloatArray | None:
+        """Pose (n,) with the tool at the ``start`` or ``goal``; None where that is out of reach."""
+
+    def other_poses(self, plan: Plan, arm: Any, time: float) -> FloatArray:
+        """Other poses (k, n) that put the tool where it is at a time [s]."""
+
+    def other_joint_paths(self, plan: Plan, arm: Any) -> tuple[Followed, ...]:
+        """Joint paths of the other poses, at the page's samples of the motion."""
+
+    def region_start(self, plan: Plan, arm: Any) -> object:
+        """What its regions depend on beside its settings; None where it has none."""
+
+    def region(self, name: str, plan: Plan, arm: Any) -> FloatArray:
+        """Triangles (n, 3, 3) of its ``shadow`` or ``reach``, [unit], world."""
+
+
+class ArmNodes:
     """Nodes of one kind of arm; one place of the scene is for each kind.
 
     Attributes:
@@ -92,26 +132,49 @@ class ArmNodes(ABC, Generic[A]):
         joint_nodes: parents before their children; another list for another arm.
     """
 
-    def __init__(self, scene: viser.SceneApi, name: str, base: str) -> None:
-        """Begin without an arm; ``name`` and ``base`` of the root and the base's node in it."""
-        self._scene, self._base_name = scene, f"{name}/{base}"
+    def __init__(self, scene: viser.SceneApi, kind: ArmKind) -> None:
+        """Begin without an arm."""
+        self._scene, self._kind = scene, kind
+        name, base = kind.NODES
+        self._base_name = f"{name}/{base}"
         self.root = scene.add_frame(name, show_axes=False)
         self.joint_nodes: list[JointNode] = []
+        self._arm: AnyArm | None = None
         self._base: viser.FrameHandle | None = None
         self._bodies: list[tuple[str, LinkBody]] = []
         self._look: object = None
         self._touching: frozenset[str] = frozenset()
 
-    def place(self, arm: A) -> None:
+    def place(self, arm: AnyArm) -> None:
         """Put an arm on its base; build its nodes anew where it looks otherwise."""
-        if (look := self._look_of(arm)) != self._look or self._base is None:
+        self._arm = arm
+        if (look := self._kind.look(arm)) != self._look or self._base is None:
             if self._base is not None:
                 self._base.remove()
             self._base = self._scene.add_frame(self._base_name, show_axes=False)
             self._look, self._touching = look, frozenset()
             self.joint_nodes, self._bodies = [], []
-            self._build(arm)
+            self._kind.build(self, arm, self._base_name)
         self._base.position, self._base.wxyz = arm.base, np.array(arm.wxyz)
+
+    def values(self, positions: FloatArray) -> FloatArray:
+        """Positions (k, m) of the joints that have nodes, of those (k, n) of a motion."""
+        return self._kind.joint_values(self._arm, positions)
+
+    def move(self, positions: FloatArray) -> None:
+        """Pose all joints at positions (n,) of a motion."""
+        values = self.values(positions[None])[0]
+        for node in self.joint_nodes:
+            node.move(values)
+
+    def rest(self, scene: Scene) -> None:
+        """Pose all joints as without a motion."""
+        self.move(self._kind.rest_pose(self._arm, scene))
+
+    def forget_poses(self) -> None:
+        """Have the next move of every joint sent, as the page has moved them by itself."""
+        for node in self.joint_nodes:
+            node_poses.forget(node.frame)
 
     def redden(self, links: frozenset[str]) -> bool:
         """Draw links in red, and the others in their own colours; whether that is new."""
@@ -122,23 +185,7 @@ class ArmNodes(ABC, Generic[A]):
             body.redden(link in links)
         return True
 
-    @abstractmethod
-    def rest_pose(self, arm: A, scene: Scene) -> FloatArray:
-        """Positions (n,) in which an arm stands that has no motion, [rad] and [unit]."""
-
-    @abstractmethod
-    def values(self, positions: FloatArray) -> FloatArray:
-        """Positions (k, m) of the joints that have nodes, of those (k, n) of a motion."""
-
-    @abstractmethod
-    def _look_of(self, arm: A) -> object:
-        """Values that the nodes depend on."""
-
-    @abstractmethod
-    def _build(self, arm: A) -> None:
-        """Add the joints and bodies of an arm to the base's node."""
-
-    def _add_joint(
+    def add_joint(
         self,
         name: str,
         origin: viser.transforms.SE3,
@@ -155,6 +202,10 @@ class ArmNodes(ABC, Generic[A]):
         )
         self.joint_nodes.append(JointNode(frame, column, prismatic, axis, origin))
 
-    def _add_body(self, link: str, name: str, glbs: tuple[bytes, bytes]) -> None:
+    def add_body(self, link: str, name: str, glbs: tuple[bytes, bytes]) -> None:
         """Add a body made by :func:`app.layers.arm.link_body.link_glbs` to the node of a name."""
         self._bodies.append((link, LinkBody(self._scene, name, *glbs)))
+
+    def add_frame(self, name: str, height: float) -> None:
+        """Add a node without a body, at a height along the z axis of the one that it is in."""
+        self._scene.add_frame(name, show_axes=False, position=(0.0, 0.0, height))

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import viser
 import viser.transforms
 
-from abi.arm_planning.motion.trajectory import rest_pose
+from abi.arm_planning.motion import trajectory
 from abi.arrays import FloatArray
 from abi.robot.bodies.link_solid import LinkSolid, rotation_of
 from abi.robot.paper_arm import arm_links
@@ -21,44 +20,39 @@ _KEPT = 8
 """Arms of different sizes that are kept."""
 
 
-class PaperArmNodes(ArmNodes[PaperArm]):
-    """One node for each joint and one for the tool."""
+def look(arm: PaperArm) -> tuple[float, ...]:
+    """Lengths of the links, which its nodes depend on."""
+    return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        super().__init__(scene, "/arm", "links")
 
-    def rest_pose(self, arm: PaperArm, scene: Scene) -> FloatArray:
-        """Pose with the tool on the start."""
-        return rest_pose(arm, scene.arm, scene.start)
+def build(nodes: ArmNodes, arm: PaperArm, base: str) -> None:
+    """Add a node for each joint and one for the tool, and the bodies, below the base's node."""
+    (pedestal, glbs), *moved = bodies(arm).items()
+    *heights, tool = arm_links.joint_heights(*look(arm))
+    name = base
+    nodes.add_body(pedestal, name, glbs)
+    joints = zip(moved, heights, JOINT_AXES, enumerate(SLIDES), strict=True)
+    for (link, glbs), height, axis, (column, slides) in joints:
+        name = f"{name}/{link}"
+        origin = viser.transforms.SE3.from_translation(np.array([0.0, 0.0, height]))
+        nodes.add_joint(name, origin, np.array(axis), column, slides)
+        nodes.add_body(link, name, glbs)
+    nodes.add_frame(f"{name}/tool", tool)
 
-    def values(self, positions: FloatArray) -> FloatArray:
-        """Values of the scene nodes' joints, which are the joint positions."""
-        return positions
 
-    def _look_of(self, arm: PaperArm) -> tuple[float, ...]:
-        return _lengths(arm)
+def rest_pose(arm: PaperArm, scene: Scene) -> FloatArray:
+    """Pose (6,) with the tool on the start."""
+    return trajectory.rest_pose(arm, scene.arm, scene.start)
 
-    def _build(self, arm: PaperArm) -> None:
-        lengths = _lengths(arm)
-        (base, glbs), *moved = bodies(arm).items()
-        *heights, tool = map(_above, arm_links.joint_heights(*lengths))
-        name = self._base_name
-        self._add_body(base, name, glbs)
-        joints = zip(moved, heights, JOINT_AXES, enumerate(SLIDES), strict=True)
-        for (link, glbs), origin, axis, (column, slides) in joints:
-            name = f"{name}/{link}"
-            self._add_joint(name, origin, np.array(axis), column, slides)
-            self._add_body(link, name, glbs)
-        self._scene.add_frame(f"{name}/tool", show_axes=False, position=tool.translation())
+
+def joint_values(arm: PaperArm, positions: FloatArray) -> FloatArray:
+    """Values (k, 6) of the scene nodes' joints, which are the joint positions (k, 6)."""
+    return positions
 
 
 def bodies(arm: PaperArm) -> dict[str, tuple[bytes, bytes]]:
     """Bodies of the links that have any, from the base to the gripper, as :func:`link_glbs`."""
-    return _links(*_lengths(arm))
-
-
-def _lengths(arm: PaperArm) -> tuple[float, ...]:
-    return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
+    return _links(*look(arm))
 
 
 @computed_once(_KEPT)
@@ -77,7 +71,3 @@ def _shape(solid: LinkSolid) -> LinkShape:
     size = solid.size if solid.shape == "box" else (radius, height, 0.0)
     colours = (255 * np.array([arm_links.COLOURS[solid.material]])).astype(np.uint8)
     return LinkShape(solid.shape, size, pose, np.empty((0, 3)), np.empty((0, 3), np.int32), colours)
-
-
-def _above(height: float) -> viser.transforms.SE3:
-    return viser.transforms.SE3.from_translation(np.array([0.0, 0.0, height]))

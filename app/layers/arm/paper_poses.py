@@ -18,7 +18,9 @@ from app.layers.arm import paper_arm
 from app.layers.arm.arm_playback import samples_of
 
 SLOW_REGIONS = False
-nodes, bodies = paper_arm.PaperArmNodes, paper_arm.bodies
+NODES = ("/arm", "links")
+bodies, look, build = paper_arm.bodies, paper_arm.look, paper_arm.build
+rest_pose, joint_values = paper_arm.rest_pose, paper_arm.joint_values
 
 
 def end_pose(plan: Plan, arm: PaperArm, end: str) -> FloatArray:

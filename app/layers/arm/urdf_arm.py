@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import viser
 import viser.transforms
 
 from abi.arrays import ByteArray, FloatArray
@@ -40,50 +39,33 @@ class _Look:
     arm: UrdfArm = field(compare=False)
 
 
-class UrdfArmNodes(ArmNodes[UrdfArm]):
-    """One node a joint that moves, and the links that it carries."""
+def look(arm: UrdfArm) -> _Look:
+    """What its nodes depend on; its base may stand anywhere."""
+    held = frozenset(arm.held.items())
+    return _Look(arm.chain.robot, arm.tip, arm.unit, held, arm.joints, arm)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        super().__init__(scene, "/robot", "base")
-        self._arm: UrdfArm | None = None
 
-    def place(self, arm: UrdfArm) -> None:
-        """Put an arm on its base; its geometry stays where robot, tip and unit do."""
-        self._arm = arm
-        super().place(arm)
+def build(nodes: ArmNodes, arm: UrdfArm, base: str) -> None:
+    """Add a node a joint that moves, and the links that it carries, below the base's node."""
+    names = [base]
+    for number, joint in enumerate(arm.chain.joints):
+        # the base is first, so that the joint before one is where its number plus one is
+        names.append(f"{names[arm.chain.table.before[number] + 1]}/joint{number}")
+        slides = joint.kind == "prismatic"
+        nodes.add_joint(names[-1], joint_origin(arm, number), joint.axis, number, slides)
+    for number, glbs in bodies(arm).items():
+        carried = arm.chain.carried[number]
+        nodes.add_body(carried.link, f"{names[carried.frame + 1]}/{number}", glbs)
 
-    def rest_pose(self, arm: UrdfArm, scene: Scene) -> FloatArray:
-        """The first pose found with the tool on the start."""
-        return arm.first_poses(np.array(scene.start))[0]
 
-    def values(self, positions: FloatArray) -> FloatArray:
-        """Positions (k, m) of the chain's joints, those that mimic another among them."""
-        assert self._arm is not None
-        return joint_values(self._arm, positions)
-
-    def _look_of(self, arm: UrdfArm) -> _Look:
-        return _look_of(arm)
-
-    def _build(self, arm: UrdfArm) -> None:
-        names = [self._base_name]
-        for number, joint in enumerate(arm.chain.joints):
-            # the base is first, so that the joint before one is where its number plus one is
-            names.append(f"{names[arm.chain.table.before[number] + 1]}/joint{number}")
-            slides = joint.kind == "prismatic"
-            self._add_joint(names[-1], joint_origin(arm, number), joint.axis, number, slides)
-        for number, glbs in bodies(arm).items():
-            carried = arm.chain.carried[number]
-            self._add_body(carried.link, f"{names[carried.frame + 1]}/{number}", glbs)
+def rest_pose(arm: UrdfArm, scene: Scene) -> FloatArray:
+    """The first pose found with the tool on the start, (n,)."""
+    return arm.first_poses(np.array(scene.start))[0]
 
 
 def bodies(arm: UrdfArm) -> dict[int, tuple[bytes, bytes]]:
     """Bodies of the links that are drawn, by their numbers among those that the chain carries."""
-    return _bodies(_look_of(arm))
-
-
-def _look_of(arm: UrdfArm) -> _Look:
-    held = frozenset(arm.held.items())
-    return _Look(arm.chain.robot, arm.tip, arm.unit, held, arm.joints, arm)
+    return _bodies(look(arm))
 
 
 @computed_once(_KEPT)
@@ -120,7 +102,10 @@ def root_pose(arm: UrdfArm) -> FloatArray:
 
 
 def joint_values(arm: UrdfArm, positions: FloatArray) -> FloatArray:
-    """Positions (k, m) of an arm's joints, [rad] or [unit], of those (k, n) that a motion has."""
+    """Positions (k, m) of an arm's joints, [rad] or [unit], of those (k, n) that a motion has.
+
+    Those that mimic another are among them.
+    """
     table = arm.chain.table
     values = (positions / arm.scales)[:, table.source] * table.factor + table.offset
     return np.asarray(np.where(table.slides, values / arm.metres, values))

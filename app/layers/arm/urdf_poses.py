@@ -35,7 +35,9 @@ _ALIKE = 0.05
 
 SLOW_REGIONS = True
 """They take longer than a frame where the start is another."""
-nodes, bodies = urdf_arm.UrdfArmNodes, urdf_arm.bodies
+NODES = ("/robot", "base")
+bodies, look, build = urdf_arm.bodies, urdf_arm.look, urdf_arm.build
+rest_pose, joint_values = urdf_arm.rest_pose, urdf_arm.joint_values
 
 
 def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
