@@ -12,7 +12,7 @@ import sqlite3
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from mcap.records import Schema
@@ -67,14 +67,6 @@ uint32 nanosec
 """Definition of the first of them."""
 
 
-class BagMessage(NamedTuple):
-    """A trajectory in a bag: its topic, its number among those of the topic from 1, its data."""
-
-    topic: str
-    number: int
-    data: Any
-
-
 def read_bag(content: bytes, topic: str | None = None) -> Any:
     """Read a trajectory of a bag as plain data.
 
@@ -87,20 +79,20 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
         SeveralChoicesError: it has several, and none is named.
         MotionError: it is no bag, or has no such trajectory.
     """
-    found = list[BagMessage]()
+    found = dict[tuple[str, int], Any]()  # by topic, and number among those of the topic from 1
     numbers: Counter[str] = Counter()
     read = _sqlite_messages if content.startswith(_SQLITE) else _mcap_messages
     try:
         for name, data in read(content):
             numbers[name] += 1
-            found.append(BagMessage(name, numbers[name], data))
+            found[name, numbers[name]] = data
             _check_number(len(found))
     except MotionError:
         raise
     except Exception as error:  # readers of damaged bags raise whatever they meet
         reason = short(str(error) or type(error).__name__)
         raise MotionError(f"The bag cannot be read ({reason}).") from None
-    return _chosen(found, topic).data
+    return found[_chosen([*found], topic)]
 
 
 def state_of_bag(content: bytes) -> list[str]:
@@ -116,16 +108,16 @@ def state_of_bag(content: bytes) -> list[str]:
     return said
 
 
-def _chosen(found: list[BagMessage], topic: str | None) -> BagMessage:
-    """The trajectory that is asked for.
+def _chosen(found: list[tuple[str, int]], topic: str | None) -> tuple[str, int]:
+    """Topic and number of the trajectory that is asked for, of those in a bag.
 
     Raises:
         MotionError: there is none, or it is not said which of several.
     """
-    asked = [one for one in found if topic in (None, one.topic, f"{one.topic}:{one.number}")]
+    asked = [(name, k) for name, k in found if topic in (None, name, f"{name}:{k}")]
     if len(asked) == 1:
         return asked[0]
-    counts = Counter(one.topic for one in found)
+    counts = Counter(name for name, _ in found)
     told = ", ".join(
         name if count == 1 else f"{name}:1 to {name}:{count}" for name, count in counts.items()
     )
@@ -139,10 +131,7 @@ def _chosen(found: list[BagMessage], topic: str | None) -> BagMessage:
     raise SeveralChoicesError(
         f"The bag has {len(asked)} trajectories.",
         f"Choose one by its topic and number, abi certify --topic: {told}.",
-        tuple(
-            one.topic if counts[one.topic] == 1 else f"{one.topic}:{one.number}"
-            for one in asked[:_LISTED]
-        ),
+        tuple(name if counts[name] == 1 else f"{name}:{k}" for name, k in asked[:_LISTED]),
     )
 
 
