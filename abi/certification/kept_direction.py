@@ -8,6 +8,8 @@ which the joints' Bézier points stay that near to the pose; otherwise the stret
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -15,7 +17,7 @@ import numpy as np
 from abi.arm_planning.joint_search.held_span import EXACTLY
 from abi.arrays import FloatArray
 from abi.certification.robot_motion import RobotMotion, on_curves
-from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.chain import Carried, Chain
 from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene
 
@@ -76,13 +78,15 @@ def kept_direction(motion: RobotMotion, scene: Scene) -> KeptDirection | None:
     first, last = start + axis.begin * duration, start + axis.end * duration
     if why := _unknown(motion, scene, axis):
         return KeptDirection("not judged", axis.tolerance, first, last, why=why)
-    tip = _Tip(motion.chain, scene.arm.tool, np.array(axis.direction))
+    link = next(one for one in motion.chain.carried if one.link == scene.arm.tool)
+    angles_at = partial(_angles, motion.chain, link, np.array(axis.direction))
     begin, end = np.interp((first, last), times, np.arange(float(len(times)))).tolist()
     places = _places(begin, end)
-    angles = tip.angles(motion.positions_at(places))
+    angles = angles_at(motion.positions_at(places))
     worst = int(angles.argmax())
     peak = float(angles[worst]), motion.time_at(float(places[worst]))
-    beyond, unsure = _outside(motion, tip, axis.tolerance, (begin, end))
+    turns = _turns(motion.chain, link.frame)
+    beyond, unsure = _outside(motion, angles_at, turns, axis.tolerance, (begin, end))
     open_ = np.concatenate([beyond, unsure])
     left = len(beyond) > 0 or peak[0] > axis.tolerance
     state: Kept = "left" if left else "undecided" if len(open_) else "kept"
@@ -105,25 +109,19 @@ def _unknown(motion: RobotMotion, scene: Scene, axis: HeldAxis) -> str:
     return ""
 
 
-class _Tip:
-    """The z axis of a link, how far it is off a direction, and how much it turns."""
-
-    def __init__(self, chain: Chain, link: str, direction: FloatArray) -> None:
-        self._chain = chain
-        self._carried = next(one for one in chain.carried if one.link == link)
-        self._direction = direction / np.linalg.norm(direction)
-        self.turns = _turns(chain, self._carried.frame)
-
-    def angles(self, positions: FloatArray) -> FloatArray:
-        """Angles (k,) at joint positions (k, n), [rad]."""
-        z = self._carried.pose[:3, 2]
-        if self._carried.frame < 0:
-            tip = np.tile(z, (len(positions), 1))
-        else:
-            tip = self._chain.poses(positions)[:, self._carried.frame, :, :3] @ z
-        apart, along = tip - self._direction, tip + self._direction  # exact where one is small
-        squares = (apart * apart).sum(axis=1), (along * along).sum(axis=1)
-        return np.asarray(2 * np.arctan2(*map(np.sqrt, squares)))
+def _angles(
+    chain: Chain, link: Carried, direction: FloatArray, positions: FloatArray
+) -> FloatArray:
+    """Angles (k,) between a link's z axis and a direction at joint positions (k, n), [rad]."""
+    z = link.pose[:3, 2]
+    if link.frame < 0:
+        tip = np.tile(z, (len(positions), 1))
+    else:
+        tip = chain.poses(positions)[:, link.frame, :, :3] @ z
+    direction = direction / np.linalg.norm(direction)
+    apart, along = tip - direction, tip + direction  # exact where one is small
+    squares = (apart * apart).sum(axis=1), (along * along).sum(axis=1)
+    return np.asarray(2 * np.arctan2(*map(np.sqrt, squares)))
 
 
 def _turns(chain: Chain, frame: int) -> FloatArray:
@@ -143,9 +141,21 @@ def _places(begin: float, end: float) -> FloatArray:
 
 
 def _outside(
-    motion: RobotMotion, tip: _Tip, tolerance: float, span: tuple[float, float]
+    motion: RobotMotion,
+    angles_at: Callable[[FloatArray], FloatArray],
+    turns: FloatArray,
+    tolerance: float,
+    span: tuple[float, float],
 ) -> tuple[FloatArray, FloatArray]:
-    """Stretches (k, 2) on which the direction is not kept, and those (l, 2) not decided."""
+    """Stretches (k, 2) on which the direction is not kept, and those (l, 2) not decided.
+
+    Args:
+        motion: the motion.
+        angles_at: angles (k,) off the direction at joint positions (k, n).
+        turns: largest turn of the tool per unit of each coordinate, (n,).
+        tolerance: largest angle that is asked for.
+        span: parameters between which it is.
+    """
     begin, end = span
     pieces = np.arange(int(begin), max(int(np.ceil(end)), int(begin) + 1))
     ends = np.stack([np.maximum(pieces, begin), np.minimum(pieces + 1, end)], axis=1)
@@ -155,8 +165,8 @@ def _outside(
     while len(points):
         halves = np.full(len(points), 0.5)
         middles = on_curves(points, halves)
-        angles = tip.angles(middles)
-        turned = np.abs(points - middles[:, None]).max(axis=1) @ tip.turns
+        angles = angles_at(middles)
+        turned = np.abs(points - middles[:, None]).max(axis=1) @ turns
         outside = angles - turned > tolerance
         left = ~outside & (angles + turned > tolerance - _NEAR)
         beyond.append(ends[outside])
