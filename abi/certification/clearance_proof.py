@@ -29,7 +29,7 @@ from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.convex_bodies import RobotBodies, robot_bodies
 from abi.certification.posed_hulls_kernels import nearest_obstacle
 from abi.certification.robot_motion import RobotMotion
-from abi.certification.separate_motion_kernels import Path, separate_motion
+from abi.certification.separate_motion_kernels import separate_motion
 from abi.curves.clearance.separation_kernels import REFUTED, SPENT
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
@@ -123,12 +123,12 @@ def separation(
         to_the_end: whether to go on once something is left.
     """
     points = problem.motion.points
-    path = Path(flat(points), points.shape[1], points.shape[2])
     finest = min(1.0, len(points) / PARTS)
     planes, left, outcomes = separate_motion(
         problem.bodies.chain.table,
         problem.bodies.hulls,
-        path,
+        flat(points),
+        points.shape[1],
         problem.around.beyond(margin),
         finest,
         most_tries,

@@ -7,7 +7,6 @@ what a direction proves, ``abi.arm_planning.world.collision_world_kernels`` for 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -54,61 +53,46 @@ from abi.robot.bodies.hull_kernels import separation
 from abi.robot.kinematics.chain_kernels import TABLE, ChainTable
 
 
-class Path(NamedTuple):
-    """Polynomials of the joints between waypoints.
-
-    Attributes:
-        points: Bézier points, flat (k (degree + 1) n,), [rad] or [m].
-        width: points of a polynomial: its degree + 1.
-        joints: number n of joints.
-    """
-
-    points: FloatArray
-    width: int
-    joints: int
-
-
-PATH = Path(FLOATS, 2, 1)
-"""Example of a motion."""
-
-
 @jitable
-def _part_of(path: Path, piece: int, j: int, shares: tuple[float, float], room: FloatArray) -> None:
-    """Write the Bézier points of a joint on a part of a polynomial (de Casteljau, twice)."""
+def _part_of(
+    points: FloatArray, piece: int, j: int, shares: tuple[float, float], pose: HullPose
+) -> None:
+    """Write the Bézier points of joint j on a part of a polynomial (de Casteljau, twice)."""
     low, high = shares
-    last = path.width - 1
-    for i in range(path.width):
-        room[i] = path.points[(piece * path.width + i) * path.joints + j]
-    for level in range(1, path.width):
+    room, joints = pose.room, len(pose.joints)
+    width, last = len(room), len(room) - 1
+    for i in range(width):
+        room[i] = points[(piece * width + i) * joints + j]
+    for level in range(1, width):
         for i in range(last, level - 1, -1):
             room[i] = room[i - 1] + high * (room[i] - room[i - 1])
     inner = low / high if high > 0 else 0.0
-    for level in range(1, path.width):
-        for i in range(path.width - level):
+    for level in range(1, width):
+        for i in range(width - level):
             room[i] = room[i] + inner * (room[i + 1] - room[i])
 
 
 @jitable
-def joints_at(path: Path, at: float, pose: HullPose) -> None:
+def joints_at(points: FloatArray, at: float, pose: HullPose) -> None:
     """Write the coordinates at a parameter."""
-    pieces = len(path.points) // (path.width * path.joints)
-    piece = min(int(at), pieces - 1)
-    for j in range(path.joints):
-        _part_of(path, piece, j, (0.0, at - piece), pose.room)
-        pose.joints[j] = pose.room[path.width - 1]
+    width, joints = len(pose.room), len(pose.joints)
+    piece = min(int(at), len(points) // (width * joints) - 1)
+    for j in range(joints):
+        _part_of(points, piece, j, (0.0, at - piece), pose)
+        pose.joints[j] = pose.room[width - 1]
 
 
 @jitable
-def ways_of(path: Path, stretch: Piece, pose: HullPose) -> None:
+def ways_of(points: FloatArray, stretch: Piece, pose: HullPose) -> None:
     """Write how far each coordinate gets from the pose: bounded by Bézier points."""
     first = int(stretch.start)
     last = max(first + 1, math.ceil(stretch.end))
-    for j in range(path.joints):
+    for j in range(len(pose.joints)):
         far = 0.0
         for piece in range(first, last):
             shares = max(stretch.start - piece, 0.0), min(stretch.end - piece, 1.0)
-            _part_of(path, piece, j, shares, pose.room)
-            for i in range(path.width):
+            _part_of(points, piece, j, shares, pose)
+            for i in range(len(pose.room)):
                 far = max(far, abs(pose.room[i] - pose.joints[j]))
         pose.ways[j] = far
 
@@ -158,22 +142,23 @@ def _add_pairs(around: Obstacles, hulls: Bodies, pairs: list[int]) -> None:
         pairs.append(bodies * count + own)
 
 
-_AlongPath = tuple[ChainTable, Bodies, Path, Obstacles, HullPose]
-"""A chain, the bodies that it moves, its motion, what to keep clear of, and room for a pose."""
+_AlongMotion = tuple[ChainTable, Bodies, FloatArray, Obstacles, HullPose]
+"""A chain, the bodies that it moves, Bézier points of its joints, flat (k (degree + 1) n,), what to
+keep clear of, and room for a pose."""
 
 
 @jitable(forceinline=True)
-def _along_path(
-    problem: _AlongPath, piece: Piece, behind: Piece, known: tuple[int, int], lists: ProofLists
+def _along_motion(
+    problem: _AlongMotion, piece: Piece, behind: Piece, known: tuple[int, int], lists: ProofLists
 ) -> Attempt:
     """Separate bodies from rows, and from each other, while the joints move along a piece.
 
     The size of what is left is the largest motion of a body.
     """
-    chain, hulls, path, around, pose = problem
+    chain, hulls, points, around, pose = problem
     planes, candidates, work = lists
-    joints_at(path, behind.start, pose)
-    ways_of(path, piece, pose)
+    joints_at(points, behind.start, pose)
+    ways_of(points, piece, pose)
     place_hulls(chain, hulls, pose)
     work.clear()
     for i in range(known[1] - 1, known[0] - 1, -1):
@@ -208,22 +193,24 @@ def _along_path(
     return Attempt(UNDECIDED, left, 0.0, tries, farthest)
 
 
-@compiled(example=(TABLE, BODIES, PATH, NO_OBSTACLES, 1.0, 9, True), fallback=False)
+@compiled(example=(TABLE, BODIES, FLOATS, 2, NO_OBSTACLES, 1.0, 9, True), fallback=False)
 def separate_motion(
     chain: ChainTable,
     hulls: Bodies,
-    path: Path,
+    points: FloatArray,
+    width: int,
     around: Obstacles,
     finest: float,
     most_tries: int,
     to_the_end: bool,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Separate every body from everything around while the joints follow a path.
+    """Separate every body from everything around while the joints follow polynomials of time.
 
     Args:
         chain: the chain.
         hulls: the bodies that it moves.
-        path: the motion.
+        points: Bézier points of the n joints between waypoints, flat (k width n,), [rad] or [m].
+        width: points of a polynomial: its degree + 1.
         around: what to keep clear of.
         finest: length of a piece that touches at its pose from which on it is not halved.
         most_tries: pairs to try at most; what is then left is undecided.
@@ -233,14 +220,15 @@ def separate_motion(
         Planes (k, 7), as of chains; what is left (l, 7), as planes without a direction; and of each
         of these REFUTED if the piece touches at its pose, UNDECIDED or SPENT (l,).
     """
-    pieces = len(path.points) // (path.width * path.joints)
-    pose = new_pose(chain, hulls, path.joints, path.width)
+    count = len(chain.limits) // 2
+    pose = new_pose(chain, hulls, count, width)
     lists, left = new_lists(), none_left()
     _add_pairs(around, hulls, lists.candidates)
     size = FINEST * around.size
     limits = HalvingLimits(1, size, most_tries, finest, to_the_end, False)
-    problem, whole = (chain, hulls, path, around, pose), whole_motion(pieces + 1)
-    separate_pieces(problem, whole, halves_of_motion, _along_path, limits, lists, left)
+    whole = whole_motion(len(points) // (width * count) + 1)
+    problem = chain, hulls, points, around, pose
+    separate_pieces(problem, whole, halves_of_motion, _along_motion, limits, lists, left)
     outcomes = np.empty(len(left.outcomes) - 1)
     for i in range(len(outcomes)):
         outcomes[i] = left.outcomes[i + 1]
