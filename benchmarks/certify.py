@@ -139,7 +139,7 @@ def plate(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
     random = np.random.default_rng(seed)
     at = random.uniform(0.1, len(verdict.problem.motion.points) - 0.1)
     problem = verdict.problem
-    body = problem.bodies.bodies[-1]
+    body = problem.bodies[-1]
     places = [_place(verdict, body.points[0], body.frame, t) for t in (at, at + 1e-3)]
     way = places[1] - places[0]
     axis = int(np.abs(way).argmax())
@@ -151,7 +151,7 @@ def plate(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
 def _place(verdict: MotionVerdict, point: FloatArray, frame: int, at: float) -> FloatArray:
     """Place of a point of a body at a parameter, [m]."""
     positions = verdict.problem.motion.positions_at(np.array([at]))
-    pose = verdict.problem.bodies.chain.poses(positions)[0, frame]
+    pose = verdict.problem.chain.poses(positions)[0, frame]
     return np.asarray(pose[:, :3] @ point + pose[:, 3])
 
 

@@ -176,7 +176,7 @@ def damaged(problem: Task, verdict: MotionVerdict, path: FloatArray, count: int)
 def grazed(verdict: MotionVerdict, seed: int) -> tuple[dict[str, Any], float]:
     """A small plate that the last link grazes between two waypoints, and the parameter there."""
     random = np.random.default_rng(seed)
-    motion, chain = verdict.problem.motion, verdict.problem.bodies.chain
+    motion, chain = verdict.problem.motion, verdict.problem.chain
     last = [one for one in chain.carried if chain.robot.links[one.link].shapes][-1]
     shape = chain.robot.links[last.link].shapes[0]
     pose = last.pose @ shape.pose

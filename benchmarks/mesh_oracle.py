@@ -47,7 +47,7 @@ class MeshOracle:
     """
 
     def __init__(self, problem: MotionProblem) -> None:
-        self._chain, self._floor = problem.bodies.chain, problem.around.floor
+        self._chain, self._floor = problem.chain, problem.around.floor
         self._obstacles = list(problem.obstacles)
         self._parts, self._links = list[_Part](), dict[str, list[int]]()
         for carried in self._chain.carried:
@@ -57,8 +57,8 @@ class MeshOracle:
         self._solids = [*map(obstacle_object, self._obstacles), _floor_object(self._floor)]
         self._frames = np.array([part.frame for part in self._parts])
         self._radii = np.array([part.radius for part in self._parts])
-        names = [body.link for body in problem.bodies.bodies]
-        links = sorted({(names[i], names[j]) for i, j in problem.bodies.pairs[0].tolist()})
+        names = [body.link for body in problem.bodies]
+        links = sorted({(names[i], names[j]) for i, j in problem.pairs[0].tolist()})
         pairs = [
             both for one, other in links for both in product(self._links[one], self._links[other])
         ]

@@ -38,7 +38,7 @@ print(checked)
 # %%
 # A plate a tenth of a millimetre thin stands in the way. A thousand samples of the motion are 1.2
 # milliradians apart, and between two of them the tool moves by more than the plate is thick.
-chain, motion = alone.problem.bodies.chain, alone.problem.motion
+chain, motion = alone.problem.chain, alone.problem.motion
 x, y, z = chain.poses(motion.positions_at(np.array([0.5003])))[0, -1, :, 3].tolist()
 plate = {"shape": "box", "size": [0.0001, 0.3, 0.3], "position": [x, y, z]}
 scene = alone.scene.replace(obstacles=[plate])

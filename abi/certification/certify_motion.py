@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from operator import attrgetter
-from typing import NamedTuple
 
 import numpy as np
 
 from abi import arguments
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.certification import exact_contact
 from abi.certification.clearance_proof import (
     MOST_TRIES,
     MotionProblem,
-    Separation,
+    UndecidedPair,
     nearest,
     problem_of,
     separation,
 )
-from abi.certification.exact_contact import ContactFinder
 from abi.certification.joint_limits import LimitsKept, joint_limits
 from abi.certification.kept_direction import KeptDirection, kept_direction
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
-from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch, named
+from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch
 from abi.scene.scene import Scene
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
@@ -89,10 +89,10 @@ def _verdict(
 ) -> MotionVerdict:
     """What the bodies prove; where they do not, what the exact shapes decide."""
     motion = problem.motion.motion
-    proof = separation(problem, clearance, most_tries)
+    found = separation(problem, clearance, most_tries)
     distance, least = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
     inside = _inside(problem)
-    if proof.proven and not inside:
+    if isinstance(found, ArmCertificate) and not inside:
         ends = _times(problem, 0.0, len(problem.motion.points))
         if apart := _apart_though_allowed(problem):
             whole = (TimeStretch(*ends, "undecided"),)
@@ -100,11 +100,13 @@ def _verdict(
                 *("undecided", scene, problem, distance, least, (), apart, whole),
                 *(*beside, None),
             )
-        proof = _wider(problem, proof, distance, most_tries)
-        margin = proof.margin if len(problem.obstacles) else math.inf
+        proof = _wider(problem, found, distance, most_tries)
         whole = (TimeStretch(*ends, "clear"),)
-        return MotionVerdict("clear", scene, problem, margin, least, (), (), whole, *beside, proof)
-    touches, doubts, stretches = _decided(problem, proof, inside, clearance)
+        return MotionVerdict(
+            *("clear", scene, problem, proof.margin, least, (), (), whole), *(*beside, proof)
+        )
+    pairs = () if isinstance(found, ArmCertificate) else found
+    touches, doubts, stretches = _decided(problem, pairs, inside, clearance)
     state: State = "touches" if touches else "undecided"
     return MotionVerdict(
         *(state, scene, problem, distance, least, touches, doubts, stretches, *beside, None)
@@ -118,15 +120,15 @@ def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
     """
     found = []
     first = problem.motion.positions_at(np.array([0.0]))
-    poses = problem.bodies.chain.poses(first)[0]
+    poses = problem.chain.poses(first)[0]
     for number, obstacle in enumerate(problem.obstacles):
         if obstacle.convex:
             continue
-        for body in problem.bodies.bodies:
+        for body in problem.bodies:
             if body.frame >= 0:
                 frame = poses[body.frame]
                 point = frame[:, :3] @ body.points[0] + frame[:, 3]
-                if obstacle.signed_distance(point[None] / problem.bodies.metres)[0] < 0:
+                if obstacle.signed_distance(point[None] / problem.metres)[0] < 0:
                     found.append((body.link, number))
     return list(dict.fromkeys(found))
 
@@ -136,25 +138,24 @@ def _apart_though_allowed(problem: MotionProblem) -> tuple[Doubt, ...]:
 
     No proof tells whether such a pair touches elsewhere.
     """
-    always = [one for one in problem.bodies.pairs[1] if one.reason == "always"]
+    always = [one for one in problem.pairs[1] if one.reason == "always"]
     if not always:
         return ()
-    finder, end = ContactFinder(problem), float(len(problem.motion.points))
-    doubts = []
+    end, doubts = float(len(problem.motion.points)), []
     for link, other, _ in always:
         assert isinstance(other, str)
         for at in np.linspace(0.0, end, _ENDS_AND_BETWEEN).tolist():
-            if not finder.touches(at, link, other):
+            if not exact_contact.touches(problem, at, link, other):
                 why = f"Convex pieces that fit {link} and {other} more closely would decide it."
-                away = finder.distance(at, link, other)
+                away = exact_contact.distance(problem, at, link, other)
                 doubts.append(Doubt(*_times(problem, 0.0, end), link, other, away, why))
                 break
     return tuple(doubts)
 
 
 def _wider(
-    problem: MotionProblem, proof: Separation, distance: float, most_tries: int
-) -> Separation:
+    problem: MotionProblem, proof: ArmCertificate, distance: float, most_tries: int
+) -> ArmCertificate:
     """A proof for the largest possible of some fractions of the least distance found."""
     if not 0 < distance < math.inf:
         return proof
@@ -162,56 +163,32 @@ def _wider(
         if share * distance <= proof.margin:
             break
         wider = separation(problem, share * distance, most_tries, to_the_end=False)
-        if wider.proven:
+        if isinstance(wider, ArmCertificate):
             return wider
     return proof
 
 
-class _Pair(NamedTuple):
-    """A link and what it may touch: stretches (k, 3) as in a separation, and where bodies touch."""
-
-    link: str
-    other: int | str
-    left: FloatArray
-    overlaps: IntArray
-
-
-def _pairs(problem: MotionProblem, proof: Separation) -> list[_Pair]:
-    """Undecided stretches of a separation, grouped by links."""
-    links = np.unique([body.link for body in problem.bodies.bodies], return_inverse=True)
-    others = np.unique(proof.left_others, return_inverse=True)
-    names = [named(problem, one) for one in others[0].tolist()]
-    known = {name: number for number, name in enumerate(dict.fromkeys(names))}
-    of_other = np.array([known[name] for name in names], dtype=np.int64)[others[1]]
-    keys = links[1][proof.left_bodies] * len(known) + of_other
-    order = np.lexsort((proof.left[:, 0], keys))
-    found = []
-    for chosen in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1) if len(order) else ():
-        link, other = divmod(int(keys[chosen[0]]), len(known))
-        rows = proof.left[chosen], proof.touching[chosen]
-        found.append(_Pair(str(links[0][link]), [*known][other], *rows))
-    return sorted(found, key=lambda pair: float(pair.left[0, 0]))
-
-
 def _decided(
-    problem: MotionProblem, proof: Separation, inside: Iterable[tuple[str, int]], clearance: float
+    problem: MotionProblem,
+    pairs: Sequence[UndecidedPair],
+    inside: Iterable[tuple[str, int]],
+    clearance: float,
 ) -> tuple[tuple[Contact, ...], tuple[Doubt, ...], tuple[TimeStretch, ...]]:
     """Contacts, doubts, and stretches of time."""
-    finder = ContactFinder(problem)
     touches, doubts = [], []
     touching = np.zeros((0, 2))
     for link, obstacle in inside:
         first, last = _times(problem, 0.0, float(len(problem.motion.points)))
-        deep = finder.depth(0.0, link, obstacle)
+        deep = exact_contact.depth(problem, 0.0, link, obstacle)
         touches.append(Contact(link, obstacle, first, last, first, deep))
         touching = np.array([[0.0, float(len(problem.motion.points))]])
-    for number, pair in enumerate(_pairs(problem, proof)):
+    for number, pair in enumerate(pairs):
         step = max(1, math.ceil(len(pair.left) / _POSES))
         rows = np.arange(0, len(pair.left) if number < _PAIRS else 0, step, dtype=np.int32)
         poses = pair.left[rows, 2].tolist()
-        hit = np.array([finder.touches(at, pair.link, pair.other) for at in poses], dtype=bool)
+        hit = np.array([_touches_at(problem, pair, at) for at in poses], dtype=bool)
         if hit.any():
-            found = _touches(problem, finder, pair, rows, hit)
+            found = _touches(problem, pair, rows, hit)
             touches += found
             nearest_tested = np.minimum(np.arange(len(pair.left)) // step, len(rows) - 1)
             spans = np.array([(one.first, one.last) for one in found])
@@ -220,20 +197,25 @@ def _decided(
             )
             touching = np.concatenate([touching, pair.left[hit[nearest_tested], :2], spans])
         else:
-            doubts.append(_doubt(problem, proof, pair, finder, clearance))
+            doubts.append(_doubt(problem, pair, clearance))
     touches.sort(key=attrgetter("first"))
     doubts.sort(key=attrgetter("first"))
-    return tuple(touches), tuple(doubts), _stretches(problem, proof, touching)
+    left = np.concatenate([np.zeros((0, 2)), *(pair.left[:, :2] for pair in pairs)])
+    return tuple(touches), tuple(doubts), _stretches(problem, left, touching)
+
+
+def _touches_at(problem: MotionProblem, pair: UndecidedPair, parameter: float) -> bool:
+    """Decide whether the exact shapes of a pair touch at a parameter."""
+    return exact_contact.touches(problem, parameter, pair.link, pair.other)
 
 
 def _touches(
-    problem: MotionProblem, finder: ContactFinder, pair: _Pair, rows: IntArray, hit: BoolArray
+    problem: MotionProblem, pair: UndecidedPair, rows: IntArray, hit: BoolArray
 ) -> list[Contact]:
     """Contacts of a pair in order, each from its first time, found by bisection.
 
     Args:
         problem: the motion.
-        finder: of contacts.
         pair: the pair.
         rows: numbers of its stretches that were tested, (k,).
         hit: whether it touches on these, (k,).
@@ -247,10 +229,10 @@ def _touches(
         low = float(pair.left[rows[first], 0])
         if first > 0 and apart[first - 1] == apart[first]:
             low = float(pair.left[rows[first - 1], 2])
-        at = _first_contact(finder, pair, low, float(pair.left[rows[first], 2]))
+        at = _first_contact(problem, pair, low, float(pair.left[rows[first], 2]))
         few = of_one[:: math.ceil(len(of_one) / _DEPTHS)]
         poses = pair.left[rows[few], 2].tolist()
-        depths = [finder.depth(pose, pair.link, pair.other) for pose in poses]
+        depths = [exact_contact.depth(problem, pose, pair.link, pair.other) for pose in poses]
         deepest = int(np.argmax(depths))
         times = (at, float(ends[rows[of_one[-1]]]), poses[deepest])
         first_time, last, deep = (problem.motion.time_at(one) for one in times)
@@ -258,27 +240,25 @@ def _touches(
     return found
 
 
-def _first_contact(finder: ContactFinder, pair: _Pair, low: float, high: float) -> float:
+def _first_contact(problem: MotionProblem, pair: UndecidedPair, low: float, high: float) -> float:
     """The first parameter from ``low`` on at which a pair touches, which it does at ``high``."""
-    if finder.touches(low, pair.link, pair.other):
+    if _touches_at(problem, pair, low):
         return low
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        if finder.touches(middle, pair.link, pair.other):
+        if _touches_at(problem, pair, middle):
             high = middle
         else:
             low = middle
     return high
 
 
-def _doubt(
-    problem: MotionProblem, proof: Separation, pair: _Pair, finder: ContactFinder, clearance: float
-) -> Doubt:
+def _doubt(problem: MotionProblem, pair: UndecidedPair, clearance: float) -> Doubt:
     """A pair that neither was found to touch nor is proven clear."""
     first, last = _times(problem, float(pair.left[0, 0]), float(pair.left[:, 1].max()))
     middle = float(pair.left[len(pair.left) // 2, 2])
-    distance = finder.distance(middle, pair.link, pair.other)
-    if proof.spent:
+    distance = exact_contact.distance(problem, middle, pair.link, pair.other)
+    if pair.spent:
         why = "More tries would decide it."
     elif distance > max(clearance, _FINEST * problem.around.size) and pair.overlaps.any():
         why = f"Convex pieces that fit {pair.link} more closely would decide it."
@@ -290,22 +270,25 @@ def _doubt(
 
 
 def _stretches(
-    problem: MotionProblem, proof: Separation, touching: FloatArray
+    problem: MotionProblem, left: FloatArray, touching: FloatArray
 ) -> tuple[TimeStretch, ...]:
-    """The motion in the order of time: what touches, what is undecided, and what is proven."""
-    cuts = np.unique(
-        np.concatenate(
-            [[0.0, float(len(problem.motion.points))], proof.left[:, :2].ravel(), touching.ravel()]
-        )
-    )
+    """The motion in the order of time: what touches, what is undecided, and what is proven.
+
+    Args:
+        problem: the motion.
+        left: parameters between which something is undecided, (k, 2).
+        touching: those between which something touches, (l, 2).
+    """
+    ends = [0.0, float(len(problem.motion.points))]
+    cuts = np.unique(np.concatenate([ends, left.ravel(), touching.ravel()]))
     middles = (cuts[1:] + cuts[:-1]) / 2
-    number = np.where(_covered(middles, proof.left[:, :2]), 1, 0)
+    number = np.where(_covered(middles, left), 1, 0)
     number[_covered(middles, touching)] = 2
     begins = np.flatnonzero(np.diff(number, prepend=-1))
     found = []
     for first, last in zip(begins.tolist(), [*begins[1:].tolist(), len(number)], strict=True):
-        ends = _times(problem, float(cuts[first]), float(cuts[last]))
-        found.append(TimeStretch(*ends, _STATES[number[first]]))
+        times = _times(problem, float(cuts[first]), float(cuts[last]))
+        found.append(TimeStretch(*times, _STATES[number[first]]))
     return tuple(found)
 
 

@@ -17,16 +17,20 @@ the largest coordinate is required. :mod:`abi.verify.verify_motion` checks it in
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from abi import arguments
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable
-from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
-from abi.certification.convex_bodies import RobotBodies, robot_bodies
+from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
+from abi.certification.convex_bodies import body_pairs, hulls_apart, robot_bodies
 from abi.certification.posed_hulls_kernels import nearest_obstacle
 from abi.certification.robot_motion import RobotMotion
 from abi.certification.separate_motion_kernels import separate_motion
@@ -35,6 +39,12 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
+from abi.robot.bodies.allowed_contacts import AllowedContact
+from abi.robot.bodies.capsule_table import Bodies
+from abi.robot.bodies.chain_capsules import ChainCapsule
+from abi.robot.bodies.floor_contacts import on_floor
+from abi.robot.bodies.link_solids import LinkSolids
+from abi.robot.kinematics.chain import Chain
 from abi.scene.scene import Scene
 
 MOST_TRIES = 4_000_000
@@ -44,56 +54,74 @@ PARTS = 1024
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Separation(ShortRepr):
-    """What separating directions prove of a motion, and the stretches that remain.
-
-    Attributes:
-        margin: distance that the bodies were to keep from obstacles, [unit].
-        pieces: first and last parameter of each direction, (k, 2).
-        poses: parameter of the pose around which each holds, (k,).
-        bodies: number of its body, (k,).
-        others: number of its obstacle, ``FLOOR``, or -2 less the number of another body, (k,).
-        directions: unit vectors towards the body, (k, 3), world.
-        left: first and last parameter of each stretch and pair without a direction, and a pose on
-            it, (l, 3).
-        left_bodies, left_others: the same of these, (l,).
-        touching: whether a pair of bodies, or a body and an obstacle, overlap at that pose, (l,).
-        spent: whether the budget ended.
-    """
-
-    margin: float
-    pieces: FloatArray
-    poses: FloatArray
-    bodies: IntArray
-    others: IntArray
-    directions: FloatArray
-    left: FloatArray
-    left_bodies: IntArray
-    left_others: IntArray
-    touching: IntArray
-    spent: bool
-
-    @property
-    def proven(self) -> bool:
-        """Whether nothing remains."""
-        return len(self.left) == 0
-
-
-@dataclass(frozen=True, eq=False, repr=False)
 class MotionProblem(ShortRepr):
-    """A motion, the bodies that move, and what they keep clear of.
+    """A motion, the convex bodies that it moves, and what they keep clear of.
 
     Attributes:
         motion: the motion.
-        bodies: the bodies.
+        chain: its joints, with limits that hold wherever it goes, [m].
+        bodies: the b bodies, those that stand still first, [m].
         around: obstacles and the floor.
         obstacles: the obstacles.
+        metres: one [unit] in metres.
     """
 
     motion: RobotMotion
-    bodies: RobotBodies
+    chain: Chain
+    bodies: tuple[ChainCapsule, ...]
     around: CollisionWorld
     obstacles: ObstacleSet
+    metres: float
+
+    @cached_property
+    def pairs(self) -> tuple[IntArray, tuple[AllowedContact, ...]]:
+        """Numbers of two bodies that must stay apart, (p, 2), and links that may touch."""
+        return body_pairs(self.chain, self.bodies)
+
+    @cached_property
+    def hulls(self) -> Bodies:
+        """The bodies in the format of the kernels, for coordinates in [rad] and [m]."""
+        return hulls_apart(self.chain, self.bodies, self.pairs[0], self.metres)
+
+    @cached_property
+    def solids(self) -> tuple[LinkSolids, ...]:
+        """The exact shape of each obstacle."""
+        return tuple(LinkSolids((shape,)) for shape in self.obstacles)
+
+    @property
+    def allowed(self) -> tuple[AllowedContact, ...]:
+        """Allowed contacts: pairs of links, and links that stand still."""
+        still = dict.fromkeys(body.link for body in self.bodies if body.frame < 0)
+        standing = on_floor(self.chain, self.bodies, self.around.floor * self.metres)
+        return (
+            *self.pairs[1],
+            *(AllowedContact(link, "obstacles", "mount") for link in still),
+            *(AllowedContact(link, "floor", "mount") for link in standing),
+        )
+
+    def named(self, number: int) -> int | str:
+        """Number of an obstacle, or name of another link or of the floor."""
+        if number >= 0:
+            return number
+        return "floor" if number == FLOOR else self.bodies[-number - 2].link
+
+
+class UndecidedPair(NamedTuple):
+    """A link, what it may touch, and the stretches on which no direction separates them.
+
+    Attributes:
+        link: name of the link.
+        other: number of an obstacle, name of another link, or ``floor``.
+        left: first and last parameter of each stretch, in order, and a pose on it, (k, 3).
+        overlaps: whether bodies of theirs overlap at that pose, (k,).
+        spent: whether the tries ended before all was decided.
+    """
+
+    link: str
+    other: int | str
+    left: FloatArray
+    overlaps: BoolArray
+    spent: bool
 
 
 def problem_of(
@@ -105,16 +133,15 @@ def problem_of(
     high = np.maximum(motion.chain.limits[:, 1], motion.points.max(axis=(0, 1)))
     # a motion may pass limits; levers hold where it goes
     chain = replace(motion.chain, limits=read_only(np.stack([low, high], axis=1)))
-    floor = min(scene.arm.base[2], scene.workspace.min[2])
-    bodies = robot_bodies(chain, metres, closely, floor * metres)
-    obstacles = ObstacleSet(scene.obstacles)
-    return MotionProblem(motion, bodies, _around(bodies, obstacles, floor, scene), obstacles)
+    bodies, obstacles = robot_bodies(chain, closely), ObstacleSet(scene.obstacles)
+    around = _around(chain, bodies, obstacles, scene)
+    return MotionProblem(motion, chain, bodies, around, obstacles, metres)
 
 
 def separation(
     problem: MotionProblem, margin: float, most_tries: int = MOST_TRIES, to_the_end: bool = True
-) -> Separation:
-    """Prove as much of a motion as can be proven to keep more than a margin from obstacles.
+) -> ArmCertificate | tuple[UndecidedPair, ...]:
+    """Prove that a motion keeps more than a margin from obstacles, or find what is undecided.
 
     Args:
         problem: the motion.
@@ -123,32 +150,53 @@ def separation(
         to_the_end: whether to go on once something is left.
     """
     points = problem.motion.points
-    finest = min(1.0, len(points) / PARTS)
     planes, left, outcomes = separate_motion(
-        problem.bodies.chain.table,
-        problem.bodies.hulls,
+        problem.chain.table,
+        problem.hulls,
         flat(points),
         points.shape[1],
         problem.around.beyond(margin),
-        finest,
+        min(1.0, len(points) / PARTS),
         most_tries,
         to_the_end,
     )
+    if len(left):
+        return _undecided(problem, left, outcomes)
     bodies, others = _numbers(problem, planes[:, 2])
-    left_bodies, left_others = _numbers(problem, left[:, 2])
-    return Separation(
-        margin=margin,
+    return ArmCertificate(
+        margin=margin if len(problem.obstacles) else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),
-        bodies=bodies,
-        others=others,
+        capsule=bodies,
+        obstacle=others,
         directions=read_only(planes[:, 3:6].copy()),
-        left=read_only(left[:, [0, 1, 6]]),
-        left_bodies=left_bodies,
-        left_others=left_others,
-        touching=read_only((outcomes == REFUTED).astype(np.int32)),
-        spent=bool((outcomes == SPENT).any()),
     )
+
+
+def _undecided(
+    problem: MotionProblem, left: FloatArray, outcomes: FloatArray
+) -> tuple[UndecidedPair, ...]:
+    """What is left of a motion by pairs, in the order in which these begin.
+
+    Args:
+        problem: the motion.
+        left: rows of the kernel, (k, 7).
+        outcomes: their outcomes, (k,).
+    """
+    bodies, others = _numbers(problem, left[:, 2])
+    links, of_link = np.unique([body.link for body in problem.bodies], return_inverse=True)
+    numbers, of_number = np.unique(others, return_inverse=True)
+    names = [problem.named(one) for one in numbers.tolist()]
+    known = {name: number for number, name in enumerate(dict.fromkeys(names))}
+    of_other = np.array([known[name] for name in names], dtype=np.int64)[of_number]
+    keys = of_link[bodies] * len(known) + of_other
+    order, spent = np.lexsort((left[:, 0], keys)), bool((outcomes == SPENT).any())
+    found = []
+    for chosen in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+        link, other = divmod(int(keys[chosen[0]]), len(known))
+        rows, overlaps = left[chosen][:, [0, 1, 6]], outcomes[chosen] == REFUTED
+        found.append(UndecidedPair(str(links[link]), [*known][other], rows, overlaps, spent))
+    return tuple(sorted(found, key=lambda pair: float(pair.left[0, 0])))
 
 
 def nearest(
@@ -162,25 +210,25 @@ def nearest(
     parameters = arguments.numbers("parameters", parameters, (-1,))
     joints = flat(problem.motion.positions_at(parameters))
     distance, pair, sample = nearest_obstacle(
-        problem.bodies.chain.table,
-        problem.bodies.hulls,
+        problem.chain.table,
+        problem.hulls,
         joints,
-        len(problem.bodies.chain.names),
+        len(problem.chain.names),
         problem.around.beyond(0.0),
     )
     if sample < 0:
         return distance, None
     body, row = divmod(pair, len(problem.around.numbers))
     time = problem.motion.time_at(float(parameters[sample]))
-    link = problem.bodies.bodies[body].link
+    link = problem.bodies[body].link
     return distance, (link, int(problem.around.numbers[row]), time)
 
 
 def _numbers(problem: MotionProblem, pairs: FloatArray) -> tuple[IntArray, IntArray]:
     """Numbers of the bodies of pairs (k,), and of what each is separated from."""
     numbers, count = pairs.astype(np.int64), len(problem.around.numbers)
-    behind = numbers - len(problem.bodies.bodies) * count
-    own, apart = behind >= 0, problem.bodies.pairs[0]
+    behind = numbers - len(problem.bodies) * count
+    own, apart = behind >= 0, problem.pairs[0]
     links = apart[np.where(own, behind, 0)] if own.any() else np.zeros((len(numbers), 2), int)
     bodies = np.where(own, links[:, 1], numbers // count)
     others = np.where(own, -2 - links[:, 0], problem.around.numbers[numbers % count])
@@ -188,19 +236,21 @@ def _numbers(problem: MotionProblem, pairs: FloatArray) -> tuple[IntArray, IntAr
 
 
 def _around(
-    bodies: RobotBodies, obstacles: ObstacleSet, floor: float, scene: Scene
+    chain: Chain, bodies: Sequence[ChainCapsule], obstacles: ObstacleSet, scene: Scene
 ) -> CollisionWorld:
     """Obstacles and floor, without links that stand still."""
-    frames = np.array([body.frame for body in bodies.bodies])
-    stands = np.array([body.link in bodies.on_floor for body in bodies.bodies])
+    metres, floor = METRES[scene.unit], min(scene.arm.base[2], scene.workspace.min[2])
+    standing = on_floor(chain, bodies, floor * metres)
+    frames = np.array([body.frame for body in bodies])
+    stands = np.array([body.link in standing for body in bodies])
     own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), ~stands[:, None])
     solids = RowTable()(obstacles, own)
     asked = np.zeros((len(frames), len(solids.numbers)), dtype=np.bool_)
     asked[:, solids.outer] = (frames >= 0)[:, None]
     asked[:, -1] = ~stands
     corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
-    reach = 2 * bodies.chain.table.reach / bodies.metres
-    points = max(float(np.abs(body.points).max()) for body in bodies.bodies) / bodies.metres
+    reach = 2 * chain.table.reach / metres
+    points = max(float(np.abs(body.points).max()) for body in bodies) / metres
     size = float(np.abs(scene.arm.base).max()) + reach + points
     size += float(np.abs(corners).max(initial=0.0))
     return CollisionWorld(solids, read_only(asked), floor, size)

@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import ShortRepr
-from abi.certification.clearance_proof import MotionProblem, Separation
+from abi.certification.clearance_proof import MotionProblem
 from abi.certification.joint_limits import LimitsKept
 from abi.certification.kept_direction import KeptDirection
 from abi.length_text import format_proven
@@ -85,7 +86,7 @@ class MotionVerdict(ShortRepr):
     stretches: tuple[TimeStretch, ...]
     limits: LimitsKept
     direction: KeptDirection | None
-    proof: Separation | None
+    proof: ArmCertificate | None
 
     @property
     def assumed(self) -> str:
@@ -152,7 +153,7 @@ class MotionVerdict(ShortRepr):
             "stretches": [one._asdict() for one in self.stretches],
             "limits": self.limits.to_dict(),
             "direction": None if self.direction is None else self.direction.to_dict(),
-            "allowed": [one._asdict() for one in self.problem.bodies.allowed],
+            "allowed": [one._asdict() for one in self.problem.allowed],
             "notes": [*self.problem.motion.notes, *self.scene.file_notes],
             "motion": motion.to_dict(),
             "scene": self.scene.to_dict(),
@@ -172,24 +173,17 @@ def _touch(contact: Contact) -> dict[str, Any]:
     }
 
 
-def named(problem: MotionProblem, number: int) -> int | str:
-    """Number of an obstacle, or name of another link or of the floor."""
-    if number >= 0:
-        return number
-    return "floor" if number == FLOOR else problem.bodies.bodies[-number - 2].link
-
-
 def _words(obstacle: int | str) -> str:
     return f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else str(obstacle)
 
 
-def _certificate(problem: MotionProblem, proof: Separation) -> dict[str, Any]:
+def _certificate(problem: MotionProblem, proof: ArmCertificate) -> dict[str, Any]:
     """Bodies, pairs that keep apart, and directions."""
-    metres, numbers = problem.bodies.metres, proof.others.tolist()
+    metres, numbers = problem.metres, proof.obstacle.tolist()
     rows = zip(
         proof.pieces.tolist(),
         proof.poses.tolist(),
-        proof.bodies.tolist(),
+        proof.capsule.tolist(),
         numbers,
         proof.directions.tolist(),
         strict=True,
@@ -203,13 +197,13 @@ def _certificate(problem: MotionProblem, proof: Separation) -> dict[str, Any]:
                 "radius": body.rounding / metres,
                 "points": (body.points / metres).tolist(),
             }
-            for body in problem.bodies.bodies
+            for body in problem.bodies
         ],
-        "pairs": problem.bodies.pairs[0].tolist(),
+        "pairs": problem.pairs[0].tolist(),
         "planes": [
             {"t0": t0, "t1": t1, "at": at, "body": body, "direction": direction}
             | ({"other": -2 - other} if other < FLOOR else {})
-            | ({"obstacle": named(problem, other)} if other >= FLOOR else {})
+            | ({"obstacle": problem.named(other)} if other >= FLOOR else {})
             for (t0, t1), at, body, other, direction in rows
         ],
     }

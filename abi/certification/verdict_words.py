@@ -68,7 +68,7 @@ def direction_sentences(verdict: MotionVerdict) -> list[str]:
 
 def remarks(verdict: MotionVerdict) -> list[str]:
     """Sentences on what was assumed, how the file was read, limits, and links that may touch."""
-    others = [one for one in verdict.problem.bodies.allowed if one.reason in ("srdf", "always")]
+    others = [one for one in verdict.problem.allowed if one.reason in ("srdf", "always")]
     return [
         f"Assumed: {verdict.assumed}.",
         *verdict.problem.motion.notes,

@@ -10,6 +10,7 @@ import itertools
 
 import numpy as np
 
+from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import distance_from_itself
 from abi.arrays import FloatArray
 from abi.certification.clearance_proof import problem_of, separation
@@ -78,14 +79,10 @@ def _is_proven(moves: RobotMotion, scene: Scene) -> bool:
     asked = {frozenset(pair) for pair in scene.arm.allowed}
     closely: frozenset[str] = frozenset()
     for _ in range(2):
-        problem = problem_of(moves, scene, closely)
-        proof, bodies = separation(problem, 0.0), problem.bodies.bodies
-        left = {
-            (bodies[body].link, bodies[-2 - other].link if other <= -2 else other)
-            for body, other in zip(
-                proof.left_bodies.tolist(), proof.left_others.tolist(), strict=True
-            )
-        }
+        found = separation(problem_of(moves, scene, closely), 0.0)
+        if isinstance(found, ArmCertificate):
+            return True
+        left = {(one.link, one.other) for one in found}
         left = {pair for pair in left if frozenset(pair) not in asked}
         if not left:
             return True

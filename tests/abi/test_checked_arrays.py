@@ -20,7 +20,7 @@ _MADE = "def __post_init__"
 RESULTS = {
     *("ArmCertificate", "ArmClearance", "ArmMotion", "Certificate", "ChainJointPath", "JointRates"),
     *("JointSearch", "JointTrajectory", "LimitsKept", "Reason", "Repair", "SearchResult"),
-    *("SearchTrace", "Separation", "Shells", "Solid", "Subset", "TautPath"),
+    *("SearchTrace", "Shells", "Solid", "Subset", "TautPath"),
 }
 """Dataclasses that hold what was computed: who hands their arrays on has them checked again."""
 EXACT = {"ExactMesh"}

@@ -14,7 +14,9 @@ from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ArmCertificate(ShortRepr):
-    """Directions that prove every capsule clear of its surroundings along a whole curve.
+    """Directions that prove every capsule clear of its surroundings along a whole curve or motion.
+
+    Of a motion that was planned elsewhere they separate convex bodies instead of capsules.
 
     Attributes:
         margin: distance that the capsules keep from every obstacle, [unit]; inf without obstacles.

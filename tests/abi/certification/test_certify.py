@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,9 @@ import pytest
 
 import abi
 from abi.arrays import FloatArray
+from abi.certification import exact_contact
 from abi.certification.certify_motion import certify_motion
 from abi.certification.clearance_proof import nearest
-from abi.certification.exact_contact import ContactFinder
 from abi.certification.joint_limits import joint_limits
 from abi.certification.motion import Motion
 from abi.certification.read_motion import load_motion
@@ -64,7 +64,7 @@ def verdict_of(scene: Scene, motion: dict[str, Any], **options: Any) -> MotionVe
 def tool_at(scene: Scene, share: float) -> FloatArray:
     """Place of the tool in the swing, [m]."""
     verdict = verdict_of(scene, swing())
-    chain = verdict.problem.bodies.chain
+    chain = verdict.problem.chain
     return np.asarray(
         chain.poses(verdict.problem.motion.positions_at(np.array([share])))[0, -1, :, 3]
     )
@@ -85,11 +85,11 @@ def test_a_plate_that_a_thousand_samples_miss_is_found(degree: int) -> None:
     states = [one.state for one in verdict.stretches]
     assert "touches" in states
     assert states[0] == states[-1] == "clear"
-    finder = ContactFinder(verdict.problem)
     just, before = verdict.problem.motion, first.first - 1e-4
     assert just.time_at(0.5) == 1.0
-    assert finder.touches(first.first / 2 + 1e-7, first.link, 0)
-    assert not finder.touches(before / 2, first.link, 0)
+    touches = partial(exact_contact.touches, verdict.problem)
+    assert touches(first.first / 2 + 1e-7, first.link, 0)
+    assert not touches(before / 2, first.link, 0)
 
 
 def test_a_clear_motion_is_proven_and_its_certificate_verified() -> None:
@@ -112,9 +112,9 @@ def test_a_way_narrower_than_what_quick_bodies_leave_is_proven() -> None:
     problem = verdict_of(scene_with([ceiling]), motion).problem
     # as the shoulder turns about the vertical, no link gets higher than at first
     least = min(
-        ContactFinder(problem).distance(0.0, one.link, 0)
-        for one in problem.bodies.chain.carried
-        if one.frame > 0 and problem.bodies.chain.robot.links[one.link].shapes
+        exact_contact.distance(problem, 0.0, one.link, 0)
+        for one in problem.chain.carried
+        if one.frame > 0 and problem.chain.robot.links[one.link].shapes
     )
     gap = 5e-4
     ceiling["position"] = [0.0, 0.0, 3.0 - least + gap]
@@ -230,7 +230,7 @@ def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
     verdict = verdict_of(scene, motion)
     assert verdict.state == "touches"
     assert verdict.touches[0].link == "held_object"
-    reasons = {one.reason for one in verdict.problem.bodies.allowed if "held_object" in one}
+    reasons = {one.reason for one in verdict.problem.allowed if "held_object" in one}
     assert reasons == {"grasp"}
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from abi.certification import exact_contact
 from abi.certification.certify_motion import _covered, certify_motion
 from abi.certification.clearance_proof import nearest
-from abi.certification.exact_contact import ContactFinder
 from abi.certification.motion import Motion
 from abi.certification.read_motion import joint_names
 from abi.certification.robot_scene import robot_scene
@@ -54,7 +56,7 @@ def test_samples_agree_with_the_verdict(seed: int) -> None:
     verdict = certify_motion(motion, scene)
     samples = np.linspace(0, len(motion.times) - 1, 1001)
     distance, _ = nearest(verdict.problem, samples)
-    finder = ContactFinder(verdict.problem)
+    touches = partial(exact_contact.touches, verdict.problem)
     assert verdict.stretches[0].first == motion.times[0]
     assert verdict.stretches[-1].last == motion.times[-1]
     if verdict.state == "clear":
@@ -63,9 +65,7 @@ def test_samples_agree_with_the_verdict(seed: int) -> None:
         return
     for one in verdict.touches:
         at = np.interp(one.first, motion.times, np.arange(len(motion.times)))
-        assert finder.touches(
-            float(at) + 1e-7 * (one.first < motion.times[-1]), one.link, one.obstacle
-        )
+        assert touches(float(at) + 1e-7 * (one.first < motion.times[-1]), one.link, one.obstacle)
     if verdict.touches:
         first = next(one.first for one in verdict.stretches if one.state == "touches")
         assert first <= verdict.touches[0].first + 1e-9
@@ -77,7 +77,7 @@ def test_samples_agree_with_the_verdict(seed: int) -> None:
                 (stretch.first + stretch.last) / 2, motion.times, range(len(motion.times))
             )
             for link, other in touched:
-                assert not finder.touches(float(middle), link, other)
+                assert not touches(float(middle), link, other)
 
 
 TWO_ARMS = """<robot name="two"><link name="base"/>{arms}</robot>"""

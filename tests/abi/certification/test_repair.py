@@ -31,7 +31,7 @@ def swing(degree: int) -> Motion:
 def with_plate() -> Scene:
     """A thin plate in the way of the tool, halfway."""
     problem = certify_motion(swing(1), ALONE).problem
-    chain, at = problem.bodies.chain, np.array([(COUNT - 1) / 2 + 0.1])
+    chain, at = problem.chain, np.array([(COUNT - 1) / 2 + 0.1])
     place = chain.poses(problem.motion.positions_at(at))[0, -1, :, 3].tolist()
     return ALONE.replace(
         obstacles=[{"shape": "box", "size": [0.15, 1e-4, 0.15], "position": place}]

@@ -18,7 +18,7 @@ from abi.arm_planning.world.collision_world import chain_world
 from abi.arm_planning.world.mount import mounts
 from abi.certification import certify_motion, convex_bodies
 from abi.certification.certify import certify
-from abi.certification.convex_bodies import robot_bodies
+from abi.certification.convex_bodies import body_pairs, robot_bodies
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -276,7 +276,7 @@ def test_links_whose_bodies_overlap_always_may_touch_only_if_they_do(
     reasons = [one.reason for one in arm.allowed if {one.link, one.other} == {"tube", "pin"}]
     assert reasons == (["always"] if always else [])
     chain = Chain.moved_by(robot, ("x", "y"))
-    reasons = [one.reason for one in robot_bodies(chain, 1.0).pairs[1]]
+    reasons = [one.reason for one in body_pairs(chain, robot_bodies(chain))[1]]
     assert reasons == (["always"] if always else [])
 
 
