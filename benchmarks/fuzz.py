@@ -28,7 +28,6 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.reading.reader import Reader
 from app.reading.reading import Job
-from app.reading.running_reader import ReaderLimits
 from benchmarks.hostile_files import hostile
 from benchmarks.outside import Outside
 
@@ -51,7 +50,7 @@ def fuzz(files: int, seed: int = 0) -> dict[str, Any]:
     with (
         tempfile.TemporaryDirectory() as folder,
         contextlib.closing(Outside(Path(folder))) as outside,
-        contextlib.closing(Reader(ReaderLimits(files=64, seconds=HANG))) as reader,
+        contextlib.closing(Reader(open_files=64, seconds=HANG)) as reader,
     ):
         names = (str(outside.file), outside.address)
         for number in range(seed, seed + files):

@@ -14,10 +14,6 @@ from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import ENDINGS, parse, read_file
 from app.reading.reader import Reader
 from app.reading.reading import named_files
-from app.reading.running_reader import ReaderLimits
-
-_LIMITS = ReaderLimits(seconds=120, patience=600.0)
-"""Limits of a local file, more than an upload's: nobody else waits for it."""
 
 
 def load_local(name: str) -> Scene:
@@ -29,7 +25,8 @@ def load_local(name: str) -> Scene:
     path = Path(name)
     if name in scene_names() or path.suffix.lower() not in (*ENDINGS, scene_archive.SUFFIX):
         return load_scene(name)
-    reader = Reader(_LIMITS)
+    # longer than an upload may take: nobody else waits for it
+    reader = Reader(seconds=120, patience=600.0)
     try:
         if path.suffix.lower() == scene_archive.SUFFIX:
             content = read_file(path, scene_archive.MAX_BYTES)

@@ -11,18 +11,22 @@ import json
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
-from abi.certification.motion import Motion, RobotState
-from abi.certification.stated_object import StatedObject
+import msgspec
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.certification.motion import Motion
 from abi.errors import MotionError, SceneError, SeveralChoicesError
 from abi.obstacles.triangle_mesh.mesh_source import CheckedFile
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.progress import CancelledError
 from abi.robot.urdf.robot import Robot
+from app.process.available_memory import memory_in_all
 from app.reading.reading import Job, ReadingResult
-from app.reading.reading_places import ReadingPlaces, Ticket
-from app.reading.running_reader import AT_ONCE, ReaderLimits, RunningReader
+from app.reading.running_reader import AT_ONCE, RunningReader, reading_memory
 
 _log = logging.getLogger(__name__)
 _LOOK = 0.05
@@ -31,8 +35,7 @@ _LONG = 2.0
 """Seconds after which a caller is told that it waits for other files."""
 
 Stopped = threading.Event
-"""Event that is set when a file is not wanted any more; it also identifies the owner, whose files
-are read one at a time."""
+"""Event that is set when a file is not wanted any more."""
 Delayed = Callable[[], object]
 """Callback for a long wait for the files of others."""
 
@@ -42,27 +45,42 @@ def _ignore() -> None:
 
 
 class Reader:
-    """Reads files from outside with a pool of processes.
+    """Reads files from outside with a pool of processes, in the order in which they come.
+
+    Who has several files read gives one after the other, so that nobody waits for more than one
+    further file of each of the others.
 
     Attributes:
         lost: exit codes of processes that ended over a file; below 0 the signal that ended it.
         faults: errors in readers that are none of a file.
+        memory: [bytes] for a file, beside what a process itself takes.
+        open_files: most that may be open at once; what is open when reading begins stays so.
+        seconds: of processor time for a file.
+        patience: seconds that anybody waits for a file, and for others to be read before.
     """
 
-    def __init__(self, limits: ReaderLimits | None = None) -> None:
-        self.limits = limits or ReaderLimits()
+    def __init__(
+        self,
+        memory: int | None = None,
+        open_files: int = 0,
+        seconds: int = 20,
+        patience: float = 90.0,
+    ) -> None:
+        """Begin without a process; by default half of the machine's memory is left to others."""
         self.lost: list[int] = []
         self.faults: list[str] = []
+        self.memory = reading_memory(memory_in_all()) if memory is None else memory
+        self.open_files, self.seconds, self.patience = open_files, seconds, patience
         self._idle: list[RunningReader] = []
         self._lock = threading.Lock()
-        self._places = ReadingPlaces(AT_ONCE)
+        self._line: list[threading.Event] = []  # one a file; set for those that may be read
         atexit.register(self.close)
 
     def warm(self) -> None:
         """Start a process if none is idle, since starting one takes seconds."""
         with self._lock:
             if not self._idle:
-                self._idle.append(RunningReader(self.limits))
+                self._idle.append(self._start())
 
     def mesh(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
@@ -72,7 +90,7 @@ class Reader:
         Args:
             content: of the file.
             name: of the file.
-            stopped: of this file and of those that are to be read before or after it.
+            stopped: set when it is not wanted any more.
             delayed: called if it waits.
 
         Raises:
@@ -129,21 +147,7 @@ class Reader:
             CancelledError: ``stopped`` was set.
         """
         answer = self.read(Job("motion", name, content, slides, topic), stopped, delayed)
-        data = json.loads(answer.data)
-        joints, objects, base, root, attached, *others = data["start"]
-        held = None if attached is None else (*attached,)
-        named = tuple(
-            StatedObject(name, link, solid and (solid[0], (*solid[1],), (*solid[2],)))
-            for name, link, solid in objects or ()
-        )
-        stated = None if objects is None else named
-        state = RobotState(joints, stated, base and (*base,), root, held, *others)
-        changed = {
-            "joints": tuple(data["joints"]),
-            "notes": tuple(data["notes"]),
-            "start": state,
-        }
-        return Motion(**{**data, **changed})
+        return msgspec.convert(json.loads(answer.data), Motion, dec_hook=_array)
 
     def read(
         self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore
@@ -157,12 +161,8 @@ class Reader:
             CancelledError: ``stopped`` was set.
         """
         stopped = stopped or threading.Event()
-        ticket = self._places.queue(stopped)
-        try:
-            self._wait(ticket, job, stopped, delayed)
+        with self._place(job, stopped, delayed):
             answer, seconds = self._answer(job, stopped)
-        finally:
-            self._places.give_back(ticket)
         if stopped.is_set():
             raise CancelledError
         if answer is None:
@@ -186,14 +186,33 @@ class Reader:
         for process in idle:
             process.close()
 
-    def _wait(self, ticket: Ticket, job: Job, stopped: Stopped, delayed: Delayed) -> None:
-        """Wait for a place while the file is wanted."""
+    @contextmanager
+    def _place(self, job: Job, stopped: Stopped, delayed: Delayed) -> Iterator[None]:
+        """Wait until fewer than ``AT_ONCE`` files that came before are left, if it is wanted."""
+        turn = threading.Event()
+        with self._lock:
+            self._line.append(turn)
+            self._call()
+        try:
+            self._wait(turn, job, stopped, delayed)
+            yield
+        finally:
+            with self._lock:
+                self._line.remove(turn)
+                self._call()
+
+    def _call(self) -> None:
+        for turn in self._line[:AT_ONCE]:
+            turn.set()
+
+    def _wait(self, turn: threading.Event, job: Job, stopped: Stopped, delayed: Delayed) -> None:
+        """Wait for a turn while the file is wanted."""
         begin, is_told = time.monotonic(), False
         while not stopped.is_set():
-            if self._places.wait(ticket, _LOOK):
+            if turn.wait(_LOOK):
                 return
             seconds = time.monotonic() - begin
-            if seconds > self.limits.patience:
+            if seconds > self.patience:
                 _log.warning("reader busy: %s %r waited %.0f s", job.kind, job.name, seconds)
                 expected = "a moment in which the server reads fewer files; add it again then"
                 raise SceneError("file", job.name, expected)
@@ -203,10 +222,13 @@ class Reader:
                 delayed()
         raise CancelledError
 
+    def _start(self) -> RunningReader:
+        return RunningReader(self.memory, self.open_files, self.seconds)
+
     def _answer(self, job: Job, stopped: Stopped) -> tuple[ReadingResult | None, float]:
         """Answer of a process, None if it ended, and the seconds that it took."""
         with self._lock:
-            process = self._idle.pop() if self._idle else RunningReader(self.limits)
+            process = self._idle.pop() if self._idle else self._start()
         done = threading.Event()
         watch = threading.Thread(target=self._watch, args=(process, done, stopped), daemon=True)
         begin = time.monotonic()
@@ -229,11 +251,15 @@ class Reader:
         self, process: RunningReader, done: threading.Event, stopped: threading.Event
     ) -> None:
         """Kill a process that takes too long or whose file is not wanted any more."""
-        end = time.monotonic() + self.limits.patience
+        end = time.monotonic() + self.patience
         while not done.wait(_LOOK):
             if stopped.is_set() or time.monotonic() > end:
                 process.kill()
                 return
+
+
+def _array(_kind: type, numbers: list[object]) -> FloatArray:
+    return np.array(numbers, dtype=float)
 
 
 READER = Reader()

@@ -1,4 +1,4 @@
-"""A running process that reads files from outside, and its limits."""
+"""A running process that reads files from outside."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO
 
-from app.process.available_memory import memory_in_all
 from app.reading.messages import decode, encode
 from app.reading.reader_process import READY, receive, send
 from app.reading.reading import Job, ReadingResult
@@ -32,30 +31,15 @@ def reading_memory(memory: int | None) -> int:
     return _MOST_MEMORY if memory is None else min(_MOST_MEMORY, memory // (2 * AT_ONCE))
 
 
-class ReaderLimits(NamedTuple):
-    """Limits of the process that reads a file.
-
-    Attributes:
-        memory: [bytes], beside what the process itself takes.
-        files: that may be open at once; what is open when reading begins stays so.
-        seconds: of processor time.
-        patience: seconds that anybody waits for it, and for a place before.
-    """
-
-    memory: int = reading_memory(memory_in_all())
-    files: int = 0
-    seconds: int = 20
-    patience: float = 90.0
-
-
 class RunningReader:
     """A running reader process."""
 
-    def __init__(self, limits: ReaderLimits) -> None:
+    def __init__(self, memory: int, open_files: int, seconds: int) -> None:
+        """Start it with limits as :class:`app.reading.reader.Reader` has them."""
         paths = [str(_ROOT), os.environ.get("PYTHONPATH", "")]
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
         environment |= dict.fromkeys(_SINGLE, "1")
-        numbers = map(str, (limits.memory, limits.files, limits.seconds))
+        numbers = map(str, (memory, open_files, seconds))
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "app.reading.reader_process", *numbers],
             env=environment,

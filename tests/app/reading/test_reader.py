@@ -30,11 +30,13 @@ from abi.scene.scene import Scene
 from app.reading import messages
 from app.reading import reader as module
 from app.reading.reader import Reader
-from app.reading.running_reader import AT_ONCE, ReaderLimits, reading_memory
+from app.reading.reading import Job, ReadingResult
+from app.reading.running_reader import AT_ONCE, reading_memory
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_robot_files import HOSTILE
 from tests.abi.robot.test_visuals import ENTITY, dae, looking
+from tests.app.fake_tab import until
 
 
 @pytest.fixture(scope="module")
@@ -239,25 +241,25 @@ def test_half_a_letter_and_a_huge_number_are_refused(reader: Reader) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "limits", [ReaderLimits(seconds=0), ReaderLimits(patience=0.0)], ids=["cpu", "time"]
-)
-def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: ReaderLimits) -> None:
-    reader = Reader(limits)
+@pytest.mark.parametrize(("seconds", "patience"), [(0, 90.0), (20, 0.0)], ids=["cpu", "time"])
+def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(
+    seconds: int, patience: float
+) -> None:
+    reader = Reader(seconds=seconds, patience=patience)
     many = trimesh.creation.icosphere(subdivisions=7)  # over a second, the least limit there is
     with pytest.raises(SceneError, match="less time"):
         reader.mesh(meshes.stl((many.vertices, many.faces)), "many.stl")
     assert len(reader.lost) == 1
     assert reader.lost[0] < 0
 
-    reader.limits = ReaderLimits()
+    reader.seconds, reader.patience = 20, 90.0
     assert len(reader.mesh(file_of(".stl"), "a.stl").faces) == 320
     reader.close()
 
 
 @pytest.mark.slow
 def test_too_much_memory_is_refused_and_the_next_file_is_read() -> None:
-    reader = Reader(ReaderLimits(memory=60_000_000))
+    reader = Reader(memory=60_000_000)
     many = trimesh.creation.icosphere(subdivisions=7)
     with pytest.raises(SceneError, match="memory"):
         reader.mesh(meshes.stl((many.vertices, many.faces)), "many.stl")
@@ -272,20 +274,85 @@ def test_what_is_not_wanted_any_more_is_not_waited_for(reader: Reader) -> None:
         reader.mesh(file_of(".stl"), "a.stl", stopped)
 
 
-def _occupied(monkeypatch: pytest.MonkeyPatch, limits: ReaderLimits | None = None) -> Reader:
-    """A reader that others' files keep busy for good."""
+class Held:
+    """A process that reads each file for as long as it is not let go."""
+
+    def __init__(self, *_: object) -> None:
+        pass
+
+    def read(self, job: Job) -> ReadingResult:
+        BEGUN.append(job.name)
+        until(lambda: job.name in LET_GO)
+        return ReadingResult(data=b"{}")
+
+    def kill(self) -> None:
+        LET_GO.update(BEGUN)
+
+    def close(self) -> int:
+        return 0
+
+
+BEGUN: list[str] = []
+LET_GO: set[str] = set()
+
+
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> Iterator[Reader]:
+    """A reader whose files are read until their names are let go, or the test ends."""
+    monkeypatch.setattr(module, "RunningReader", Held)
     monkeypatch.setattr(module, "_LONG", 0.05)
-    reader = Reader(limits)
-    for owner in range(AT_ONCE):
-        assert reader._places.wait(reader._places.queue(owner), 0)
+    BEGUN.clear()
+    LET_GO.clear()
+    yield Reader()
+    LET_GO.update(BEGUN, "abcd", (f"{owner}{k}" for owner in "ab" for k in range(9)))
+
+
+def begin(reader: Reader, *names: str) -> threading.Thread:
+    """Read files one after the other in a thread of its own, as a tab does."""
+
+    def read() -> None:
+        for name in names:
+            reader.scene(b"", name)
+
+    thread = threading.Thread(target=read, daemon=True)
+    thread.start()
+    return thread
+
+
+@pytest.mark.timeout(20)
+def test_who_comes_later_waits_for_one_more_file_of_each_at_most(held: Reader) -> None:
+    """With ``AT_ONCE`` files read at a time, in the order in which they came."""
+    threads = []
+    for owner in "ab":
+        threads.append(begin(held, *(f"{owner}{k}" for k in range(9))))
+        until(lambda owner=owner: f"{owner}0" in BEGUN)  # type: ignore[misc]
+    for number, name in enumerate("cd", 1):
+        threads.append(begin(held, name))
+        until(lambda number=number: len(held._line) == AT_ONCE + number)  # type: ignore[misc]
+    order = ["a0", "b0"]
+    for expected, left in (("c", 4), ("d", 4), ("a1", 4), ("b1", 3)):
+        until(lambda left=left: len(held._line) == left)  # type: ignore[misc]
+        assert order == BEGUN
+        LET_GO.add(order[-AT_ONCE])
+        order.append(expected)
+        until(lambda: len(order) == len(BEGUN))
+    LET_GO.update(BEGUN, (f"{owner}{k}" for owner in "ab" for k in range(9)))
+    for thread in threads:
+        thread.join()
+    assert len(BEGUN) == 20
+
+
+def _occupied(reader: Reader) -> Reader:
+    """A reader that others' files keep busy for good."""
+    for number in range(AT_ONCE):
+        begin(reader, "ab"[number])
+    until(lambda: len(BEGUN) == AT_ONCE)
     return reader
 
 
 @pytest.mark.timeout(20)
-def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    reader, stopped = _occupied(monkeypatch), threading.Event()
+def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(held: Reader) -> None:
+    reader, stopped = _occupied(held), threading.Event()
     told: list[str] = []
 
     def tell() -> None:
@@ -295,17 +362,16 @@ def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(
     with pytest.raises(CancelledError):
         reader.mesh(file_of(".stl"), "a.stl", stopped, tell)
     assert told == ["others first"]
-    assert not reader._places._waiting
+    assert len(reader._line) == AT_ONCE
 
 
 @pytest.mark.timeout(20)
-def test_a_file_is_refused_when_others_are_read_for_too_long(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    reader = _occupied(monkeypatch, ReaderLimits(patience=0.2))
+def test_a_file_is_refused_when_others_are_read_for_too_long(held: Reader) -> None:
+    reader = _occupied(held)
+    reader.patience = 0.2
     with pytest.raises(SceneError, match="the server reads fewer files"):
         reader.scene(b"{}", "a.json")
-    assert not reader._places._waiting
+    assert len(reader._line) == AT_ONCE
 
 
 def test_readers_leave_half_of_the_memory_to_the_server() -> None:
