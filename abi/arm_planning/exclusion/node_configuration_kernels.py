@@ -32,7 +32,7 @@ from abi.obstacles.vector_kernels import dot, sub, vec3_at
 from abi.robot.bodies.capsule_table import BODIES, Bodies
 from abi.robot.bodies.hull_kernels import APART, between_hulls
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable
-from abi.robot.kinematics.follow_path_kernels import NO_DRIFT, Drift, reach_point, room_of
+from abi.robot.kinematics.follow_path_kernels import reach_point, room_of
 
 _MOST_ITERATIONS = 15
 _TRIES = 3
@@ -42,14 +42,14 @@ _AT_ONCE = 2000
 
 
 _MESH, _LIMITS = (FLOATS, IDS, IDS), (0.0, 1.0)
-_SPREAD = (TABLE, _MESH, NO_DRIFT, _LIMITS, (0, 0), NEW_FLOATS, NEW_FLAGS, NEW_IDS, NEW_IDS)
+_SPREAD = (TABLE, _MESH, FLOATS, _LIMITS, (0, 0), NEW_FLOATS, NEW_FLAGS, NEW_IDS, NEW_IDS)
 
 
 @compiled(example=_SPREAD, fallback=False)
 def spread(
     chain: ChainTable,
     nodes: tuple[FloatArray, IntArray, IntArray],
-    drift: Drift,
+    home: FloatArray,
     limits: tuple[float, float],
     counts: tuple[int, int],
     configurations: FloatArray,
@@ -66,7 +66,7 @@ def spread(
         chain: the chain and its task.
         nodes: of the mesh, flat (3 n,), [m], world; where each one's neighbours begin, (n + 1,);
             the neighbours.
-        drift: of joints to spare.
+        home: coordinates that joints to spare drift to, (m,).
         limits: what a configuration may lack, over the reach or in [rad], and the largest step of a
             coordinate between neighbours, [rad] or [m].
         counts: of the nodes in the queue, those that were gone on from, and all; 0 and 0 at first.
@@ -82,14 +82,14 @@ def spread(
     """
     points, indptr, indices = nodes
     allowed, longest = limits
-    count = len(drift.home)
+    count = len(home)
     room, q = room_of(chain, count), np.empty(count)
     done, found = counts
     if found == 0:
-        first, still = queue[0], Drift(drift.home, -1.0)
+        first = queue[0]
         for j in range(count):
             q[j] = configurations[first * count + j]
-        if reach_point(chain, q, still, points, first, 4 * _MOST_ITERATIONS, room) > allowed:
+        if reach_point(chain, q, home, False, points, first, 4 * _MOST_ITERATIONS, room) > allowed:
             return 0, 0
         for j in range(count):
             configurations[first * count + j] = q[j]
@@ -105,7 +105,7 @@ def spread(
             tries[to] += 1
             for j in range(count):
                 q[j] = configurations[node * count + j]
-            if reach_point(chain, q, drift, points, to, _MOST_ITERATIONS, room) > allowed:
+            if reach_point(chain, q, home, True, points, to, _MOST_ITERATIONS, room) > allowed:
                 continue
             jump = 0.0
             for j in range(count):

@@ -15,8 +15,6 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
     spread,
 )
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
-from abi.robot.kinematics.chain import PULL
-from abi.robot.kinematics.follow_path_kernels import Drift
 from abi.robot.kinematics.start_poses import REACHED
 from abi.robot.urdf_arm import UrdfArm
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -116,8 +114,7 @@ def spread_over(
     configurations[nearest] = first / arm.scales
     queue, tries = np.full(len(reached), nearest, np.int32), np.zeros(len(reached), np.int32)
     nodes = flat(mesh.points * arm.metres), indptr, indices
-    drift, limits = Drift(flat(home / arm.scales), PULL), (REACHED, _LONGEST)
-    task = arm.chain.table, nodes, drift, limits
+    task = arm.chain.table, nodes, flat(home / arm.scales), (REACHED, _LONGEST)
     counts = spread(*task, (0, 0), configurations.reshape(-1), reached, queue, tries)
     while counts[0] < counts[1]:  # the result may become unwanted between two calls
         counts = spread(*task, counts, configurations.reshape(-1), reached, queue, tries)

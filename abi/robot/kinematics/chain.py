@@ -7,9 +7,9 @@ chain, directly or not, moves with it; all others are held.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.robot.kinematics.chain_kernels import POSE, ChainTable, chain_poses
 from abi.robot.kinematics.chain_table import checked_table
-from abi.robot.kinematics.follow_path_kernels import Drift, follow_path
+from abi.robot.kinematics.follow_path_kernels import follow_path
 from abi.robot.urdf.held_joints import NOT_HELD, planned_joints, positions_held
 from abi.robot.urdf.joint import Joint
 from abi.robot.urdf.robot import Robot, joints_to
@@ -26,8 +26,6 @@ from abi.robot.urdf.robot import Robot, joints_to
 _MOST_ITERATIONS = 40
 _PART = 250
 """Points of a path that are followed in one call, at most 20 ms."""
-PULL = 3.0
-"""Fraction of the way back to the start pose that redundant joints go per reach of the tip."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -132,13 +130,17 @@ class Chain(ShortRepr):
         beside = (one for one in robot.joints if one.kind != "fixed" and one not in way)
         joints = (*way, *(joint for joint in beside if joint.coordinate in names))
         still = positions_held(robot, names, held)
-        tree = _tree(robot, joints, still, _pose(position, wxyz))
-        last = tree.links[tip].pose
-        origins = [*tree.origins[: len(way)], last]
+        links = _links(robot, joints, still, _pose(position, wxyz))
+        last = links[tip].pose
+        origins = [*_origins(way, links), last]
         reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in origins[1:])
         reach += sum(joint.high - joint.low for joint in way if joint.kind == "prismatic")
-        task = _TipTask(len(way), last, axis, max(reach, 1e-6))
-        return cls._of_tree(robot, joints, names, still, tree, task)
+        return cls._of_links(
+            *(robot, joints, names, still, links, reach),
+            length=len(way),
+            tip=last,
+            axis=axis,
+        )
 
     @classmethod
     def moved_by(
@@ -165,30 +167,52 @@ class Chain(ShortRepr):
             one for one in robot.joints if one.kind != "fixed" and one.coordinate in names
         )
         still = positions_held(robot, names, held)
-        tree = _tree(robot, joints, still, _pose(position, wxyz))
-        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in tree.origins)
+        links = _links(robot, joints, still, _pose(position, wxyz))
+        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in _origins(joints, links))
         reach += sum(joint.high - joint.low for joint in joints if joint.kind == "prismatic")
-        task = _TipTask(len(joints), np.eye(4), None, max(reach, 1e-6))
-        return cls._of_tree(robot, joints, names, still, tree, task)
+        return cls._of_links(
+            *(robot, joints, names, still, links, reach),
+            length=len(joints),
+            tip=np.eye(4),
+            axis=None,
+        )
 
     @classmethod
-    def _of_tree(
+    def _of_links(
         cls,
         robot: Robot,
         joints: tuple[Joint, ...],
         names: tuple[str, ...],
         still: Mapping[str, float],
-        tree: _FrameTree,
-        task: _TipTask,
+        links: Mapping[str, Carried],
+        reach: float,
+        *,
+        length: int,
+        tip: FloatArray,
+        axis: Vec3 | None,
     ) -> Self:
+        """The chain of joints that move links.
+
+        Args:
+            robot: the robot.
+            joints: those that move; those between base and tip come first.
+            names: of the coordinates.
+            still: positions of the joints that stand still, [rad] or [m].
+            links: every link by name.
+            reach: length that errors of place are compared with, [m].
+            length: number of joints between base and tip.
+            tip: its pose behind the last of these, (4, 4), [m].
+            axis: direction that its z axis is held to, world; None for any.
+        """
         by_name = {joint.name: joint for joint in robot.joints}
         moving = [by_name[name] for name in names]
         limits = np.array([(joint.low, joint.high) for joint in moving])
-        direction = np.array(task.axis or (0.0, 0.0, 1.0))
+        direction = np.array(axis or (0.0, 0.0, 1.0))
+        before = [links[joint.parent].frame for joint in joints]
         table = ChainTable(
-            length=task.length,
-            before=read_only(np.array(tree.before, dtype=np.int32)),
-            origins=flat(np.stack([_packed(pose) for pose in [*tree.origins, task.tip]])),
+            length=length,
+            before=read_only(np.array(before, dtype=np.int32)),
+            origins=flat(np.stack([_packed(pose) for pose in [*_origins(joints, links), tip]])),
             axes=flat(np.stack([joint.axis for joint in joints])),
             slides=read_only(np.array([joint.kind == "prismatic" for joint in joints])),
             source=read_only(
@@ -198,8 +222,8 @@ class Chain(ShortRepr):
             offset=read_only(np.array([j.mimic.offset if j.mimic else 0.0 for j in joints])),
             limits=flat(limits),
             direction=read_only(direction / np.linalg.norm(direction)),
-            aims=task.axis is not None,
-            reach=task.reach,
+            aims=axis is not None,
+            reach=max(reach, 1e-6),
         )
         return cls(
             robot=robot,
@@ -210,7 +234,7 @@ class Chain(ShortRepr):
             speeds=read_only(np.array([joint.speed for joint in moving])),
             efforts=read_only(np.array([joint.effort for joint in moving])),
             slides=tuple(joint.kind == "prismatic" for joint in moving),
-            carried=tuple(tree.links.values()),
+            carried=tuple(links.values()),
             held=still,
         )
 
@@ -279,47 +303,16 @@ class Chain(ShortRepr):
         home = start if home is None else arguments.numbers("home", home, (count,))
         targets = arguments.points("targets", targets)
         joints, errors = np.empty(len(targets) * count), np.empty(len(targets))
-        drift = Drift(flat(home), PULL)
         table = self.table
         if still is not None:
             limits = table.limits.reshape(-1, 2).copy()
             limits[arguments.integer("still", still, 0, count - 1)] = start[still]
             table = table._replace(limits=flat(limits))
-        along = table, flat(start), drift, flat(targets)
+        along = table, flat(start), flat(home), flat(targets)
         for first in range(0, len(targets), _PART):  # a result may become unwanted between two
             part = first, min(first + _PART, len(targets))
             follow_path(*along, part, _MOST_ITERATIONS, joints, errors)
         return joints.reshape(-1, count), errors
-
-
-class _FrameTree(NamedTuple):
-    """Frames of moving joints, and the links in them.
-
-    Attributes:
-        before: number of the joint behind which each stands, -1 for the world.
-        origins: its pose there at position 0, (4, 4), [m].
-        links: every link by name, parents before children.
-    """
-
-    before: list[int]
-    origins: list[FloatArray]
-    links: dict[str, Carried]
-
-
-class _TipTask(NamedTuple):
-    """Task of a chain's tip.
-
-    Attributes:
-        length: number of joints between base and tip.
-        tip: its pose behind the last of these, (4, 4), [m].
-        axis: direction that its z axis is held to, world; None for any.
-        reach: length that errors of place are compared with, [m].
-    """
-
-    length: int
-    tip: FloatArray
-    axis: Vec3 | None
-    reach: float
 
 
 def _pose(position: Vec3, wxyz: Quaternion) -> FloatArray:
@@ -329,10 +322,10 @@ def _pose(position: Vec3, wxyz: Quaternion) -> FloatArray:
     return pose
 
 
-def _tree(
+def _links(
     robot: Robot, joints: tuple[Joint, ...], still: Mapping[str, float], base: FloatArray
-) -> _FrameTree:
-    """Links and joints of a robot, of which only some joints move, in the frames of these.
+) -> dict[str, Carried]:
+    """Every link of a robot by name, parents before children, in the frames of moving joints.
 
     Args:
         robot: the robot.
@@ -340,19 +333,21 @@ def _tree(
         still: positions of the others, but for fixed ones, [rad] or [m].
         base: world from root, (4, 4), [m].
     """
-    before, origins = [-1] * len(joints), [base] * len(joints)
     links = {robot.root: Carried(robot.root, -1, read_only(base))}
     for joint in robot.joints:
         carrier = links[joint.parent]
         frame, pose = carrier.frame, carrier.pose @ joint.origin
         if joint in joints:
-            number = joints.index(joint)
-            before[number], origins[number] = frame, pose
-            frame, pose = number, np.eye(4)
+            frame, pose = joints.index(joint), np.eye(4)
         elif joint.name in still:
             pose = pose @ joint.motion(still[joint.name])
         links[joint.child] = Carried(joint.child, frame, read_only(pose))
-    return _FrameTree(before, origins, links)
+    return links
+
+
+def _origins(joints: Iterable[Joint], links: Mapping[str, Carried]) -> list[FloatArray]:
+    """Pose of each joint at position 0 in the frame that carries it, (4, 4), [m]."""
+    return [links[joint.parent].pose @ joint.origin for joint in joints]
 
 
 def _packed(pose: FloatArray) -> FloatArray:

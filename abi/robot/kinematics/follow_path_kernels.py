@@ -13,6 +13,8 @@ from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, fill_jacobian, place_chain
 
 _SMALL = 1e-12
+_PULL = 3.0
+"""Part of the way home that redundant joints go for each reach that the tip travels."""
 
 
 @jitable
@@ -150,27 +152,12 @@ def _move(chain: ChainTable, q: FloatArray, step: FloatArray, longest: float) ->
         q[j] = min(max(moved, chain.limits[2 * j]), chain.limits[2 * j + 1])
 
 
-class Drift(NamedTuple):
-    """Positions to which joints drift that the task leaves free, and how fast.
-
-    Attributes:
-        home: coordinates to drift to, (n,).
-        pull: part of the way there for each reach that the tip travels.
-    """
-
-    home: FloatArray
-    pull: float
-
-
-NO_DRIFT = Drift(FLOATS, 0.0)
-"""Example for the compiler."""
-
-
 @jitable
 def reach_point(
     chain: ChainTable,
     q: FloatArray,
-    drift: Drift,
+    home: FloatArray,
+    drifts: bool,
     targets: FloatArray,
     sample: int,
     most: int,
@@ -184,26 +171,25 @@ def reach_point(
     Args:
         chain: the chain and its task.
         q: coordinates to begin with, (n,); written.
-        drift: of joints to spare; with a pull below 0 there is none, and no step where the point
-            is reached.
+        home: coordinates that joints to spare drift to, (n,).
+        drifts: whether they do; if not, there is no step where the point is reached.
         targets: points, flat, [m], world.
         sample: which of them.
         most: iterations, at most.
         room: for the steps.
     """
     count, rows = len(q), 6 if chain.aims else 3
-    home, pull = drift
     damping, last = 1e-12, 1e9
     for attempt in range(most):
         place_chain(chain, q, 0, room.poses)
         lacks = _error(chain, room.poses, targets, sample, room.error)
-        predicts = attempt == 0 and pull >= 0
+        predicts = attempt == 0 and drifts
         if lacks < 1e-11 and not predicts:
             return lacks
         error = room.error
         way = math.sqrt(error[0] ** 2 + error[1] ** 2 + error[2] ** 2)
         for j in range(count):
-            room.drift[j] = min(1.0, pull * way) * (home[j] - q[j]) if predicts else 0.0
+            room.drift[j] = min(1.0, _PULL * way) * (home[j] - q[j]) if predicts else 0.0
         if attempt > 0:
             falls = lacks < last
             damping = max(damping * 0.1, 1e-12) if falls else min(max(damping, 1e-8) * 100, 0.1)
@@ -215,11 +201,11 @@ def reach_point(
     return _error(chain, room.poses, targets, sample, room.error)
 
 
-@compiled(example=(TABLE, FLOATS, NO_DRIFT, FLOATS, (0, 0), 0, NEW_FLOATS, NEW_FLOATS))
+@compiled(example=(TABLE, FLOATS, FLOATS, FLOATS, (0, 0), 0, NEW_FLOATS, NEW_FLOATS))
 def follow_path(
     chain: ChainTable,
     start: FloatArray,
-    drift: Drift,
+    home: FloatArray,
     targets: FloatArray,
     part: tuple[int, int],
     most: int,
@@ -231,7 +217,7 @@ def follow_path(
     Args:
         chain: the chain and its task.
         start: coordinates to begin with, (n,).
-        drift: of joints to spare.
+        home: coordinates that joints to spare drift to, (n,).
         targets: k points, flat (3 k,), [m], world.
         part: the first point to lead it to, and the one after the last; it is led to those before
             already.
@@ -241,13 +227,11 @@ def follow_path(
     """
     count = len(start)
     room, q = room_of(chain, count), start.copy()
-    still = Drift(drift.home, -1.0)
     first, end = part
     if first > 0:
         for j in range(count):
             q[j] = joints[(first - 1) * count + j]
     for sample in range(first, end):
-        pulled = drift if sample > 0 else still
-        errors[sample] = reach_point(chain, q, pulled, targets, sample, most, room)
+        errors[sample] = reach_point(chain, q, home, sample > 0, targets, sample, most, room)
         for j in range(count):
             joints[sample * count + j] = q[j]
