@@ -17,11 +17,7 @@ from abi.arm_planning.arm_errors import DirectionNotHeld, NoJointMotion
 from abi.arm_planning.joint_search.held_direction import HeldDirection
 from abi.arm_planning.joint_search.held_path import path_holding
 from abi.arm_planning.joint_search.held_search import HeldSearch
-from abi.arm_planning.joint_search.joint_motion import (
-    SlowPart,
-    passage_of,
-    proven_motion,
-)
+from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
@@ -147,7 +143,7 @@ def _passage(inner: FloatArray, arm: UrdfArm, factor: float, spline: JointSpline
     places = np.linspace(0.0, 1.0, _PLACES)
     positions = spline(places)
     begin, end = (float(places[np.abs(positions - row).sum(axis=1).argmin()]) for row in inner)
-    return passage_of(spline, arm, SlowPart(begin, end, factor) if end > begin else None)
+    return passage_of(spline, arm, (begin, end), factor if end > begin else 1.0)
 
 
 def _part_of(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy
 
@@ -31,40 +29,41 @@ TURN = 0.25
 """Distance that a turn by 1 rad counts as, over the arm's reach."""
 
 
-class SlowPart(NamedTuple):
-    """A part of a curve in which the distance grows faster, so that it takes more time.
+def slow_rates(places: FloatArray, part: tuple[float, float], factor: float) -> FloatArray:
+    """Factors (k,) by which the distance grows faster at parameters (k,) of a curve.
 
-    Attributes:
-        begin: parameter at which it begins.
-        end: parameter at which it ends.
-        factor: by which the distance grows faster there, at least 1.
+    Args:
+        places: the parameters, from 0 to 1.
+        part: those at which the slow part begins and ends, in which the factors rise and fall
+            smoothly.
+        factor: the largest, at least 1.
     """
-
-    begin: float
-    end: float
-    factor: float
-
-    def rates(self, places: FloatArray) -> FloatArray:
-        """Factors (k,) at parameters (k,), which rise and fall smoothly within the part."""
-        ramp = _RAMP * (self.end - self.begin) + 1e-12
-        # a motion that begins or ends in the part has no other speed to come from
-        up = np.ones_like(places) if self.begin <= 0 else (places - self.begin) / ramp
-        down = np.ones_like(places) if self.end >= 1 else (self.end - places) / ramp
-        share = np.clip(np.minimum(up, down), 0.0, 1.0)
-        return np.asarray(1 + (self.factor - 1) * share**2 * (3 - 2 * share))
+    begin, end = part
+    ramp = _RAMP * (end - begin) + 1e-12
+    # a motion that begins or ends in the part has no other speed to come from
+    up = np.ones_like(places) if begin <= 0 else (places - begin) / ramp
+    down = np.ones_like(places) if end >= 1 else (end - places) / ramp
+    share = np.clip(np.minimum(up, down), 0.0, 1.0)
+    return np.asarray(1 + (factor - 1) * share**2 * (3 - 2 * share))
 
 
-def passage_of(spline: JointSpline, arm: UrdfArm, slow: SlowPart | None = None) -> ChainJointPath:
+def passage_of(
+    spline: JointSpline,
+    arm: UrdfArm,
+    slow: tuple[float, float] = (0.0, 1.0),
+    factor: float = 1.0,
+) -> ChainJointPath:
     """Parametrise a joint-space curve, whose ends differ, by distance.
 
     Where the tool moves by dx and the joints by dq, the distance grows by the root of dx² + r² dq²,
     r being a quarter of the arm's reach: a tool that stands still while the joints turn takes time,
-    too, and none moves faster than the distance does. In a :class:`SlowPart` it grows faster still.
+    too, and none moves faster than the distance does. In a slow part it grows faster still.
 
     Args:
         spline: the curve.
         arm: the arm.
-        slow: a part of it to be passed more slowly.
+        slow: parameters between which it is passed more slowly.
+        factor: by which the distance grows faster there, at least 1.
     """
     places = np.linspace(0.0, 1.0, _FINE)
     positions = spline(places)
@@ -72,8 +71,8 @@ def passage_of(spline: JointSpline, arm: UrdfArm, slow: SlowPart | None = None) 
     turned = np.diff(positions, axis=0) * np.where(arm.chain.slides, 1.0, TURN * arm.reach)
     moved = np.diff(tool, axis=0)
     steps = np.sqrt((moved**2).sum(1) + (turned**2).sum(1))
-    if slow is not None:
-        steps *= slow.rates((places[1:] + places[:-1]) / 2)
+    if factor > 1:
+        steps *= slow_rates((places[1:] + places[:-1]) / 2, slow, factor)
     passed = np.concatenate([[0.0], np.cumsum(steps)])
     goes_on = np.concatenate([[True], np.diff(passed) > 1e-12 * passed[-1]])
     back = scipy.interpolate.PchipInterpolator(passed[goes_on], places[goes_on])

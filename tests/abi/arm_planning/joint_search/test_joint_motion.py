@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.joint_search.joint_motion import SlowPart, passage_of, proven_motion
+from abi.arm_planning.joint_search.joint_motion import passage_of, proven_motion, slow_rates
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort, search_joints
@@ -55,13 +55,13 @@ def test_a_slow_part_takes_more_of_the_way_and_is_passed_by_the_same_joints() ->
     arm = some_arm("ur5e")
     spline = JointSpline(np.random.default_rng(3).uniform(-1, 1, (7, 6)))
     whole = passage_of(spline, arm)
-    slow = SlowPart(0.3, 0.6, 4.0)
-    rates = slow.rates(np.linspace(0, 1, 1001))
+    slow = (0.3, 0.6), 4.0
+    rates = slow_rates(np.linspace(0, 1, 1001), *slow)
     assert (rates[[0, 299, 601, 1000]] == 1).all()
     assert rates.max() == 4
     assert np.abs(np.diff(rates)).max() < 0.07  # no jumps
-    assert (SlowPart(0.0, 0.5, 4.0).rates(np.zeros(1)) == 4).all()
-    slower = passage_of(spline, arm, slow)
+    assert (slow_rates(np.zeros(1), (0.0, 0.5), 4.0) == 4).all()
+    slower = passage_of(spline, arm, *slow)
     assert slower.length > whole.length
     # far from the part nothing has changed but the length of the whole
     before = np.linspace(0, 0.1 * whole.length, 50)
