@@ -142,25 +142,25 @@ def arm_clearance(
         required: distance to keep from obstacles, at least 0, [unit].
     """
     ends = place(arm, motion.positions)
-    own = _measured(ends, arm, collision_world.only(collision_world.numbers < 0), _TOUCH)
-    solid = _measured(
+    own = _distances(ends, arm, collision_world.only(collision_world.numbers < 0), _TOUCH)
+    measured = _distances(
         ends,
         arm,
         collision_world.only((collision_world.numbers >= 0) & (collision_world.solids.meshes < 0)),
     )
     if obstacles.meshes:
-        solid = _with_meshes(solid, ends, arm, obstacles)
+        measured = _with_meshes(*measured, ends, arm, obstacles)
     capsules = range(len(arm.capsules))
     contacts = (
-        *contacts_of(motion.time, own, capsules, arm),
-        *contacts_of(motion.time, solid, capsules, arm),
+        *contacts_of(motion.time, *own, capsules, arm),
+        *contacts_of(motion.time, *measured, capsules, arm),
         *_dips(motion, arm, collision_world.floor),
     )
     certify = partial(
         certify_paper_arm, motion.curve, motion.slide, arm, motion.elbow, collision_world
     )
     return proven_clearance(
-        motion, arm, solid, contacts, required, collision_world.solids.in_use, certify
+        motion, arm, measured, contacts, required, collision_world.solids.in_use, certify
     )
 
 
@@ -195,13 +195,13 @@ def distance_from_itself(motion: ArmMotion, arm: PaperArm, lowest: float) -> flo
         lowest: height of the workspace's bottom, [unit].
     """
     own = paper_arm_world(arm, ObstacleSet(()), lowest)
-    return float(_measured(place(arm, motion.positions), arm, own).distance.min())
+    return float(_distances(place(arm, motion.positions), arm, own)[0].min())
 
 
 def proven_clearance(
     motion: ArmMotion,
     arm: AnyArm,
-    measured: Measured,
+    measured: tuple[FloatArray, IntArray],
     contacts: Sequence[Contact],
     required: float,
     rows: int,
@@ -212,16 +212,18 @@ def proven_clearance(
     Args:
         motion: the motion.
         arm: the arm.
-        measured: its distances to the obstacles.
+        measured: signed distances of its c capsules to the obstacles at the samples, (m, c),
+            [unit], and numbers of the nearest obstacles, (m, c); without obstacles inf and -1.
         contacts: what it touches.
         required: distance to keep from obstacles, at least 0, [unit].
         rows: number of rows around.
         certify: proves a distance, [unit].
     """
-    least = measured.distance.min(axis=1)
+    distances, numbers = measured
+    least = distances.min(axis=1)
     sample = int(least.argmin())
-    capsule = int(measured.distance[sample].argmin())
-    distance, obstacle = float(least[sample]), int(measured.number[sample, capsule])
+    capsule = int(distances[sample].argmin())
+    distance, obstacle = float(least[sample]), int(numbers[sample, capsule])
     proof = None
     if motion.reachable and not contacts:
         proof = _best_proof(certify, distance, required, rows)
@@ -278,72 +280,70 @@ def _best_proof(
     return None
 
 
-class Measured(NamedTuple):
-    """Least signed distances of capsules (m, c), [unit], and numbers of the nearest bodies (m, c).
-
-    Without obstacles they are inf and -1.
-
-    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf,
-    and so may what is above the distance that is enough. Of one that touches a mesh it may be 0 if
-    it is deeper at another pose of the same contact.
-    """
-
-    distance: FloatArray
-    number: IntArray
-
-
-def _measured(
+def _distances(
     ends: FloatArray, arm: PaperArm, collision_world: CollisionWorld, enough: float = math.inf
-) -> Measured:
-    """Distances of capsules to convex solids and the floor, up to ``enough``, [unit]."""
+) -> tuple[FloatArray, IntArray]:
+    """Signed distances of capsules to convex solids and the floor, (m, c), and their numbers.
+
+    What is above ``enough``, [unit], may be inf.
+    """
     shape = ends.shape[:2]
     distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
     paper_arm_distance_kernels.capsule_clearances(
         *(flat(ends), arm.capsule_rows, collision_world.beyond(0.0), enough),
         *(distance.reshape(-1), row.reshape(-1)),
     )
-    return Measured(distance, collision_world.numbers[row])
+    return distance, collision_world.numbers[row]
 
 
 def _with_meshes(
-    solid: Measured, ends: FloatArray, arm: PaperArm, obstacles: ObstacleSet
-) -> Measured:
-    """The nearer of convex solids and meshes, for capsules with these ends (m, c, 2, 3)."""
-    distance, mesh = solid.distance.copy(), np.empty(solid.number.shape, dtype=np.int32)
+    distance: FloatArray, number: IntArray, ends: FloatArray, arm: PaperArm, obstacles: ObstacleSet
+) -> tuple[FloatArray, IntArray]:
+    """The nearer of convex solids and meshes, for capsules with these ends (m, c, 2, 3).
+
+    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf. Of
+    one that touches a mesh it may be 0 if it is deeper at another pose of the same contact.
+    """
+    distance, mesh = distance.copy(), np.empty(number.shape, dtype=np.int32)
     capsules_near_meshes(
         *(flat(ends), arm.capsule_rows, obstacles.surfaces),
         *(distance.reshape(-1), mesh.reshape(-1)),
     )
-    return Measured(distance, np.where(mesh >= 0, obstacles.mesh_numbers[mesh], solid.number))
+    return distance, np.where(mesh >= 0, obstacles.mesh_numbers[mesh], number)
 
 
 def contacts_of(
-    time: FloatArray, measured: Measured, capsules: Sequence[int], arm: AnyArm
+    time: FloatArray,
+    distance: FloatArray,
+    number: IntArray,
+    capsules: Sequence[int],
+    arm: AnyArm,
 ) -> tuple[Contact, ...]:
     """Stretches of time in which capsules are inside something.
 
     Args:
         time: of the samples (m,), [s].
-        measured: distances of k capsules at them, (m, k).
+        distance: of k capsules at them, (m, k), [unit], negative inside.
+        number: of the nearest body, (m, k).
         capsules: numbers of these, (k,).
         arm: the arm.
     """
     contacts = []
-    touches = measured.distance <= 0
+    touches = distance <= 0
     if not touches.any():  # as most often of the arm itself
         return ()
     # no number is so low: where nothing is touched
-    numbers = np.where(touches, measured.number, np.iinfo(np.int32).min)
+    numbers = np.where(touches, number, np.iinfo(np.int32).min)
     for c in np.flatnonzero(touches.any(axis=0)).tolist():
         touched = numbers[:, c]
         changes = np.flatnonzero(touched[1:] != touched[:-1]) + 1
         for first, end in itertools.pairwise([0, *changes.tolist(), len(time)]):
             if touches[first, c]:
-                deepest = first + int(measured.distance[first:end, c].argmin())
+                deepest = first + int(distance[first:end, c].argmin())
                 contact = Contact(
                     *(arm.capsule_links[capsules[c]], named(int(touched[first]), arm)),
                     *(float(time[first]), float(time[end - 1]), float(time[deepest])),
-                    -float(measured.distance[deepest, c]),
+                    -float(distance[deepest, c]),
                     arm.has_exact_bodies,
                 )
                 contacts.append(contact)

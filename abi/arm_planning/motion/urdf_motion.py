@@ -24,7 +24,6 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
 from abi.arm_planning.motion.arm_clearance import (
     ArmClearance,
     Contact,
-    Measured,
     contacts_of,
     proven_clearance,
 )
@@ -166,9 +165,9 @@ class ChainJointPath:
         of_capsules = obstacle_distances(arm, obstacles, poses.ends, allowed=allowed)
         least = float(of_capsules[0][:, ~arm.touchable].min(initial=math.inf))
         below = max(required, least) + _CLOSER * arm.reach
-        measured = Measured(*hull_distances_to(arm, poses, collision_world, of_capsules, below))
-        measured = _without_touchable(arm, measured)
-        contacts = contacts_of(motion.time, measured, range(len(arm.capsules)), arm)
+        measured = hull_distances_to(arm, poses, collision_world, of_capsules, below)
+        measured = _without_touchable(arm, *measured)
+        contacts = contacts_of(motion.time, *measured, range(len(arm.capsules)), arm)
         around = motion.positions, obstacles.obstacles, collision_world
         certify = partial(self._proofs.certify, *around)
         rows = collision_world.solids.in_use
@@ -210,11 +209,12 @@ def _poses(arm: UrdfArm, motion: ArmMotion) -> Poses:
 def _own_contacts(arm: UrdfArm, motion: ArmMotion, floor: float) -> tuple[Contact, ...]:
     """Contacts of an arm in a motion with itself and the floor."""
     poses = _poses(arm, motion)
-    own = _against(OWN - arm.pairs[:, 0], own_distances(arm, poses, 0.0))
-    below = _against(FLOOR, floor_distances(arm, floor, poses))
+    own, below = own_distances(arm, poses, 0.0), floor_distances(arm, floor, poses)
+    links = np.broadcast_to(OWN - arm.pairs[:, 0], own.shape)
+    floors = np.full(below.shape, FLOOR, dtype=np.int32)
     return (
-        *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
-        *contacts_of(motion.time, below, range(len(arm.capsules)), arm),
+        *contacts_of(motion.time, own, links, arm.pairs[:, 1].tolist(), arm),
+        *contacts_of(motion.time, below, floors, range(len(arm.capsules)), arm),
     )
 
 
@@ -236,18 +236,12 @@ def _decided(
     return contact._replace(apart=True)
 
 
-def _without_touchable(arm: UrdfArm, measured: Measured) -> Measured:
-    """Distances without those of capsules that only must not touch, if they do not."""
-    left_out = arm.touchable & (measured.distance > 0)
-    return Measured(
-        np.where(left_out, np.inf, measured.distance),
-        np.where(left_out, np.int32(-1), measured.number),
-    )
-
-
-def _against(number: IntArray | int, distance: FloatArray) -> Measured:
-    """Distances (m, c) to the same body at all samples, numbered (c,) or one for all."""
-    return Measured(distance, np.broadcast_to(np.int32(number), distance.shape))
+def _without_touchable(
+    arm: UrdfArm, distance: FloatArray, number: IntArray
+) -> tuple[FloatArray, IntArray]:
+    """Distances and numbers without those of capsules that only must not touch, if they do not."""
+    left_out = arm.touchable & (distance > 0)
+    return np.where(left_out, np.inf, distance), np.where(left_out, np.int32(-1), number)
 
 
 def chain_joint_path(curve: Curve, arc: ArcLength, arm: UrdfArm, number: int) -> ChainJointPath:
