@@ -87,16 +87,9 @@ class ArmSegments(NamedTuple):
     most_tries: int
 
 
-class Touched(NamedTuple):
-    """Last contact of the arm, on a segment that was not clear: it often recurs on the next.
-
-    Attributes:
-        pair: (1,) capsule times number of obstacles, plus obstacle; -1 at first.
-        waiting: room for ``DEPTH`` rows.
-    """
-
-    pair: IntArray
-    waiting: IntArray
+_LastContact = tuple[IntArray, IntArray]
+"""The pair that touched, (1,), on the last segment that was not clear, as it often does so on the
+next: capsule times number of obstacles, plus obstacle, -1 for none; and room for ``DEPTH`` rows."""
 
 
 NO_SEGMENTS = ArmSegments(NO_ARM, NO_OBSTACLES, 1.0, 0.0, MOST_TRIES)
@@ -104,18 +97,18 @@ NO_SEGMENTS = ArmSegments(NO_ARM, NO_OBSTACLES, 1.0, 0.0, MOST_TRIES)
 
 
 @jitable
-def new_touched() -> Touched:
+def no_contact() -> _LastContact:
     """Memory of the last contact, without one."""
-    return Touched(np.full(1, -1, np.int32), np.empty(DEPTH, np.int32))
+    return np.full(1, -1, np.int32), np.empty(DEPTH, np.int32)
 
 
 @jitable
-def _touches_again(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec3) -> bool:
+def _touches_again(segments: ArmSegments, latest: _LastContact, first: Vec3, last: Vec3) -> bool:
     """Check if the capsule that touched an obstacle last touches it at places of a segment."""
     (arm, capsules), around, forearm, _, _ = segments
-    count = len(around.margins)
-    c, s = touched.pair[0] // count, touched.pair[0] % count
-    if touched.pair[0] < 0 or s == count - 1:
+    count, (touched, waiting) = len(around.margins), latest
+    c, s = touched[0] // count, touched[0] % count
+    if touched[0] < 0 or s == count - 1:
         return False
     root = s
     if around.meshes[s] >= 0:
@@ -130,23 +123,23 @@ def _touches_again(segments: ArmSegments, touched: Touched, first: Vec3, last: V
             if not reaches(arm, tool, forearm):
                 return True
             a, b = capsule_ends(arm, pose_of(arm, tool, forearm), capsules, c)
-            row = touched_row(around, root, a, b, need, s, touched.waiting)
+            row = touched_row(around, root, a, b, need, s, waiting)
             if row >= 0:
-                touched.pair[0] = c * count + row
+                touched[0] = c * count + row
                 return True
     return False
 
 
 @jitable
-def arm_is_clear(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec3) -> bool:
+def arm_is_clear(segments: ArmSegments, contact: _LastContact, first: Vec3, last: Vec3) -> bool:
     """Check whether it is proven that the arm keeps clear from one place of the tool to another.
 
     Args:
         segments: what to keep clear of.
-        touched: what it touched last; written.
+        contact: its last one; written.
         first, last: places of the tool, [unit], world.
     """
-    if _touches_again(segments, touched, first, last):
+    if _touches_again(segments, contact, first, last):
         return False
     (arm, capsules), around, forearm, slid, most_tries = segments
     length, way = distance(first, last), sub(last, first)
@@ -195,7 +188,7 @@ def arm_is_clear(segments: ArmSegments, touched: Touched, first: Vec3, last: Vec
             (segments.table, neighbourhood),
         )
         if outcome == REFUTED:
-            touched.pair[0] = pair
+            contact[0][0] = pair
             return False
         tries += tried[0]
         if len(candidates) == left:
@@ -216,11 +209,11 @@ def clear_segments(points: FloatArray, segments: ArmSegments, clear: BoolArray) 
         segments: what the arm is to keep clear of.
         clear: (k - 1,); written.
     """
-    own = new_touched()
-    touched = borrowed(own)
+    own = no_contact()
+    contact = borrowed(own)
     for k in range(len(clear)):
         clear[k] = arm_is_clear(
-            segments, touched, vec3_at(points, 3 * k), vec3_at(points, 3 * k + 3)
+            segments, contact, vec3_at(points, 3 * k), vec3_at(points, 3 * k + 3)
         )
     held(own)
 
@@ -235,17 +228,17 @@ _SETTLED = 1e-3
 _CUT = (0.45, 0.2)
 
 
-_Around = tuple[PathObstacles, DescentWorkspace, ArmSegments, Touched]
+_Around = tuple[PathObstacles, DescentWorkspace, ArmSegments, _LastContact]
 """What the tool keeps clear of, room for its descents, what the arm does, and its last contact."""
 
 
 @jitable
 def _clear(around: _Around, points: tuple[Vec3, ...]) -> bool:
     """Check whether tool and arm are clear on the segments between points."""
-    tool, room, arm, touched = around
+    tool, room, arm, contact = around
     for k in range(len(points) - 1):
         a, b = points[k], points[k + 1]
-        if not (is_clear(tool, 0, a, b, room) and arm_is_clear(arm, touched, a, b)):
+        if not (is_clear(tool, 0, a, b, room) and arm_is_clear(arm, contact, a, b)):
             return False
     return True
 
@@ -350,7 +343,7 @@ def pulled(points: FloatArray, surroundings: PathObstacles, segments: ArmSegment
     Returns:
         The path, flat, never longer.
     """
-    own = surroundings, new_room(), segments, new_touched()
+    own = surroundings, new_room(), segments, no_contact()
     both = borrowed(own)
     path = pull([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both, _clear, ROUNDS)
     taut = np.empty(3 * len(path))
