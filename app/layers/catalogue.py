@@ -17,20 +17,16 @@ from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
 from app.layers.paths import PathsLayer
 from app.layers.race import RaceLayer
-from app.layers.result.headline import HeadlineLayer
 from app.layers.result.joint_rates import JointRatesLayer
+from app.layers.result.plan_numbers import PlanNumbersLayer
 from app.layers.result.plots import PlotsLayer
-from app.layers.result.stage_notes import StageNotesLayer
-from app.layers.result.tables import TablesLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.search_step import TheatreLayer
 from app.layers.workspace import WorkspaceLayer
 from app.state.frame import Layer
 
 LAYERS: tuple[type[Layer], ...] = (
-    HeadlineLayer,
-    TablesLayer,
-    StageNotesLayer,
+    PlanNumbersLayer,
     PlotsLayer,
     JointRatesLayer,
     WorkspaceLayer,
@@ -45,7 +41,7 @@ LAYERS: tuple[type[Layer], ...] = (
     BaseMapLayer,
     NamesLayer,
 )
-DETAILS: tuple[type[Layer], ...] = (TablesLayer, StageNotesLayer, PlotsLayer, MeshLayer, NamesLayer)
+DETAILS: tuple[type[Layer], ...] = (PlanNumbersLayer, PlotsLayer, MeshLayer, NamesLayer)
 """Layers that a drag can do without for a moment while many tabs drag."""
 SLOW_LAYERS: tuple[type[Layer], ...] = (
     ArmLayer,

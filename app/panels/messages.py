@@ -1,4 +1,4 @@
-"""The sentence over the scene: what to do and what was just done, or what is wrong and what helps.
+"""What is said over the scene: numbers, what to do and what was just done, or what is wrong.
 
 It lies over the scene, so that no control moves under the user's hand when it changes.
 """
@@ -19,6 +19,7 @@ from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import base_buttons, base_card, base_sentence
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
+from app.panels.headline import shown_numbers
 from app.panels.legs import LegsCard
 from app.panels.offered_changes import change_label, offered_changes
 from app.panels.plan_sentence import OBSTACLES, longer_on_finer, plan_sentence
@@ -49,7 +50,7 @@ _TOOL_ALONE = (
 
 
 class Messages:
-    """One sentence, and the buttons of the change that helps."""
+    """Headline numbers, one sentence, and the buttons of the change that helps."""
 
     def __init__(
         self,
@@ -75,7 +76,8 @@ class Messages:
         self._drawn: tuple[object, ...] = ()
 
     def draw(self, frame: Frame) -> None:
-        """Write the sentence for a frame."""
+        """Write numbers and sentence for a frame."""
+        self._overlay.show("numbers", shown_numbers(frame))
         shown = frame.plan, frame.current, frame.refused, frame.reason, frame.interactive
         preview = frame.demonstrates, _was_whole(frame.before)
         still = self._share.keeps_task

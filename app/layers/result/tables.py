@@ -9,9 +9,7 @@ from collections.abc import Mapping
 from abi.planner.arm_words import contact_sentence, lacks_motion
 from abi.planner.plan import Plan
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame, Layer
 from app.ui import style
-from app.ui.layout import Layout
 from app.ui.numbers import (
     distance_to_show,
     format_count,
@@ -23,6 +21,9 @@ from app.ui.numbers import (
     unbroken,
 )
 from app.ui.table import table
+
+Rows = Mapping[str, tuple[str, ...]]
+"""Cells of a table's rows, by their names."""
 
 _LEGEND = style.paragraph(
     "✓ keeps the distance you asked for (? unproven). ✗\N{NO-BREAK SPACE}closer: thick red in the "
@@ -38,35 +39,22 @@ _OLD = '<span style="opacity:.55">{}</span>'
 """Of the last full plan, while the next has not got so far."""
 
 
-class TablesLayer(Layer):
-    """The two tables, as high for any plan: while one search is made, the others' rows stay."""
+def tables(plan: Plan, current: bool, old: Rows) -> str:
+    """Both tables as HTML, as high for any plan.
 
-    def __init__(self, layout: Layout) -> None:
-        with layout.result:
-            self._tables = layout.client.gui.add_html("")
-        self._last: Mapping[str, tuple[str, ...]] = {}
-        self._drawn: tuple[object, ...] = ()
-
-    def draw(self, frame: Frame) -> None:
-        """Write the plan's numbers."""
-        plan = frame.plan
-        state = plan, frame.current
-        if state == self._drawn:
-            return
-        self._drawn = state
-        if plan.partial:
-            old = self._last
-        else:
-            # the first picture of another scene has no plan yet: its searches begin with nothing
-            self._last, old = _results(plan), {}
-        stages = _stages(plan)
-        if not frame.current:  # what is proven of the plan is not of what was asked for
-            stages = stages.replace(" ✓", "")
-        self._tables.content = unbroken(_searches(plan, old) + stages)
+    Args:
+        plan: what is told.
+        current: whether it belongs to the present input.
+        old: results of an earlier plan for the searches that still follow.
+    """
+    stages = _stages(plan)
+    if not current:  # what is proven of the plan is not of what was asked for
+        stages = stages.replace(" ✓", "")
+    return unbroken(_searches(plan, old) + stages)
 
 
 @once_a_plan
-def _results(plan: Plan) -> dict[str, tuple[str, ...]]:
+def search_rows(plan: Plan) -> Rows:
     """Cells of each search's row, and its time."""
     return {
         result.algorithm: (
@@ -80,14 +68,14 @@ def _results(plan: Plan) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
+def _searches(plan: Plan, old: Rows) -> str:
     """Table I, with the work of each search and its time.
 
     Args:
         plan: what they found.
         old: results of an earlier plan for the searches that still follow.
     """
-    results = _results(plan)
+    results = search_rows(plan)
     rows = []
     for name, (label, colour) in style.ALGORITHMS.items():
         mark = style.swatch(colour, name)

@@ -26,13 +26,12 @@ from app.layers.markers import _are_reached
 from app.layers.mesh import EDGE_BUDGET, MeshLayer, _counts, _picture
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
 from app.layers.points import Points
-from app.layers.result.headline import HeadlineLayer, headline, stage_headline
+from app.layers.result.plan_numbers import PlanNumbersLayer
 from app.layers.result.plots import PlotsLayer, _joints_title
-from app.layers.result.stage_notes import StageNotesLayer
-from app.layers.result.tables import TablesLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.panels.base_offer import _may_help
+from app.panels.headline import headline, stage_headline
 from app.panels.offered_changes import change_label
 from app.panels.plan_sentence import plan_sentence
 from app.panels.teach.lecture import VIEWS
@@ -82,7 +81,7 @@ def test_no_distance_is_named_while_it_is_asked(tab: tuple[FakeTab, Session]) ->
 def test_a_lesson_has_notes_on_what_it_shows_alone(tab: tuple[FakeTab, Session]) -> None:
     _, session = tab
     until(lambda: session.resting)
-    written, note = layer(session, StageNotesLayer), notes(session.frame.plan)["quadratic"]
+    written, note = layer(session, PlanNumbersLayer), notes(session.frame.plan)["quadratic"]
     assert note
     for shown in ({"edges", "bspline"}, {"edges", "quadratic"}, {"edges"}):
         frame = replace(session.frame, lesson=True, shown=frozenset(shown))
@@ -422,14 +421,14 @@ def test_what_is_proven_is_not_said_of_a_scene_that_is_still_planned(
     _, session = tab
     until(lambda: session.resting)
     layout, stages = session.panels.layout, session.panels.stages
-    lengths = layer(session, TablesLayer)
+    lengths = layer(session, PlanNumbersLayer)
 
     def texts() -> list[str]:
         headings = " ".join(str(folder.label) for folder in layout.folders.values())
         return [layout.overlay.shown["numbers"], lengths._tables.content, headings]
 
     for outdated in (True, False):
-        for one in (layer(session, HeadlineLayer), lengths, stages):
+        for one in (session.panels.messages, lengths, stages):
             one.draw(replace(session.frame, outdated=outdated))
         assert [" ✓" in text.replace("✓ keeps", "") for text in texts()] == 3 * [not outdated]
 

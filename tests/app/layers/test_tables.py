@@ -15,7 +15,8 @@ from abi.errors import SceneError
 from abi.planner.arm_words import arm_result, contact_sentence
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
-from app.layers.result.tables import TablesLayer, _searches, _stages
+from app.layers.result.plan_numbers import PlanNumbersLayer
+from app.layers.result.tables import _searches, _stages
 from app.panels.plan_sentence import _replan_ms, plan_sentence
 from app.panels.stages.stage_headings import headings
 from app.state.frame import Frame
@@ -76,15 +77,19 @@ class _Tables:
     """The layer without a page."""
 
     def __init__(self) -> None:
-        html = SimpleNamespace(content="")
-        gui = SimpleNamespace(add_html=lambda _: html)
-        layout = SimpleNamespace(result=contextlib.nullcontext(), client=SimpleNamespace(gui=gui))
-        self._html, self._layer = html, TablesLayer(layout)  # type: ignore[arg-type]
+        gui = SimpleNamespace(add_html=lambda _: SimpleNamespace(content=""))
+        folders = dict.fromkeys(("bspline", "quadratic", "arm"), contextlib.nullcontext())
+        layout = SimpleNamespace(
+            result=contextlib.nullcontext(), folders=folders, client=SimpleNamespace(gui=gui)
+        )
+        self._layer = PlanNumbersLayer(layout)  # type: ignore[arg-type]
 
     def show(self, plan: Plan, partial: bool = False) -> list[list[str]]:
         """The cells of every row, and the paragraphs."""
         self._layer.draw(Frame(replace(plan, coarse=partial, partial=partial)))
-        rows = re.findall(r"<tr>(.*?)</tr>|<div[^>]*>(?!<table)(.*?)</div>", self._html.content)
+        rows = re.findall(
+            r"<tr>(.*?)</tr>|<div[^>]*>(?!<table)(.*?)</div>", self._layer._tables.content
+        )
         return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) or [text] for row, text in rows]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.layers.result.stage_notes import StageNotesLayer
+from app.layers.result.plan_numbers import PlanNumbersLayer
 from app.tab.session import Session
 from tests.abi.certification.test_bags import POSITIONS, mcap, sqlite
 from tests.app.fake_tab import FakeTab, layer, notified, send_file, until
@@ -67,7 +67,7 @@ def test_a_verdict_is_shown_in_place_of_the_plan(
     assert "touching" in overlay["message"]
     assert "linear-gradient" in overlay["marks"]
 
-    notes = layer(session, StageNotesLayer)._notes
+    notes = layer(session, PlanNumbersLayer)._notes
     until(lambda: "from elsewhere: 2.00" in notes["motion"].content)
     assert "straight in the joints" in notes["arm"].content
 

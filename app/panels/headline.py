@@ -6,24 +6,20 @@ from abi.planner.plan import Plan
 from app.shared.computed_once import once_a_plan
 from app.stages.catalogue import SHOWN_STAGES
 from app.stages.curve_numbers import blocks, curve_numbers
-from app.state.frame import Frame, Layer
-from app.ui.layout import Layout
+from app.state.frame import Frame
 
 
-class HeadlineLayer(Layer):
-    """Three numbers of the curve that the arm follows, or those of a lecture's stage."""
+def shown_numbers(frame: Frame) -> str:
+    """Three numbers of the curve that the arm follows, or those of a lecture's stage, as HTML.
 
-    def __init__(self, layout: Layout) -> None:
-        self._overlay = layout.overlay
-
-    def draw(self, frame: Frame) -> None:
-        """Write the plan's numbers; none while a search is stepped through, which counts itself."""
-        plan, content = frame.plan, ""
-        if frame.theatre is None and frame.tells_curve:
-            content = stage_headline(plan, frame.stage) if frame.stage else headline(plan)
-        if not frame.current:  # what is proven of the plan is not of what was asked for
-            content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'
-        self._overlay.show("numbers", content)
+    Empty while a search is stepped through, which counts itself.
+    """
+    plan, content = frame.plan, ""
+    if frame.theatre is None and frame.tells_curve:
+        content = stage_headline(plan, frame.stage) if frame.stage else headline(plan)
+    if not frame.current:  # what is proven of the plan is not of what was asked for
+        content = f'<div class="abi-old">{content.replace(" ✓", "")}</div>'
+    return content
 
 
 @once_a_plan
