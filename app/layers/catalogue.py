@@ -12,7 +12,7 @@ from app.layers.arm.joint_trees import JointTreesLayer
 from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
 from app.layers.drop_line import DropLineLayer
-from app.layers.markers import MarkersLayer
+from app.layers.marks import MarksLayer
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
 from app.layers.paths import PathsLayer
@@ -20,7 +20,6 @@ from app.layers.race import RaceLayer
 from app.layers.result.joint_rates import JointRatesLayer
 from app.layers.result.plan_numbers import PlanNumbersLayer
 from app.layers.result.plots import PlotsLayer
-from app.layers.search_order import SearchOrderLayer
 from app.layers.search_step import TheatreLayer
 from app.layers.workspace import WorkspaceLayer
 from app.state.frame import Layer
@@ -31,10 +30,9 @@ LAYERS: tuple[type[Layer], ...] = (
     JointRatesLayer,
     WorkspaceLayer,
     DropLineLayer,
-    MarkersLayer,
     MeshLayer,
     PathsLayer,
-    SearchOrderLayer,
+    MarksLayer,
     TheatreLayer,
     RaceLayer,
     CurvesLayer,

@@ -19,7 +19,7 @@ from app.drawing.lines import (
     parameters,
     segments,
 )
-from app.layers.points import Points
+from app.layers.points import add_points, set_points
 from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
@@ -68,7 +68,7 @@ class CurvesLayer(Layer):
             for name, (_, colour) in style.CURVES.items()
         }
         self._polygon = self._all.add("/curve/control_polygon", style.BSPLINE, 1.0)
-        self._control = Points(scene, "/curve/control_points")
+        self._control = add_points(scene, "/curve/control_points")
         self._violations = self._all.add("/curve/entering", style.VIOLATION, 9.0)
         self._ghost = add_line(scene, "/ghost", style.FADED, 3.0)
         self._drawn: dict[str, object] = {}
@@ -85,7 +85,7 @@ class CurvesLayer(Layer):
         self._lines["bspline"].visible = "bspline" in frame.shown
         self._lines["quadratic"].visible = self._violations.visible = "quadratic" in frame.shown
         self._polygon.visible = "control" in frame.shown
-        self._control.show("control" in frame.shown)
+        self._control.visible = "control" in frame.shown
 
     def _draw_curves(self, plan: Plan) -> None:
         for name, fit in plan.curves.items():
@@ -112,7 +112,7 @@ class CurvesLayer(Layer):
         points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.curve.control_points
         self._polygon.points = segments(points)
         size = 0.025 * max(plan.scene.workspace.size)
-        self._control.draw(points, style.BSPLINE, size)
+        set_points(self._control, points, style.BSPLINE, size)
 
 
 def _dashed(plan: Plan | None) -> Segments:

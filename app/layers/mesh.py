@@ -6,14 +6,14 @@ import html
 from typing import ClassVar
 
 import numpy as np
+import viser
 
 from abi import progress
 from abi.planner.plan import Plan
 from abi.search.subset import Subset, fits, subset
 from app.drawing import glb
 from app.drawing.straight_lines import straight_lines
-from app.layers.line_set import LineSet
-from app.layers.points import Points
+from app.layers.points import add_points, set_lines, set_points
 from app.shared.computed_once import once_a_plan
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame, Layer, Switch
@@ -52,9 +52,9 @@ class MeshLayer(Layer):
         self._scene = layout.client.scene
         with layout.folders["graph"]:
             self._text = layout.client.gui.add_html("")
-        self._edges = LineSet(self._scene, "/mesh/edges")
+        self._edges: viser.GlbHandle | None = None
         self._clouds = {
-            name: Points(self._scene, f"/mesh/{name}") for name in ("nodes", "excluded")
+            name: add_points(self._scene, f"/mesh/{name}") for name in ("nodes", "excluded")
         }
         self._seen: tuple[object, ...] = ()
         self._drawn: tuple[object, ...] = ()
@@ -79,10 +79,11 @@ class MeshLayer(Layer):
             self._seen = seen
         # of the scene before there may still be one, which is not true of this one
         known = frame.plan.free is not None
-        self._edges.show(known and "edges" in frame.shown)
+        if self._edges is not None:
+            self._edges.visible = known and "edges" in frame.shown
         for name, cloud in self._clouds.items():
             fits_not = self._stale and name == "excluded"
-            cloud.show(known and name in frame.shown and not fits_not)
+            cloud.visible = known and name in frame.shown and not fits_not
         if self._stale and frame.outdated:
             return
         if (state := (frame.plan, self._note)) != self._written:
@@ -99,7 +100,7 @@ class MeshLayer(Layer):
             self._stale = False
             return
         waits = frame.interactive or frame.outdated
-        self._stale = waits and bool(self._edges) and not whole
+        self._stale = waits and self._edges is not None and not whole
         if self._stale:
             return
         part, picture = _part(plan, view), _picture(plan, view, solid)
@@ -109,12 +110,12 @@ class MeshLayer(Layer):
             self._note = (
                 f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_VIEW_NAMES[view]}"
             )
-        self._edges.draw(picture)
+        self._edges = set_lines(self._scene, "/mesh/edges", self._edges, picture)
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
-        self._clouds["nodes"].draw(part.points, style.MESH, size)
+        set_points(self._clouds["nodes"], part.points, style.MESH, size)
         # many, as where the whole arm avoids, are smaller: what matters lies among them
         share = float(np.clip((_FEW / max(len(part.excluded), 1)) ** 0.5, 0.4, 1.0))
-        self._clouds["excluded"].draw(part.excluded, style.EXCLUDED, 1.6 * share * size)
+        set_points(self._clouds["excluded"], part.excluded, style.EXCLUDED, 1.6 * share * size)
 
 
 @once_a_plan

@@ -1,4 +1,4 @@
-"""Point clouds as all layers draw them."""
+"""Point clouds and sets of many straight lines as all layers draw them."""
 
 from __future__ import annotations
 
@@ -10,49 +10,50 @@ from abi.arrays import FloatArray
 from app.ui.style import Colour
 
 
-class Points:
-    """One cloud, of which only what changes is sent."""
+def add_points(scene: viser.SceneApi, name: str) -> viser.PointCloudHandle:
+    """Add a cloud without points yet, which is not seen."""
+    return scene.add_point_cloud(
+        name,
+        np.zeros((0, 3), np.float32),
+        np.zeros(3, np.uint8),
+        point_shape="circle",
+        precision="float32",
+        visible=False,
+    )
 
-    def __init__(self, scene: viser.SceneApi, name: str) -> None:
-        self._scene, self._name = scene, name
-        self._cloud: viser.PointCloudHandle | None = None
 
-    def draw(
-        self,
-        points: FloatArray,
-        colour: Colour | NDArray[np.uint8],
-        size: float,
-        visible: bool | None = None,
-    ) -> None:
-        """Draw ``points`` (n, 3), [unit], world, as discs of diameter ``size``, [unit].
+def set_points(
+    cloud: viser.PointCloudHandle,
+    points: FloatArray,
+    colour: Colour | NDArray[np.uint8],
+    size: float,
+) -> None:
+    """Draw ``points`` (n, 3), [unit], world, as discs of diameter ``size``, [unit].
 
-        Args:
-            points: where.
-            colour: of all of them, or (n, 3) of each.
-            size: of a disc.
-            visible: whether they are seen; None for as before, at first for seen.
-        """
-        colours = np.array(colour, np.uint8)
-        if colours.size == 0:
-            colours = np.zeros(3, np.uint8)  # without points, too, the page asks for a colour
-        if self._cloud is None:
-            self._cloud = self._scene.add_point_cloud(
-                self._name,
-                points.astype(np.float32),
-                colours,
-                point_size=size,
-                point_shape="circle",
-                precision="float32",
-                visible=visible is not False,
-            )
-            return
-        self._cloud.points = points.astype(np.float32)
-        self._cloud.colors = colours
-        self._cloud.point_size = size
-        if visible is not None:
-            self._cloud.visible = visible
+    Args:
+        cloud: of :func:`add_points`.
+        points: where.
+        colour: of all of them, or (n, 3) of each.
+        size: of a disc.
+    """
+    colours = np.array(colour, np.uint8)
+    if colours.size == 0:
+        colours = np.zeros(3, np.uint8)  # without points, too, the page asks for a colour
+    cloud.points, cloud.colors = points.astype(np.float32), colours
+    cloud.point_size = size
 
-    def show(self, on: bool) -> None:
-        """Show or hide the cloud, if there is one."""
-        if self._cloud is not None:
-            self._cloud.visible = on
+
+def set_lines(
+    scene: viser.SceneApi, name: str, before: viser.GlbHandle | None, data: bytes
+) -> viser.GlbHandle | None:
+    """Draw a set of lines of :mod:`app.drawing.glb` instead of those ``before``.
+
+    Empty data take these away; then there is no handle.
+    """
+    if before is None:
+        return scene.add_glb(name, data, cast_shadow=False, receive_shadow=False) if data else None
+    if data:
+        before.glb_data = data
+        return before
+    before.remove()
+    return None

@@ -12,7 +12,7 @@ from app.camera.camera import View, aspect
 from app.drawing.box import box_edges
 from app.drawing.lines import add_line, segments
 from app.drawing.obstacle_body import add_body
-from app.layers.points import Points
+from app.layers.points import add_points, set_points
 from app.layers.search_step import few, order_colours
 from app.state.frame import Frame, Layer
 from app.theatre.theatre import Theatre, label_of
@@ -123,7 +123,9 @@ class RaceLayer(Layer):
         colours = np.concatenate([visited, waiting])
         nodes = np.concatenate([closed, front])
         size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))
-        Points(self._scene, f"/race/{place}/nodes").draw(points[nodes % n], colours, size)
+        cloud = add_points(self._scene, f"/race/{place}/nodes")
+        set_points(cloud, points[nodes % n], colours, size)
+        cloud.visible = True
         path = add_line(self._scene, f"/race/{place}/path", style.MARK, 5.0)
         path.points = segments(points[state.trace.vertices]) if state.done else path.points
         self._labels[place].text = _label(name, state, scene.unit)

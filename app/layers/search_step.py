@@ -5,14 +5,14 @@ from __future__ import annotations
 from base64 import b64encode
 
 import numpy as np
+import viser
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.scene.scene import Scene
 from abi.search.replay import SearchState, steps_of_changes
 from app.drawing import glb
 from app.drawing.lines import NO_SEGMENTS, add_line, segments
-from app.layers.line_set import LineSet
-from app.layers.points import Points
+from app.layers.points import add_points, set_lines, set_points
 from app.state.frame import Frame, Layer
 from app.theatre.compared import asks_for_sums, letter_label, lettered, lots
 from app.theatre.text import describe
@@ -34,8 +34,8 @@ class TheatreLayer(Layer):
         scene = self._scene
         with layout.search:
             self._text = layout.client.gui.add_html("", visible=False)
-        self._clouds: dict[str, Points] = {}
-        self._tree = LineSet(scene, "/theatre/tree")
+        self._clouds: dict[str, viser.PointCloudHandle] = {}
+        self._tree: viser.GlbHandle | None = None
         self._path = add_line(scene, "/theatre/path", style.MARK, 5.0)
         self._negative = add_line(scene, "/theatre/negative", style.VIOLATION, 6.0)
         self._cycle = add_line(scene, "/theatre/cycle", style.VIOLATION, 6.0)
@@ -48,13 +48,11 @@ class TheatreLayer(Layer):
         if theatre is self._drawn:
             return
         alone = theatre is not None and not theatre.race
-        for cloud in self._clouds.values():
-            cloud.show(alone)
-        for line in (self._path, self._negative, self._cycle):
-            line.visible = alone
-        if not alone:
-            self._tree.draw(b"")
+        for node in (*self._clouds.values(), self._path, self._negative, self._cycle):
+            node.visible = alone
         self._text.visible = alone
+        if not alone:
+            self._draw_tree(b"")
         if theatre is not None and alone:
             self._draw_state(theatre)
             self._text.content = unbroken(describe(theatre, frame.plan.scene))
@@ -80,14 +78,18 @@ class TheatreLayer(Layer):
         }
         for name, (colour, diameter, nodes) in shown.items():
             if name not in self._clouds:
-                self._clouds[name] = Points(self._scene, f"/theatre/{name}")
-            self._clouds[name].draw(points[nodes % n], colour, diameter, len(nodes) > 0)
+                self._clouds[name] = add_points(self._scene, f"/theatre/{name}")
+            set_points(self._clouds[name], points[nodes % n], colour, diameter)
+            self._clouds[name].visible = len(nodes) > 0
         self._path.points = segments(points[state.path() % n])
         arc = state.trace.arcs.negative
         self._negative.points = NO_SEGMENTS if arc is None else segments(points[list(arc)])
         cycle = state.trace.cycle if state.done else state.trace.cycle[:0]
         self._cycle.points = segments(points[[*cycle, *cycle[:1]]])
-        self._tree.draw(_tree(state))
+        self._draw_tree(_tree(state))
+
+    def _draw_tree(self, data: bytes) -> None:
+        self._tree = set_lines(self._scene, "/theatre/tree", self._tree, data)
 
 
 def waiting_colours(theatre: Theatre, nodes: IntArray) -> ByteArray:

@@ -22,7 +22,6 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from abi.arrays import FloatArray
-from app.layers.points import Points
 from app.server.server import Server
 from app.tab.session import Session
 from app.ui import page
@@ -50,10 +49,9 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
     return match
 
 
-def drawn_points(cloud: Points) -> FloatArray:
+def drawn_points(cloud: viser.PointCloudHandle) -> FloatArray:
     """The points (n, 3) as they were drawn last, [unit], world."""
-    none = np.zeros((0, 3))
-    return none if cloud._cloud is None else np.asarray(cloud._cloud.points, float)
+    return np.asarray(cloud.points, float)
 
 
 def notified(monkeypatch: pytest.MonkeyPatch, session: Session) -> list[tuple[str, str]]:

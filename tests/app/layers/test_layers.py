@@ -22,13 +22,12 @@ from abi.search.subset import fits
 from app.drawing.lines import points_at
 from app.layers.arm.arm import ArmLayer
 from app.layers.details import Details
-from app.layers.markers import _are_reached
+from app.layers.marks import MarksLayer, names_others
 from app.layers.mesh import EDGE_BUDGET, MeshLayer, _counts, _picture
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
-from app.layers.points import Points
+from app.layers.points import add_points, set_points
 from app.layers.result.plan_numbers import PlanNumbersLayer
 from app.layers.result.plots import PlotsLayer, _joints_title
-from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.panels.base_offer import _may_help
 from app.panels.headline import headline, stage_headline
@@ -62,11 +61,11 @@ def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) 
 def test_a_cloud_without_points_has_a_colour_which_the_page_asks_for(
     tab: tuple[FakeTab, Session],
 ) -> None:
-    cloud = Points(tab[1].client.scene, "/cloud")
+    cloud = add_points(tab[1].client.scene, "/cloud")
+    assert cloud.colors.size == 3
     for count in (0, 1, 3, 0):
-        cloud.draw(np.zeros((count, 3)), np.full((count, 3), 9, np.uint8), 0.1)
-        assert cloud._cloud is not None
-        assert cloud._cloud.colors.size == 3 * max(count, 1)
+        set_points(cloud, np.zeros((count, 3)), np.full((count, 3), 9, np.uint8), 0.1)
+        assert cloud.colors.size == 3 * max(count, 1)
 
 
 def test_no_distance_is_named_while_it_is_asked(tab: tuple[FakeTab, Session]) -> None:
@@ -276,8 +275,8 @@ def test_a_mesh_whose_drawing_was_ended_anywhere_is_drawn_whole_later(
     assert ended >= 5
     assert len(drawn_points(mesh._clouds["nodes"])) > 1000
     assert mesh._text.content == _counts(result, mesh._note)
-    assert mesh._edges._handle is not None
-    assert mesh._edges._handle.glb_data == _picture(result, "near", False)
+    assert mesh._edges is not None
+    assert mesh._edges.glb_data == _picture(result, "near", False)
 
 
 def _still(session: Session) -> Frame:
@@ -478,7 +477,7 @@ def test_what_the_start_reaches_has_no_second_mark() -> None:
         reason = explain(scene, result)
         assert reason is not None
         assert len(reason.points) > 0
-        assert _are_reached(reason, result) is around_start
+        assert names_others(reason, result) is not around_start
 
 
 def test_a_demonstration_says_that_it_is_one() -> None:
@@ -552,7 +551,7 @@ def test_a_direction_that_can_be_kept_for_a_part_is_a_button() -> None:
 
 def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    slider, visited = session.panels.stages.search.shown, layer(session, SearchOrderLayer)
+    slider, visited = session.panels.stages.search.shown, layer(session, MarksLayer)
     until(lambda: session.resting)
     plan = session.frame.plan
     assert plan.path is not None
@@ -561,12 +560,11 @@ def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]
     assert slider.max == len(order)
     count = len(order) // 2
     fake.set(slider, count)
-    until(lambda: len(drawn_points(visited._cloud)) == count)
+    until(lambda: len(drawn_points(visited._visited)) == count)
     until(lambda: session.resting)
     places = plan.graph.points[order[:count]].astype(np.float32)
     assert len(np.unique(order[:count])) == count  # A* expands no node again
-    cloud = visited._cloud._cloud
-    assert cloud is not None
+    cloud = visited._visited
     colour = {tuple(p): tuple(c) for p, c in zip(cloud.points, cloud.colors, strict=True)}
     wanted = map(tuple, scale_colours(HEAT, np.arange(count) / (len(order) - 1)))
     assert [colour[tuple(place)] for place in places] == list(wanted)

@@ -72,8 +72,7 @@ def test_nothing_of_the_last_scene_stays_while_the_next_is_planned(
     fake.set(session.panels.files.choice, _SLOW)
     until(lambda: session._planner._said == "never ending")
     assert not layer(session, ArmLayer)._nodes.root.visible
-    clouds = [one._cloud for one in layer(session, MeshLayer)._clouds.values()]
-    assert not any(cloud.visible for cloud in clouds if cloud is not None)
+    assert not any(cloud.visible for cloud in layer(session, MeshLayer)._clouds.values())
     assert "never ending" in shown["message"]
     # back to the scene before, which is not what was planned last
     plans = session.plans
