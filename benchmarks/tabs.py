@@ -32,7 +32,7 @@ from abi.arrays import FloatArray
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from app.drawing.lines import segments
-from app.layers.curves import SAMPLES
+from app.layers.plan_lines import SAMPLES
 from benchmarks.interrupt import Interrupt
 from benchmarks.spread import process_family, spread
 from benchmarks.web_tab import WebTab, is_same_curve

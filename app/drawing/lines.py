@@ -31,28 +31,6 @@ def add_line(
     )
 
 
-class FadingLines:
-    """Lines that turn grey while their plan is outdated."""
-
-    def __init__(self, scene: viser.SceneApi) -> None:
-        self._scene = scene
-        self._lines: list[tuple[viser.LineSegmentsHandle, style.Colour]] = []
-        self._faded = False
-
-    def add(self, name: str, colour: style.Colour, thickness: float) -> viser.LineSegmentsHandle:
-        """Add a line as :func:`add_line` does."""
-        line = add_line(self._scene, name, colour, thickness)
-        self._lines.append((line, colour))
-        return line
-
-    def fade(self, faded: bool) -> None:
-        """Draw the lines in grey, or in their colours."""
-        if faded != self._faded:
-            self._faded = faded
-            for line, colour in self._lines:
-                line.colors = np.array(style.FADED if faded else colour, np.uint8)
-
-
 def segments(points: FloatArray) -> Segments:
     """Segments (n-1, 2, 3) of a polyline (n, 3); one of zero length when n < 2."""
     if len(points) < 2:

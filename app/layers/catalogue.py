@@ -10,12 +10,11 @@ from app.layers.arm.arm_ghosts import ArmGhostsLayer
 from app.layers.arm.arm_regions import ArmRegionsLayer
 from app.layers.arm.joint_trees import JointTreesLayer
 from app.layers.base_map import BaseMapLayer
-from app.layers.curves import CurvesLayer
 from app.layers.drop_line import DropLineLayer
 from app.layers.marks import MarksLayer
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
-from app.layers.paths import PathsLayer
+from app.layers.plan_lines import PlanLinesLayer
 from app.layers.race import RaceLayer
 from app.layers.result.joint_rates import JointRatesLayer
 from app.layers.result.plan_numbers import PlanNumbersLayer
@@ -31,11 +30,10 @@ LAYERS: tuple[type[Layer], ...] = (
     WorkspaceLayer,
     DropLineLayer,
     MeshLayer,
-    PathsLayer,
+    PlanLinesLayer,
     MarksLayer,
     TheatreLayer,
     RaceLayer,
-    CurvesLayer,
     BaseMapLayer,
     NamesLayer,
 )
