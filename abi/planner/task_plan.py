@@ -95,7 +95,13 @@ class TaskPlan(ShortRepr):
         held = [leg.scene.arm.gripper for leg in self.legs]
         moving = [str(k + 1) for k in range(1, len(held)) if held[k] != held[k - 1]]
         told = [f"How the gripper moves before leg {', '.join(moving)} is not proven."]
-        return (*self.scene.notes, *(told if moving else ()), *self._taken_from_afar())
+        states = [
+            f"Leg {number}: {note}"
+            for number, leg in enumerate(self.legs[1:], 2)
+            for note in leg.scene.arm.state_notes(METRES[leg.scene.unit])
+        ]
+        told = told if moving else []
+        return (*self.scene.notes, *states, *told, *self._taken_from_afar())
 
     def _taken_from_afar(self) -> Iterator[str]:
         """Sentences on objects that are attached where the tool tip is nowhere near them."""

@@ -62,7 +62,7 @@ def scene_from(
         "grasping": leg.grasps or scene.tasks[number - 1].grasps,
     }
     if leg.gripper is not None:
-        arm["gripper"] = leg.gripper
+        arm["gripper"] = {**last.arm.gripper, **leg.gripper}
     goal = leg.goal if isinstance(leg.goal, tuple) or leg.goal is None else leg.goal.model_dump()
     return here.replace(goal=goal, arm=arm, tasks=[])
 

@@ -1,7 +1,7 @@
 """Settings of the arm: which arm, where it stands, what it holds, and what it keeps clear of."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -233,24 +233,49 @@ class ArmSettings(Settings):
         """
         if self.model != "urdf":
             return
-        held = held_in_metres(self.robot, self.gripper, metres)
-        still = positions_held(self.robot, planned_joints(self.robot, self.tool), held)
-        free = {one.name for one in self.robot.joints if one.mimic is None} - {*held}
-        states = {one.name: one.positions for one in self.robot.states}
-        for name in ENDS:
-            end: ArmEnd | None = getattr(self, name)
-            state = states.get(end.state or "", {}) if end is not None else {}
-            others = {one: at for one, at in state.items() if one in free and one in still}
-            wrong = [one for one, at in others.items() if abs(at - still[one]) > _SAME_JOINT]
-            if end is not None and wrong:
-                wanted = held_in_metres(self.robot, others, 1 / metres)
-                rest = held_in_metres(self.robot, still, 1 / metres)
-                at = some_of([f"{one}: {wanted[one]:.6g}" for one in wrong], 6)
+        for name, end, wanted, held in self._held_elsewhere(metres):
+            other = {one: at for one, at in wanted.items() if one not in self.gripper}
+            if other:
+                at = some_of([f"{one}: {place:.6g}" for one, place in other.items()], 6)
+                first = next(iter(other))
                 expected = (
                     f"{at} in arm.gripper, as that state has it; by default "
-                    f"{wrong[0]} is held at {rest[wrong[0]]:.6g}"
+                    f"{first} is held at {held[first]:.6g}"
                 )
                 raise SceneError(f"arm.{name}.state", end.state, expected)
+
+    def _held_elsewhere(
+        self, metres: float
+    ) -> Iterator[tuple[str, ArmEnd, dict[str, float], dict[str, float]]]:
+        """Ends that are named states with other positions of held joints than those are held at.
+
+        Args:
+            metres: one [unit] of the scene in metres.
+
+        Yields:
+            Name of an end, the end, and of the held joints that differ the positions that its state
+            has and those at which they are held, by name, [rad] or [unit].
+        """
+        ends: dict[str, ArmEnd | None] = {name: getattr(self, name) for name in ENDS}
+        if not any(end is not None and end.state is not None for end in ends.values()):
+            return
+        held = held_in_metres(self.robot, self.gripper, metres)
+        still = positions_held(self.robot, planned_joints(self.robot, self.tool), held)
+        free = {one.name for one in self.robot.joints if one.mimic is None} & still.keys()
+        states = {one.name: one.positions for one in self.robot.states}
+        for name, end in ends.items():
+            state = states.get(end.state or "", {}) if end is not None else {}
+            wanted = {
+                one: at
+                for one, at in state.items()
+                if one in free and abs(at - still[one]) > _SAME_JOINT
+            }
+            if end is not None and wanted:
+                here = {one: still[one] for one in wanted}
+                of_state, of_gripper = (
+                    held_in_metres(self.robot, at, 1 / metres) for at in (wanted, here)
+                )
+                yield name, end, of_state, of_gripper
 
     def check_allowed(self, obstacles: int) -> None:
         """Raise a SceneError if ``allowed`` names no link of the arm, or no obstacle.
@@ -317,7 +342,26 @@ class ArmSettings(Settings):
         if self.model != "urdf":
             return ()
         held = held_in_metres(self.robot, self.gripper, metres)
-        return (planned_sentence(self.robot, self.tool, held), *self.file_notes)
+        return (
+            planned_sentence(self.robot, self.tool, held),
+            *self.state_notes(metres),
+            *self.file_notes,
+        )
+
+    def state_notes(self, metres: float) -> tuple[str, ...]:
+        """Sentences on ends that are named states but for what ``gripper`` holds elsewhere.
+
+        Args:
+            metres: one [unit] of the scene in metres.
+        """
+        if self.model != "urdf":
+            return ()
+        return tuple(
+            f"The {name} is {end.state} but for {one}, which is held at {at[one]:.6g} "
+            f"where that state has it at {place:.6g}."
+            for name, end, wanted, at in self._held_elsewhere(metres)
+            for one, place in wanted.items()
+        )
 
     @property
     def file_notes(self) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ def check_tasks(
         raise SceneError("arm.model", arm.model, expected)
     if arm.search == "mesh" and len(tasks) > 1:
         raise SceneError("arm.search", "mesh", ON_MESH)
-    holds = arm.attached is not None
+    holds, gripper = arm.attached is not None, dict(arm.gripper)
     for number, leg in enumerate(tasks):
         field = f"tasks[{number}]"
         check_axis(f"{field}.axis", leg.axis, arm.model, arm.search)
@@ -43,23 +43,21 @@ def check_tasks(
             raise SceneError(f"{field}.release", True, "false where nothing is held")
         holds = leg.attach is not None or (holds and not leg.release)
         if number > 0:
-            _check_later_leg(field, leg, arm, workspace, unit)
+            gripper |= leg.gripper or {}
+            held = arm.model_copy(update={"gripper": gripper})
+            _check_later_leg(field, leg, held, workspace, unit)
 
 
 def _check_later_leg(
     field: str, leg: Leg, arm: ArmSettings, workspace: Workspace, unit: str
 ) -> None:
-    """Raise a SceneError if the arm has no such gripper or goal, or the goal is outside."""
+    """Raise a SceneError if a leg's arm has no such gripper or goal, or the goal is outside."""
     metres = METRES[unit]
     try:
         there = arm.model_copy(update={"goal": leg.goal})
         place = leg.goal if isinstance(leg.goal, tuple) else there.tool_at("goal", metres)
-        held = dict(arm.gripper)
-        if leg.gripper is not None:
-            held |= arm.held("arm.gripper", leg.gripper, metres)
         goal = None if isinstance(leg.goal, tuple) else leg.goal
-        ends = {"start": None, "goal": goal}
-        arm.model_copy(update={**ends, "gripper": held}).check_gripper(metres)
+        arm.model_copy(update={"start": None, "goal": goal}).check_gripper(metres)
     except SceneError as error:
         name = error.field.replace("arm", field, 1)
         raise SceneError(name, error.value, error.expected) from None

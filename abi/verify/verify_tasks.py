@@ -52,7 +52,7 @@ def check_tasks(plan: dict[str, Any], scene: Scene, source: MeshSource) -> str:
             f"leg {number + 1}",
         )
         data, task = here.to_dict(), whole["tasks"][number] if whole["tasks"] else {}
-        before, gripper = gripper, gripper if task.get("gripper") is None else task["gripper"]
+        before, gripper = gripper, {**gripper, **(task.get("gripper") or {})}
         if number > 0 and gripper != before:
             moving.append(str(number + 1))
         last = whole["tasks"][number - 1] if number > 0 else {}

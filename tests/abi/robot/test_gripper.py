@@ -8,10 +8,12 @@ import pytest
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.planner.task_plan import plan_tasks
 from abi.robot.gripper import Opening, gripper_at
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import load_robot, robot_from_archive
 from abi.scene.scene import Scene
+from abi.verify.verify import verify
 from tests.abi.robot.robots import arm, packed
 
 FINGER = (
@@ -101,9 +103,47 @@ def test_an_end_in_a_state_has_its_gripper_as_that_says() -> None:
     legs = {"start": {"joints": [0, 0, 0]}, "tasks": [{}, {"goal": {"state": "ready"}}]}
     with pytest.raises(SceneError, match=r"^tasks\[1\]\.goal\.state"):
         Scene.from_dict(data | legs, files)
+    # what is held elsewhere on purpose is told, also by a leg before
     for opening in (30.0, 50.0):
         arm = data["arm"] | {"gripper": {"left_joint": opening}}
-        assert Scene.from_dict(data | {"arm": arm}, files).arm.gripper["left_joint"] == opening
+        scene = Scene.from_dict(data | {"arm": arm}, files)
+        assert scene.arm.gripper["left_joint"] == opening
+        told = ["left_joint, which is held at 50 where" in note for note in scene.notes]
+        assert any(told) == (opening == 50)
+    held = {"goal": {"joints": [0.1, 0, 0]}, "gripper": {"left_joint": 30.0}}
+    Scene.from_dict(data | {**legs, "tasks": [{}, held, {"goal": {"state": "ready"}}]}, files)
+
+
+def test_a_leg_holds_what_the_legs_before_held_and_it_does_not_name() -> None:
+    held = {"left_joint": 0.03, "right_joint": 0.01}
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": [-9] * 3, "max": [9] * 3},
+            "mesh": {"pitch": 3},
+            "start": {"joints": [0, 0, 0]},
+            "arm": {
+                "model": "urdf",
+                "urdf": "a.zip",
+                "tip": "d",
+                "base": [0, 0, 1],
+                "gripper": held,
+            },
+            "tasks": [
+                {"goal": {"joints": [0.1, 0, 0]}},
+                {"goal": {"joints": [0.2, 0, 0]}, "gripper": {"right_joint": 0.04}},
+                {"goal": {"joints": [0.1, 0, 0]}},
+            ],
+        },
+        {"a.zip": archive()},
+    )
+    made = plan_tasks(scene)
+    legs = made.legs
+    assert made.error is None
+    assert [leg.scene.arm.gripper["right_joint"] for leg in legs] == [0.01, 0.04, 0.04]
+    assert all(leg.scene.arm.gripper["left_joint"] == 0.03 for leg in legs)
+    assert all(one.proven for one in verify(made.to_dict(), scene.meshes))
 
 
 def test_an_arm_without_a_gripper_says_so() -> None:
