@@ -8,8 +8,8 @@ import pytest
 
 import abi
 from abi.planner.plan import Plan
-from app.layers.result.headline import headline
 from app.layers.result.tables import _searches, _stages
+from app.panels.headline import headline
 from app.stages.catalogue import SHOWN_STAGES
 from app.tab.session import Session
 from app.tab.view import SWITCHES
