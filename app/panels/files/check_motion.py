@@ -9,7 +9,6 @@ from __future__ import annotations
 import html
 import json
 import time
-from functools import partial
 
 import viser
 
@@ -20,11 +19,11 @@ from abi.certification.read_motion import BAGS, FORMATS, own_joints
 from abi.certification.repair import repair
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import direction_sentences, limit_sentences
-from abi.errors import AbiError, MotionError, SeveralChoicesError
+from abi.errors import AbiError, MotionError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.panels.files.file_uploads import FileUploads, UploadJob
-from app.panels.files.several import SeveralInFile
+from app.panels.files.file_uploads import FileUploads
+from app.panels.files.upload_job import UploadJob
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.reading.reader import READER
 from app.state.frame import Frame
@@ -41,7 +40,6 @@ class CheckMotionPanel:
     Attributes:
         upload: the button for a file.
         processor_ms: time that the last check took, [ms].
-        trajectory: of a bag that has several.
         verdict: on the motion that is shown; None while the tab shows its own plan.
     """
 
@@ -54,9 +52,13 @@ class CheckMotionPanel:
             hint="A trajectory that another planner made for this arm: is it clear at all times? "
             "ROS 2 JointTrajectory, bag, CSV with joint names, or JSON.",
         )
-        self.uploads = FileUploads(gui, self.upload, self._deal, wake)
-        self.trajectory = SeveralInFile(
-            gui, "trajectory in the bag", "Its topic, and its number there.", wake
+        self.uploads = FileUploads(
+            gui,
+            self.upload,
+            self._deal,
+            wake,
+            choice="trajectory in the bag",
+            choice_hint="Its topic, and its number there.",
         )
         self.save = gui.add_button(
             "Save the verdict",
@@ -90,20 +92,12 @@ class CheckMotionPanel:
         """
         self._scene = scene
         before = self._motion
-        for one in self.uploads.news():
-            if isinstance(one.result, SeveralChoicesError):
-                self.trajectory.offer(one.name, one.file, one.result.choices)
-                continue
-            if one.name != self.trajectory.file:
-                self.trajectory.forget()
+        for one in self.uploads.ended():
             if isinstance(one.result, Motion):
                 self._motion, self._name = one.result.from_zero(), one.name
                 self.verdict, self._plan, self._repaired = None, None, ""
             elif one.result is not None:
                 self._refuse(one.name, one.result)
-        if (asked := self.trajectory.asked()) is not None:
-            bag, topic = asked
-            self.uploads.again(self.trajectory.file, bag, partial(self._deal, topic=topic))
         if pressed(self.back):
             self.leave()
         if pressed(self.repair) and self.verdict is not None:
@@ -183,11 +177,13 @@ class CheckMotionPanel:
     def _refuse(self, name: str, error: AbiError) -> None:
         notices.notify_refusal(self._client, f"{name} is not checked", _sentence(error), stays=True)
 
-    def _deal(self, job: UploadJob[Motion], topic: str | None = None) -> Motion:
+    def _deal(self, job: UploadJob[Motion]) -> Motion:
         """Read a motion's file for the robot that the tab has now."""
         job.step("reading", 0.5)
         slides = own_joints(_with_robot(self._scene).arm.robot)
-        return READER.motion(job.content, job.name, slides, topic, job.stopped, job.wait)
+        return READER.motion(
+            job.content, job.name, slides, job.chosen or None, job.stopped, job.wait
+        )
 
 
 def _with_robot(scene: Scene) -> Scene:

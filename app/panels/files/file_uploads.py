@@ -2,7 +2,7 @@
 
 The tab's worker asks what became of them. A thread of its own has each file read in a process for
 files from outside, and prepares what came of it, so that the hand goes on meanwhile; it can be told
-to let a file be.
+to let a file be. Where a file has several robots or trajectories, one is chosen on the page.
 """
 
 from __future__ import annotations
@@ -12,13 +12,12 @@ import html
 import queue
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import viser
 
-from abi.errors import AbiError, SceneError, SeveralChoicesError
-from abi.progress import CancelledError
+from abi.errors import SeveralChoicesError
+from app.panels.files.upload_job import Deal, UploadJob
 from app.panels.widgets import Wake
 from app.reading.stored_upload import ROOM, StoredUpload
 from app.ui import page
@@ -26,74 +25,7 @@ from app.ui import page
 _T = TypeVar("_T")
 _NAME_LENGTH = 40
 """Letters of a file's name that are shown."""
-
-
-@dataclass(frozen=True)
-class UploadEvent(Generic[_T]):
-    """What became of an uploaded file: it was read, prepared or refused.
-
-    Attributes:
-        name: of the file.
-        result: what was read, or why nothing was; None where it was stopped.
-        done: whether it was dealt with; otherwise it is read, and still being prepared.
-        file: one with several of what one is read of, to read it again; None for others.
-    """
-
-    name: str
-    result: _T | AbiError | None
-    done: bool = True
-    file: StoredUpload | None = None
-
-
-class UploadJob(Generic[_T]):
-    """An uploaded file that waits for its turn, or is read and prepared.
-
-    Attributes:
-        name: of the file, as it is shown.
-        file: what has arrived of it.
-        deal: what comes of it.
-        stopped: set when it is not wanted any more.
-        tell: is called with what becomes of it.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        file: StoredUpload,
-        deal: Deal[_T],
-        stopped: threading.Event,
-        show: Callable[[str, float], None],
-        tell: Callable[[UploadEvent[_T]], None],
-    ) -> None:
-        self.name, self.file, self.deal = name, file, deal
-        self.stopped, self.tell, self._show = stopped, tell, show
-
-    @property
-    def content(self) -> bytes:
-        """The whole content."""
-        return self.file.content()
-
-    def step(self, does: str, share: float) -> None:
-        """Show what is done now, and the part of the work at which the bar is to stand, 0 to 1.
-
-        Raises:
-            CancelledError: the file is not wanted any more.
-        """
-        if self.stopped.is_set():
-            raise CancelledError
-        self._show(f"{self.name}: {does}", share)
-
-    def wait(self) -> None:
-        """Show that the files of other tabs are read first."""
-        self._show(f"{self.name}: waiting until the files of others are read", 0.0)
-
-    def is_read(self, result: _T) -> None:
-        """Tell what was read, though it is still to be prepared."""
-        self.tell(UploadEvent(self.name, result, done=False))
-
-
-Deal = Callable[[UploadJob[_T]], _T]
-"""What comes of a file; may raise AbiError and CancelledError."""
+_NONE = "choose one…"
 
 
 def shown_name(name: str) -> str:
@@ -102,7 +34,11 @@ def shown_name(name: str) -> str:
 
 
 class FileUploads(Generic[_T]):
-    """Line under a button for files with what becomes of them, a bar, and a button to stop it."""
+    """Line under a button for files with what becomes of them, a bar, and a button to stop it.
+
+    Attributes:
+        choice: of what to read of a file with several; hidden without one. None where no file has.
+    """
 
     def __init__(
         self,
@@ -112,6 +48,8 @@ class FileUploads(Generic[_T]):
         wake: Wake,
         named: Callable[[str], str] = shown_name,
         several: bool = False,
+        choice: str = "",
+        choice_hint: str = "",
     ) -> None:
         """Begin without a file.
 
@@ -121,14 +59,24 @@ class FileUploads(Generic[_T]):
             deal: what comes of one.
             wake: is called whenever there is news.
             named: name of a file on the page, of the one that it was sent with.
-            several: whether the page lets several be chosen at once.
+            several: whether the page lets several files be chosen at once.
+            choice: label of the choice of what to read of a file with several; empty for none.
+            choice_hint: what its entries are.
         """
         self._line = gui.add_html("", visible=False)
         self._bar = gui.add_progress_bar(0.0, visible=False)
         self._stop = gui.add_button("Stop reading", visible=False)
-        self._deal, self._wake, self._named, self._several = deal, wake, named, several
+        self.choice: viser.GuiDropdownHandle[str] | None = None
+        if choice:
+            self.choice = gui.add_dropdown(choice, (_NONE,), hint=choice_hint, visible=False)
+            self.choice.on_update(wake)
+        self._several: UploadJob[_T] | None = None
+        self._names: tuple[str, ...] = ()
+        self._chosen = ""
+        self._deal, self._wake, self._named, self._next = deal, wake, named, several
         self._waiting: queue.SimpleQueue[UploadJob[_T]] = queue.SimpleQueue()
-        self._news: queue.SimpleQueue[UploadEvent[_T]] = queue.SimpleQueue()
+        self._ended: queue.SimpleQueue[UploadJob[_T]] = queue.SimpleQueue()
+        self._job: UploadJob[_T] | None = None
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._pending = 0
@@ -143,11 +91,26 @@ class FileUploads(Generic[_T]):
         """Whether what is being read or prepared is not wanted any more."""
         return self._stopped.is_set()
 
-    def news(self) -> list[UploadEvent[_T]]:
-        """News of the files since the last call: each is read, then prepared, or refused."""
+    @property
+    def preview(self) -> _T | None:
+        """What was read of the file that is prepared, until :meth:`ended` tells of it, or None."""
+        job = self._job
+        return None if job is None or self.stopped else job.preview
+
+    def ended(self) -> list[UploadJob[_T]]:
+        """Files that were read and prepared, refused or stopped since the last call."""
         found = []
-        while not self._news.empty():
-            found.append(self._news.get())
+        while not self._ended.empty():
+            job = self._ended.get()
+            if job is self._job:
+                self._job = None
+            if self.choice is not None and isinstance(job.result, SeveralChoicesError):
+                self._offer(job, job.result.choices)
+                continue
+            if self._several is not None and job.result is not None and not job.chosen:
+                self._offer(None)
+            found.append(job)
+        self._read_chosen()
         return found
 
     def close(self) -> None:
@@ -157,8 +120,8 @@ class FileUploads(Generic[_T]):
     def drop(self) -> None:
         """Stop reading all files, because something else was chosen meanwhile."""
         self._stopped.set()
-        while not self._news.empty():
-            self._news.get()
+        while not self._ended.empty():
+            self._ended.get()
         self._show(None, 0.0)
 
     def _announce(self, name: str, part: float | None) -> None:
@@ -177,28 +140,39 @@ class FileUploads(Generic[_T]):
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
         name, file = self._named(event.target.value.name), self._arrived()
         page.forget_file(event.target)
-        if event.client is not None and self._several:
+        if event.client is not None and self._next:
             page.call(event.client, "next")
         self._last = event
         # an empty file has no part that arrives
-        self.again(name, _new_upload() if file is None else file, self._deal)
+        self._queue(name, _new_upload() if file is None else file)
 
-    def again(self, name: str, file: StoredUpload, deal: Deal[_T]) -> None:
-        """Read a file that has arrived, once more where it has been read by another function.
-
-        Args:
-            name: of the file, as it is shown.
-            file: what has arrived of it.
-            deal: what comes of it.
-        """
-        tell = functools.partial(self._tell, self._last)
-        job = UploadJob(name, file, deal, self._stopped, self._tell_step, tell)
+    def _queue(self, name: str, file: StoredUpload, chosen: str = "") -> None:
+        """Have a file read that has arrived, or another of several things in it."""
+        wake = functools.partial(self._wake, self._last)
+        job = UploadJob[_T](name, file, self._stopped, self._tell_step, wake, chosen)
         with self._lock:
             self._waiting.put(job)
             self._pending += 1
             if self._pending == 1:
                 self._stopped.clear()
                 threading.Thread(target=self._work, name="files", daemon=True).start()
+
+    def _offer(self, job: UploadJob[_T] | None, names: tuple[str, ...] = ()) -> None:
+        """Offer the names in a file with several; with None, none any more."""
+        if self.choice is not None:
+            self._several, self._names, self._chosen = job, names, ""
+            self.choice.visible = job is not None
+            self.choice.options = (_NONE, *names)
+            self.choice.value = _NONE
+
+    def _read_chosen(self) -> None:
+        """Read what was chosen of a file with several since the last call."""
+        if self.choice is None or self._several is None:
+            return
+        name = self.choice.value
+        if name in self._names and name != self._chosen:
+            self._chosen = name
+            self._queue(self._several.name, self._several.file, name)
 
     def _cancel(self, event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
         self._stopped.set()
@@ -208,23 +182,17 @@ class FileUploads(Generic[_T]):
     def _work(self) -> None:
         """Read the waiting files one after the other, in a thread of its own."""
         while True:
-            job = self._waiting.get()
-            name, tell = job.name, job.tell
-            result = _result(job)
-            file = job.file if isinstance(result, SeveralChoicesError) else None
-            del job  # its room is for the next
+            self._job = job = self._waiting.get()
+            job.run(self._deal)
             with self._lock:
                 self._pending -= 1
                 last = self._pending == 0
             if last:
                 self._show(None, 0.0)
-            tell(UploadEvent(name, None if self._stopped.is_set() else result, file=file))
+            self._ended.put(job)
+            job.wake()
             if last:
                 return
-
-    def _tell(self, event: object, news: UploadEvent[_T]) -> None:
-        self._news.put(news)
-        self._wake(event)
 
     def _tell_step(self, line: str, share: float) -> None:
         more = f", {self._pending - 1} more to come" if self._pending > 1 else ""
@@ -243,17 +211,3 @@ class FileUploads(Generic[_T]):
 def _new_upload() -> StoredUpload:
     """Place for the parts of a file."""
     return StoredUpload(ROOM)
-
-
-def _result(job: UploadJob[_T]) -> _T | AbiError | None:
-    """Read one file; None if that was stopped."""
-    if job.stopped.is_set():
-        return None
-    if job.file.lost:
-        return SceneError("file", job.name, job.file.lost)
-    try:
-        return job.deal(job)
-    except AbiError as error:
-        return error
-    except CancelledError:
-        return None

@@ -8,11 +8,11 @@ from pathlib import Path
 import viser
 
 from abi.errors import AbiError, SceneError
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
 from app.panels.files.file_uploads import FileUploads, shown_name
-from app.panels.files.scene_uploads import SceneFile, borrowed, parse, read
+from app.panels.files.scene_uploads import borrowed, parse, read
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
 from app.ui import notices
@@ -108,21 +108,24 @@ class FilesPanel:
             self.uploads.drop()
             self.name, self.loaded = name, self._opened.get(name) or load_scene(name)
             return self.loaded
-        opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
+        opened = [self._open(one.name, one.result, meshes) for one in self.uploads.ended()]
         return self.loaded if any(opened) else None
 
-    def _open(self, name: str, found: SceneFile | AbiError | None, meshes: MeshSource) -> bool:
+    def _open(
+        self, name: str, found: tuple[object, Files] | AbiError | None, meshes: MeshSource
+    ) -> bool:
         """Load what was read; False where that is no scene."""
         try:
             if found is None:
                 return False
             if isinstance(found, AbiError):
                 raise found
-            scene = parse(found, meshes)
+            data, files = found
+            scene = parse(data, files, meshes)
         except AbiError as error:
             notices.notify_refusal(self._client, f"{name} is not opened", error.message, stays=True)
             return False
-        if taken := borrowed(found, scene, meshes):
+        if taken := borrowed(files, scene, meshes):
             names = ", ".join(taken)
             reason = f"{names} of this tab was taken, since nothing came with the scene."
             notices.notify_warning(self._client, f"{name} names what is not in it", reason)

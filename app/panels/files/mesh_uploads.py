@@ -8,7 +8,8 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from app.drawing.mesh_picture import drawn_triangles
-from app.panels.files.file_uploads import FileUploads, UploadJob
+from app.panels.files.file_uploads import FileUploads
+from app.panels.files.upload_job import UploadJob
 from app.panels.widgets import Wake
 from app.reading.reader import READER
 

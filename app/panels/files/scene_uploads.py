@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.file_names import same_name
@@ -12,47 +11,35 @@ from abi.obstacles.triangle_mesh.signed_distance import body_frame
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.drawing.mesh_picture import drawn_triangles
-from app.panels.files.file_uploads import UploadJob, shown_name
+from app.panels.files.file_uploads import shown_name
+from app.panels.files.upload_job import UploadJob
 from app.reading.reader import READER
 
 _MESH = re.compile(r"obstacles\[\d+\]\.file")
 """Field of a scene that names a mesh."""
 
 
-@dataclass(frozen=True)
-class SceneFile:
-    """Contents of a scene file.
-
-    Attributes:
-        data: plain data of the scene.
-        files: meshes and robots that came with it, by name.
-    """
-
-    data: object
-    files: Files
-
-
-def read(job: UploadJob[SceneFile]) -> SceneFile:
-    """Read a scene file, and prepare its meshes."""
+def read(job: UploadJob[tuple[object, Files]]) -> tuple[object, Files]:
+    """Read a scene file, and prepare its meshes: its data, and the files that came with it."""
     job.step("reading", 0.25)
-    found = SceneFile(*READER.scene(job.content, job.name, job.stopped, job.wait))
-    for name, file in found.files.items():
+    data, files = READER.scene(job.content, job.name, job.stopped, job.wait)
+    for name, file in files.items():
         if isinstance(file, Surface):
             job.step(f"preparing {shown_name(name)}", 0.75)
             drawn_triangles(file)
             body_frame(file).prepare()  # planning would wait for it
-    return found
+    return data, files
 
 
-def parse(found: SceneFile, meshes: MeshSource) -> Scene:
-    """The scene of a file, which may name ``meshes`` besides those that came with it.
+def parse(data: object, files: Files, meshes: MeshSource) -> Scene:
+    """The scene of a file's data, which may name ``meshes`` besides those that came with it.
 
     Raises:
         SceneError: it is none; names the field.
     """
-    source = MeshSource({**meshes.files, **found.files}, meshes.folder)
+    source = MeshSource({**meshes.files, **files}, meshes.folder)
     try:
-        return Scene.from_dict(found.data, source)
+        return Scene.from_dict(data, source)
     except SceneError as error:
         if _MESH.fullmatch(error.field) is None or error.value in source.files:
             raise
@@ -60,10 +47,10 @@ def parse(found: SceneFile, meshes: MeshSource) -> Scene:
         raise SceneError(error.field, error.value, expected) from None
 
 
-def borrowed(found: SceneFile, scene: Scene, meshes: MeshSource) -> list[str]:
-    """Names of the files of a scene that did not come with its file, but were in the tab."""
+def borrowed(files: Files, scene: Scene, meshes: MeshSource) -> list[str]:
+    """Names of the scene's files that are not of the ``files`` that came with it, but the tab's."""
     return [
         name
         for name in scene.meshes.files
-        if same_name(name, found.files) is None and meshes.given(name) is not None
+        if same_name(name, files) is None and meshes.given(name) is not None
     ]

@@ -79,6 +79,7 @@ class ObstacleEditor:
         self.buttons = gui.add_button_group("edit", ("Add", "Duplicate", "Delete"))
         self.uploads = add_mesh_uploads(gui, wake)
         self.surfaces: dict[str, Surface] = {}
+        self._previewed: Surface | None = None
         self._noted: tuple[Scene, int] | None = None
         self._refused = ""
         self._notice: viser.NotificationHandle | None = None
@@ -148,18 +149,19 @@ class ObstacleEditor:
 
     def _receive(self, scene: Scene) -> None:
         """Draw the uploaded meshes that are read, and add those that are prepared."""
-        for one in self.uploads.news():
+        preview = self.uploads.preview
+        for one in self.uploads.ended():
             if isinstance(one.result, Surface):
-                if not one.done:
-                    self._obstacles.foresee(self._placed(_FORESEEN, one.result, scene))
-                    continue
                 self._add_mesh(one.name, one.result, scene)
             elif one.result is not None:
                 title = f"{one.name} is not added"
                 notices.notify_refusal(self._client, title, sentence(one.result), stays=True)
             self._obstacles.forget_foreseen()
-        if self.uploads.stopped:
+        if preview is None or preview is not self.uploads.preview:
             self._obstacles.forget_foreseen()
+        elif preview is not self._previewed:
+            self._obstacles.foresee(self._placed(_FORESEEN, preview, scene))
+        self._previewed = preview
 
     def _add_mesh(self, name: str, surface: Surface, scene: Scene) -> None:
         """Add an uploaded mesh where it was foreseen, or else at the next free place."""

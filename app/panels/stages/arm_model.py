@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import PurePosixPath
 from typing import Any
 
 import viser
 
-from abi.errors import SeveralChoicesError
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.held_joints import NOT_HELD, planned_sentence
@@ -18,8 +16,8 @@ from abi.robot.urdf.robot_files import SHIPPED, load_robot
 from abi.robot.urdf.usual_tip import usual_tip
 from abi.scene.scene import Scene
 from abi.scene.without_obstacles import contacts_without
-from app.panels.files.file_uploads import FileUploads, UploadJob
-from app.panels.files.several import SeveralInFile
+from app.panels.files.file_uploads import FileUploads
+from app.panels.files.upload_job import UploadJob
 from app.panels.stages.gripper import GripperPanel
 from app.panels.stages.tool_direction import ToolDirectionPanel
 from app.panels.widgets import Wake
@@ -59,8 +57,14 @@ class ArmModelPanel:
         self.upload = gui.add_upload_button(
             "Add an arm…", mime_type=".zip,.urdf", hint="A URDF file, or a zip with its meshes."
         )
-        self.uploads = FileUploads(gui, self.upload, _read, wake)
-        self.robot = SeveralInFile(gui, "robot in the file", "The URDF file to take.", wake)
+        self.uploads = FileUploads(
+            gui,
+            self.upload,
+            _read,
+            wake,
+            choice="robot in the file",
+            choice_hint="The URDF file to take.",
+        )
         self.tip = gui.add_dropdown(
             "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
         )
@@ -100,20 +104,12 @@ class ArmModelPanel:
         """Read the fields of the section ``arm`` as typed."""
         if self.model.value != self._model_shown:
             self.uploads.drop()
-        for one in self.uploads.news():
-            if isinstance(one.result, SeveralChoicesError):
-                self.robot.offer(one.name, one.file, one.result.choices)
-            elif isinstance(one.result, Robot):
-                if one.name != _zip_of(self.robot.chosen):
-                    self.robot.forget()
-                self._take(one.name, one.result)
+        for one in self.uploads.ended():
+            if isinstance(one.result, Robot):
+                self._take(one.chosen or one.name, one.result)
             elif one.result is not None:
                 title = f"{one.name} is not added"
                 notices.notify_refusal(self._client, title, one.result.message, stays=True)
-        if (asked := self.robot.asked()) is not None:
-            content, chosen = asked
-            read = partial(_read, name=f"robots.zip/{chosen}")
-            self.uploads.again(_zip_of(chosen), content, read)
         self._model_shown = self.model.value
         name = self._name()
         if name is None:
@@ -233,10 +229,11 @@ def _zip_of(file: str) -> str:
     return f"{PurePosixPath(file).stem}.zip"
 
 
-def _read(job: UploadJob[Robot], name: str = "") -> Robot:
-    """Read the file of an arm; of an archive the robot named."""
+def _read(job: UploadJob[Robot]) -> Robot:
+    """Read the file of an arm; of an archive with several the one chosen."""
     job.step("reading", 0.5)
-    return READER.arm(job.content, name or job.name, job.stopped, job.wait)
+    name = f"robots.zip/{job.chosen}" if job.chosen else job.name
+    return READER.arm(job.content, name, job.stopped, job.wait)
 
 
 def _choose(box: viser.GuiDropdownHandle[str], values: Mapping[str, object], value: object) -> None:

@@ -136,21 +136,22 @@ def test_one_of_several_robots_in_a_file_is_chosen_by_name(
     other = arm(('type="prismatic"', 'type="revolute"'))
     files: dict[str, str | bytes] = {"p/urdf/one.urdf": arm(), "p/urdf/two.urdf": other}
     upload(session, "package.zip", packed(files))
-    model = panel(session).model
-    until(lambda: model.robot.handle.visible and len(model.robot.handle.options) > 1)
-    assert model.robot.handle.options[1:] == ("p/urdf/one.urdf", "p/urdf/two.urdf")
+    choice = panel(session).model.uploads.choice
+    assert choice is not None
+    until(lambda: choice.visible and len(choice.options) > 1)
+    assert choice.options[1:] == ("p/urdf/one.urdf", "p/urdf/two.urdf")
     assert isinstance(planned_arm(session), PaperArm)
     for name in ("two", "one"):
-        fake.set(model.robot.handle, f"p/urdf/{name}.urdf")
+        fake.set(choice, f"p/urdf/{name}.urdf")
         until(lambda: session.plan.scene.arm.urdf == f"{name}.zip")  # type: ignore[union-attr]  # noqa: B023
         until(lambda: session.resting)
-        assert model.robot.handle.visible
+        assert choice.visible
         assert session.plan is not None
         kinds = [joint.kind for joint in session.plan.scene.arm.robot.joints]
         assert kinds[2] == ("revolute" if name == "two" else "prismatic")
     upload(session, "single.urdf", arm().encode())
     until(lambda: session.plan.scene.arm.urdf == "single.zip")  # type: ignore[union-attr]
-    assert not model.robot.handle.visible
+    assert not choice.visible
     assert not [sentence for title, sentence in told if "not added" in title]
 
 

@@ -72,19 +72,19 @@ def test_a_verdict_is_shown_in_place_of_the_plan(
     assert "straight in the joints" in notes["arm"].content
 
     send_file(session, check.upload, "two.mcap", mcap("/plan", "/other"))
-    until(lambda: bool(check.trajectory.handle.visible) or len(told) > 2)
+    until(lambda: bool(check.uploads.choice.visible) or len(told) > 2)
     assert not told[2:], told
     assert session.frame.checked is verdict
-    fake.set(check.trajectory.handle, "/other")
+    fake.set(check.uploads.choice, "/other")
     until(lambda: session.frame.checked is not verdict and session.resting)
     assert session.frame.checked is not None
     other = session.frame.checked.problem.motion.motion
     np.testing.assert_array_equal(other.positions, POSITIONS + 1)
-    assert check.trajectory.handle.visible
+    assert check.uploads.choice.visible
 
     (bag,) = sqlite(tmp_path / "bag").glob("*.db3")
     send_file(session, check.upload, "plan.db3", bag.read_bytes())
-    until(lambda: not check.trajectory.handle.visible and session.resting)
+    until(lambda: not check.uploads.choice.visible and session.resting)
     until(lambda: session.frame.checked.problem.motion.motion.positions[0, 0] == POSITIONS[0, 0])
 
     over = csv((0, -1, -1.2, 1.2, -1.2, -1.57, 0), (3, 3, -1.2, 1.2, -1.2, -1.57, 0))
