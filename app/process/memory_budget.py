@@ -1,7 +1,4 @@
-"""Memory of a server, divided among its tabs: a scene may use what is left.
-
-What a tab takes is nearly all its mesh: tens of bytes a node, and a link may ask for millions.
-"""
+"""Memory of a server, divided among those who take of it: tabs, and files that are uploaded."""
 
 from __future__ import annotations
 
@@ -9,10 +6,6 @@ import gc
 import math
 import threading
 import time
-
-from abi.errors import SceneError
-from abi.scene.lattices import LATTICES
-from abi.scene.scene import Scene
 
 SMALL = 8_000_000
 """Bytes that every tab may use regardless of the others: a mesh of 30,000 nodes."""
@@ -22,6 +15,10 @@ _PERIOD = 5.0
 """Seconds between two checks for closed tabs."""
 _UNKNOWN = 4_000_000_000
 """Assumed bytes of a machine whose memory is unknown."""
+_UPLOADS = 500_000_000
+"""Most bytes of all uploads together."""
+_UPLOADS_SHARE = 8
+"""Part of the memory that these may take, as the temporary disk is often memory too."""
 
 
 def memory_for_tabs(memory: int | None, processes: int = 1) -> int:
@@ -37,63 +34,48 @@ def memory_for_tabs(memory: int | None, processes: int = 1) -> int:
     return max(half // processes - _SERVER, half // (4 * processes))
 
 
-class MemoryBudget:
-    """Bytes for the meshes of all tabs of a process; thread-safe."""
+def memory_for_uploads(memory: int | None) -> int:
+    """Bytes for all uploads of a machine or container with that much memory; None if unknown."""
+    return _UPLOADS if memory is None else min(_UPLOADS, memory // _UPLOADS_SHARE)
 
-    def __init__(self, size: int) -> None:
-        self._size = size
+
+class MemoryBudget:
+    """Bytes that several owners share; thread-safe.
+
+    An owner is a number, such as that of a tab.
+    """
+
+    def __init__(self, size: int, least: int = 0) -> None:
+        """Share ``size`` bytes, of which each owner may take ``least`` whatever others have."""
+        self._size, self._least = size, least
         self._lock = threading.Lock()
         self._taken: dict[int, int] = {}
         self._looked = -math.inf
 
-    def taken(self, tab: int) -> int:
-        """Bytes that a tab uses."""
-        return self._taken.get(tab, 0)
+    def taken(self, owner: int) -> int:
+        """Bytes that an owner has."""
+        return self._taken.get(owner, 0)
 
-    def take(self, tab: int, scene: Scene) -> None:
-        """Reserve what a tab needs for a scene, in place of its previous reservation.
+    def left(self, owner: int) -> int:
+        """Bytes that an owner may have, including those that it has already."""
+        free = self._size - sum(list(self._taken.values())) + self.taken(owner)
+        return max(free, self._least)
 
-        Raises:
-            SceneError: that is not left; names the spacing whose mesh would fit.
-        """
-        if (error := self.fitting(tab, scene)[1]) is not None:
-            raise error
-
-    def fitting(self, tab: int, scene: Scene) -> tuple[Scene, SceneError | None]:
-        """Reserve what a tab needs for a scene, if that much is left.
-
-        Returns:
-            The scene itself and None, or the same with the finest mesh that would fit and why.
-        """
-        memory = LATTICES[scene.mesh.lattice].memory
-        needed = memory * scene.mesh.node_count(scene.workspace)
-        if needed > self._left(tab):
-            self._look_for_garbage()
+    def take(self, owner: int, size: int) -> bool:
+        """Reserve bytes for an owner in place of those that it has, if they are left."""
         with self._lock:
-            nodes = self._left(tab) // memory
-            if needed <= nodes * memory:
-                self._taken[tab] = needed
-                return scene, None
-        limited = scene.mesh.model_copy(update={"max_nodes": nodes})
-        pitch = limited.finest_pitch(scene.workspace)
-        expected = (
-            f"at least {pitch:g} {scene.unit}: less takes more than the {nodes:,} nodes for which "
-            "the server has memory left"
-        )
-        error = SceneError("mesh.pitch", scene.mesh.pitch, expected)
-        return scene.replace(mesh={"pitch": pitch}), error
+            if size > self.left(owner):
+                return False
+            self._taken[owner] = size
+            return True
 
-    def leave(self, tab: int) -> None:
-        """Release a tab's reservation."""
+    def leave(self, owner: int) -> None:
+        """Release what an owner has."""
         with self._lock:
-            self._taken.pop(tab, None)
+            self._taken.pop(owner, None)
 
-    def _left(self, tab: int) -> int:
-        """Bytes that a tab may use, including those that it uses already."""
-        return max(self._size - sum(list(self._taken.values())) + self.taken(tab), SMALL)
-
-    def _look_for_garbage(self) -> None:
-        """Release the reservations of closed tabs, but not at every step of a drag."""
+    def collect(self) -> None:
+        """Have owners leave that are garbage, as closed tabs are, but not at every call."""
         if time.monotonic() - self._looked > _PERIOD:
             self._looked = time.monotonic()
             gc.collect()

@@ -8,63 +8,28 @@ from __future__ import annotations
 
 import io
 import tempfile
-import threading
 from collections.abc import Iterator, MutableMapping
 from typing import IO
 
 from app.process.available_memory import memory_in_all
+from app.process.memory_budget import MemoryBudget, memory_for_uploads
 
 IN_MEMORY = 1_000_000
 """Bytes of an upload beyond which it is kept on disk, if one is writable."""
-_MOST = 500_000_000
-_SHARE = 8
-"""Part of the memory that all uploads together may take, as the temporary disk is often memory
-too."""
-
-
-class UploadRoom:
-    """Limit in bytes on all uploads of a process; thread-safe."""
-
-    def __init__(self, size: int) -> None:
-        self._lock = threading.Lock()
-        self._free = size
-
-    @property
-    def free(self) -> int:
-        """Bytes that are left."""
-        return self._free
-
-    def take(self, size: int) -> bool:
-        """Reserve bytes, if they are left."""
-        with self._lock:
-            if size > self._free:
-                return False
-            self._free -= size
-            return True
-
-    def give_back(self, size: int) -> None:
-        """Release reserved bytes."""
-        with self._lock:
-            self._free += size
-
-
-def room_in(memory: int | None) -> int:
-    """Bytes for all uploads on a machine or container with that much memory; None if unknown."""
-    return _MOST if memory is None else min(_MOST, memory // _SHARE)
 
 
 class StoredUpload(MutableMapping[int, bytes]):
     """Content of one upload by part number, deleted with the last reference to it.
 
-    What finds no room reads as zeros, of the same length: whoever puts the parts together goes by
-    that.
+    What finds no memory left reads as zeros, of the same length: whoever puts the parts together
+    goes by that.
 
     Attributes:
         lost: why the file cannot be used; empty as long as it can.
     """
 
-    def __init__(self, room: UploadRoom) -> None:
-        self._room = room
+    def __init__(self, budget: MemoryBudget) -> None:
+        self._budget = budget
         self._places: dict[int, tuple[int, int]] = {}
         self._end = 0
         self._file = _new_file()
@@ -72,14 +37,13 @@ class StoredUpload(MutableMapping[int, bytes]):
 
     def __setitem__(self, number: int, content: bytes) -> None:
         size = len(content)
-        if not self.lost and not self._room.take(size):
+        if not self.lost and not self._budget.take(id(self), self._end + size):
             self._lose("a moment in which the server has fewer files to read; add it again then")
         if not self.lost:
             try:
                 self._file.seek(self._end)
                 self._file.write(content)
             except OSError:
-                self._room.give_back(size)
                 self._lose("a moment in which the server has a place to keep it")
         self._places[number] = self._end, size
         self._end += 0 if self.lost else size
@@ -109,7 +73,7 @@ class StoredUpload(MutableMapping[int, bytes]):
 
     def close(self) -> None:
         """Release its bytes; it cannot be read afterwards."""
-        self._room.give_back(self._end)
+        self._budget.leave(id(self))
         self._end = 0
         self._file.close()
 
@@ -127,5 +91,5 @@ def _new_file() -> IO[bytes]:
     return tempfile.SpooledTemporaryFile(max_size=IN_MEMORY)
 
 
-ROOM = UploadRoom(room_in(memory_in_all()))
-"""The limit of this process."""
+BUDGET = MemoryBudget(memory_for_uploads(memory_in_all()))
+"""Memory for all uploads of this process."""

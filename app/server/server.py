@@ -106,11 +106,11 @@ class Server:
     @functools.cached_property
     def budget(self) -> MemoryBudget:
         """Memory for the tabs of this process."""
-        from app.process.memory_budget import MemoryBudget, memory_for_tabs
+        from app.process.memory_budget import SMALL, MemoryBudget, memory_for_tabs
 
         entrance = self.guard.entrance
         processes = 1 if entrance is None else entrance.processes
-        return MemoryBudget(memory_for_tabs(memory_in_all(), processes))
+        return MemoryBudget(memory_for_tabs(memory_in_all(), processes), SMALL)
 
     @functools.cached_property
     def opening(self) -> SharedPlans:

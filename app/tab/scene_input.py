@@ -18,6 +18,7 @@ from app.state.appearance import Appearance
 from app.state.tab_state import TabState
 from app.tab.browser_storage import Report, TabStorage
 from app.tab.pause import Pause
+from app.tab.scene_memory import fitting_scene
 from app.tab.view import TabView
 from app.teach.cue import Cue
 from app.ui import notices
@@ -164,10 +165,10 @@ class SceneInput:
     def _fitting(self, scene: Scene) -> Scene:
         """Reserve memory for a scene, or with a notice for it with a coarser mesh."""
         tab = self._client.client_id
-        fitting, error = self._budget.fitting(tab, scene)
+        fitting, error = fitting_scene(self._budget, tab, scene)
         if error is not None:
             notices.notify_warning(self._client, "Coarser than asked for", sentence(error))
-            fitting, _ = self._budget.fitting(tab, fitting)
+            fitting, _ = fitting_scene(self._budget, tab, fitting)
         return fitting
 
     def _within_memory(self, scene: Scene) -> Scene:
@@ -183,9 +184,8 @@ class SceneInput:
             if fitting is not scene:
                 self._panels.show(self._panels.step(fitting))
             return fitting
-        try:
-            self._budget.take(self._client.client_id, scene)
-        except SceneError as error:
+        _, error = fitting_scene(self._budget, self._client.client_id, scene)
+        if error is not None:
             self._panels.refuse(error)
             return scene.replace(mesh=last.mesh.model_dump(), workspace=last.workspace.model_dump())
         return scene

@@ -19,7 +19,7 @@ import viser
 from abi.errors import SeveralChoicesError
 from app.panels.files.upload_job import Deal, UploadJob
 from app.panels.widgets import Wake
-from app.reading.stored_upload import ROOM, StoredUpload
+from app.reading.stored_upload import BUDGET, StoredUpload
 from app.ui import page
 
 _T = TypeVar("_T")
@@ -210,4 +210,4 @@ class FileUploads(Generic[_T]):
 
 def _new_upload() -> StoredUpload:
     """Place for the parts of a file."""
-    return StoredUpload(ROOM)
+    return StoredUpload(BUDGET)

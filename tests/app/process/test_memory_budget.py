@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from abi.errors import SceneError
 from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.scene import Scene, load_scene
 from app.process.memory_budget import SMALL, MemoryBudget, memory_for_tabs
 from app.server.server import Server
 from app.state.tab_state import TabState
+from app.tab.scene_memory import fitting_scene
 from app.ui import notices
 from tests.app.fake_tab import opened, until
 
@@ -43,13 +43,13 @@ def _scene(pitch: float, lattice: Lattice = "bcc") -> Scene:
 def test_tabs_never_take_more_than_there_is_but_for_a_little_each(
     asked: list[tuple[int, float, Lattice, bool]],
 ) -> None:
-    budget = MemoryBudget(SIZE)
+    budget = MemoryBudget(SIZE, SMALL)
     for tab, pitch, lattice, leaves in asked:
         if leaves:
             budget.leave(tab)
         scene = _scene(pitch, lattice)
         before = budget.taken(tab)
-        fitting, error = budget.fitting(tab, scene)
+        fitting, error = fitting_scene(budget, tab, scene)
         if error is None:
             assert fitting is scene
             assert budget.taken(tab) == _needed(scene)
@@ -58,26 +58,30 @@ def test_tabs_never_take_more_than_there_is_but_for_a_little_each(
             # what it says is right: that spacing fits, and is told in the sentence
             assert fitting.mesh.pitch > scene.mesh.pitch
             assert f"at least {fitting.mesh.pitch:g} cm" in error.expected
-            budget.take(tab, fitting)
+            assert fitting_scene(budget, tab, fitting) == (fitting, None)
         taken = [budget.taken(tab) for tab in range(5)]
         assert sum(one for one in taken if one > SMALL) <= SIZE
         assert sum(taken) <= SIZE + 5 * SMALL
 
 
 def test_a_scene_of_too_many_nodes_is_refused_with_the_spacing_that_fits() -> None:
-    budget = MemoryBudget(SIZE)
-    with pytest.raises(SceneError, match=r"mesh\.pitch is 0\.0282; expected at least") as caught:
-        budget.take(1, _scene(0.0282))
-    assert "nodes for which the server has memory left" in caught.value.message
-    budget.take(1, _scene(0.2))
-    budget.take(2, _scene(0.2))
-    with pytest.raises(SceneError):
-        budget.take(3, _scene(0.0645))
+    budget = MemoryBudget(SIZE, SMALL)
+    _, error = fitting_scene(budget, 1, _scene(0.0282))
+    assert error is not None
+    assert "mesh.pitch is 0.0282; expected at least" in error.message
+    assert "nodes for which the server has memory left" in error.message
+    assert budget.taken(1) == 0
+    assert _fits(budget, 1, _scene(0.2))
+    assert _fits(budget, 2, _scene(0.2))
+    assert not _fits(budget, 3, _scene(0.0645))
     # a tab that asks again counts once
-    budget.take(2, _scene(0.21))
+    assert _fits(budget, 2, _scene(0.21))
     # of a random lattice a node takes more
-    with pytest.raises(SceneError):
-        budget.take(2, _scene(0.2, "delaunay"))
+    assert not _fits(budget, 2, _scene(0.2, "delaunay"))
+
+
+def _fits(budget: MemoryBudget, tab: int, scene: Scene) -> bool:
+    return fitting_scene(budget, tab, scene)[1] is None
 
 
 @pytest.mark.parametrize(
@@ -167,7 +171,7 @@ def test_a_closed_tab_gives_back_what_it_had_where_another_needs_it(server: Serv
 
     def is_given_back() -> bool:
         budget._looked = 0.0
-        budget.fitting(-1, _scene(0.0282).replace(mesh={"pitch": 0.02819}))
+        fitting_scene(budget, -1, _scene(0.0282).replace(mesh={"pitch": 0.02819}))
         return budget.taken(number) == 0
 
     budget_size, budget._size = budget._size, 1
