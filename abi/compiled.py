@@ -82,6 +82,7 @@ class Kernel(Generic[_P, _R]):
         function: Callable[_P, _R],
         example: tuple[Any, ...],
         fallback: bool,
+        in_numpy: Callable[..., Any] | None,
         options: dict[str, Any],
     ) -> None:
         self.name = f"{function.__module__}.{function.__qualname__}"
@@ -90,6 +91,7 @@ class Kernel(Generic[_P, _R]):
         self.elsewhere: threading.Event | None = None
         self.foreseen = 0
         self.__doc__ = function.__doc__
+        self._in_numpy = in_numpy
         self._interpreted, self._begun = 0.0, math.inf
         self._options = options
         self._dispatcher: Dispatcher | None = None
@@ -152,17 +154,22 @@ class Kernel(Generic[_P, _R]):
             self._run = self._compiled = self.dispatcher.of_numba
 
     def interpret(self, *arguments: Any) -> Any:
-        """Run the function as Python, on lists, which it reads faster than arrays."""
+        """Run the function as Python, or its form in numpy if it has one."""
         _interpreted_calls.set(_interpreted_calls.get() + 1)
         self._begun = begun = time.perf_counter()
-        plain = tuple(map(as_lists, arguments))
         with np.errstate(all="ignore"):  # as compiled
-            result = self.py_func(*plain)  # type: ignore[call-arg]
+            result = (self._in_numpy or self._on_lists)(*arguments)
+        self._begun = math.inf
+        self._interpreted += time.perf_counter() - begun
+        return result
+
+    def _on_lists(self, *arguments: Any) -> Any:
+        """Run the function on lists, which Python reads faster than arrays."""
+        plain = tuple(map(as_lists, arguments))
+        result = self.py_func(*plain)  # type: ignore[call-arg]
         for array, values in zip(arguments, plain, strict=True):
             if isinstance(array, np.ndarray) and array.flags.writeable:
                 array[:] = values
-        self._begun = math.inf
-        self._interpreted += time.perf_counter() - begun
         return result
 
     def _compile_and_run(self, *arguments: Any) -> Any:
@@ -175,7 +182,10 @@ KERNELS: dict[str, Kernel[..., Any]] = {}
 
 
 def compiled(
-    example: tuple[Any, ...], fallback: bool = True, **options: Any
+    example: tuple[Any, ...],
+    fallback: bool = True,
+    in_numpy: Callable[..., Any] | None = None,
+    **options: Any,
 ) -> Callable[[Callable[_P, _R]], Kernel[_P, _R]]:
     """Make a kernel of a function.
 
@@ -183,9 +193,11 @@ def compiled(
         example: arguments of the types that it will be called with; their values do not matter.
         fallback: whether it runs as Python until it is compiled. If not, the first call waits for
             the compiler; use this for a function that would take longer as Python.
+        in_numpy: another form of the function that computes the same of whole arrays, bit by bit,
+            in less time than Python's loops; it runs until the function is compiled.
         options: further options of ``numba.njit``.
     """
-    return partial(Kernel, example=example, fallback=fallback, options=options)
+    return partial(Kernel, example=example, fallback=fallback, in_numpy=in_numpy, options=options)
 
 
 def interpreted_calls() -> int:

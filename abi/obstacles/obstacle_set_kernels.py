@@ -13,6 +13,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, NEW_IDS, compiled
+from abi.obstacles import primitive_distances
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     Core,
@@ -168,7 +169,7 @@ def distance_gradient(primitives: FloatArray, s: int, x: Vec3) -> tuple[float, V
     return distance, in_world(axes, gradient)
 
 
-@compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_IDS))
+@compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_IDS), in_numpy=primitive_distances.nearest)
 def nearest(
     points: FloatArray, primitives: FloatArray, distances: FloatArray, numbers: IntArray
 ) -> None:

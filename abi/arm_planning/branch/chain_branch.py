@@ -16,16 +16,14 @@ from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES
-from abi.arm_planning.exclusion.node_configuration_kernels import (
-    one_by_one,
-    touching_configurations,
-)
+from abi.arm_planning.exclusion.node_configuration_kernels import touching_configurations
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
+from abi.arm_planning.exclusion.touching import touching
 from abi.arm_planning.motion.urdf_motion import ChainJointPath, joint_path_from
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arm_planning.world.link_contact import link_contact
-from abi.arrays import BoolArray, FloatArray
+from abi.arrays import BoolArray, FloatArray, read_only
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -149,14 +147,8 @@ class ChainBranch:
         collision_world = self.collision_world.only(self.collision_world.numbers < 0).beyond(
             self._beyond
         )
-        touching = np.zeros(len(reached), dtype=np.bool_)
-        configurations = one_by_one(self.configurations.coordinates)
-        every = collision_world, -1
-        touching_configurations(
-            *(self.arm.chain.table, self.arm.bodies, configurations, every),
-            *(self.slack, reached, touching),
-        )
-        return reached & ~touching
+        coordinates = self.configurations.coordinates
+        return reached & ~touching(self.arm, coordinates, collision_world, self.slack, reached)
 
     def touching(
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
@@ -164,13 +156,17 @@ class ChainBranch:
         """Check if it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         reached = arguments.flags("reached", reached, self.configurations.reached.shape)
         arguments.numbers("points", points, (len(reached), 3))
-        touching = np.zeros(len(reached), dtype=np.bool_)
-        obstacle = self._around, self.collision_world.first_row(number)
+        row = self.collision_world.first_row(number)
+        if not touching_configurations.compiled:  # a tree would take longer than it saves
+            alone = self._around._replace(outer=read_only(np.array([row], dtype=np.int32)))
+            return touching(self.arm, self.configurations.coordinates, alone, -1.0, reached)
+        found = np.zeros(len(reached), dtype=np.bool_)
+        obstacle = self._around, row
         touching_configurations(
             *(self.arm.chain.table, self.arm.bodies, self.configurations.tree, obstacle),
-            *(-1.0, reached, touching),
+            *(-1.0, reached, found),
         )
-        return touching
+        return found
 
     @property
     def _beyond(self) -> float:

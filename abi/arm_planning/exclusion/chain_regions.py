@@ -9,12 +9,9 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from abi.arm_planning.exclusion.node_configuration_kernels import (
-    one_by_one,
-    touching_configurations,
-)
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations, spread_over
 from abi.arm_planning.exclusion.paper_arm_regions import box_above, grid, surface
+from abi.arm_planning.exclusion.touching import touching
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.pose import Vec3
@@ -70,17 +67,9 @@ def chain_shadow(
     Returns:
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
-    touching = np.zeros(len(configurations.reached), dtype=np.bool_)
-    touching_configurations(
-        arm.chain.table,
-        arm.bodies,
-        one_by_one(configurations.coordinates),
-        (collision_world.only(collision_world.numbers >= 0).beyond(0.0), -1),
-        _ANYHOW,
-        configurations.reached,
-        touching,
-    )
-    return _surface_of(configurations, touching)
+    around = collision_world.only(collision_world.numbers >= 0).beyond(0.0)
+    found = touching(arm, configurations.coordinates, around, _ANYHOW, configurations.reached)
+    return _surface_of(configurations, found)
 
 
 def chain_reach(configurations: NodeConfigurations) -> FloatArray:

@@ -17,10 +17,7 @@ import scipy
 
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
-from abi.arm_planning.exclusion.node_configuration_kernels import (
-    one_by_one,
-    touching_configurations,
-)
+from abi.arm_planning.exclusion.touching import touching
 from abi.arm_planning.motion.arm_clearance import (
     ArmClearance,
     Contact,
@@ -303,15 +300,13 @@ def touches_from_all(
     """
     firsts, followed = _followed(arm, _few(curve, arc).tobytes())
     coordinates = flat(np.concatenate([joints for joints, _ in followed]) / arm.scales)
-    around, touching = collision_world.beyond(required), np.zeros((len(firsts), _FEW), dtype=bool)
+    around, found = collision_world.beyond(required), np.zeros((len(firsts), _FEW), dtype=bool)
     for some in _ROUGH_FIRST:
-        asked = np.zeros_like(touching)
-        asked[~touching.any(axis=1), some] = True
-        touching_configurations(
-            *(arm.chain.table, arm.bodies, one_by_one(coordinates), (around, -1)),
-            *(0.0, asked.reshape(-1), touching.reshape(-1)),
-        )
-    return bool(touching.any(axis=1).all())
+        asked = np.zeros_like(found)
+        asked[~found.any(axis=1), some] = True
+        touches = touching(arm, coordinates, around, 0.0, asked.reshape(-1))
+        found |= touches.reshape(found.shape)
+    return bool(found.any(axis=1).all())
 
 
 def _few(curve: Curve, arc: ArcLength) -> FloatArray:

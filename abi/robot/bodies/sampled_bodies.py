@@ -20,13 +20,13 @@ class SampledBodies(NamedTuple):
     Attributes:
         chain: the chain.
         capsules: its bodies.
-        positions: of its coordinates in each pose, (k, n), [rad] or [m].
+        poses: of its frames in k poses, as the kernels have them, flat (12 (m + 1) k,), [m].
         ends: of the capsules there, (k, c, 2, 3), [m].
     """
 
     chain: Chain
     capsules: tuple[ChainCapsule, ...]
-    positions: FloatArray
+    poses: FloatArray
     ends: FloatArray
 
     @classmethod
@@ -34,7 +34,8 @@ class SampledBodies(NamedTuple):
         """Bodies in ``count`` poses, which are the same at every call."""
         low, high = chain.usual_range().T
         positions = np.random.default_rng(0).uniform(low, high, (count, len(low)))
-        return cls(chain, capsules, positions, place(capsules, chain.poses(positions)))
+        poses = chain.packed_poses(positions)
+        return cls(chain, capsules, poses, place(capsules, chain.unpacked(poses)))
 
     def near(self, pairs: Sequence[tuple[int, int]]) -> BoolArray:
         """Check which capsules of each pair overlap in each pose, (k, p)."""
@@ -50,7 +51,7 @@ class SampledBodies(NamedTuple):
         """
         listed = np.array(pairs, dtype=np.int32).reshape(-1, 2)
         each = arguments.ids("pairs", listed, (-1, 2), len(self.capsules))
-        asked = arguments.flags("asked", asked, (len(self.positions), len(each)))
+        asked = arguments.flags("asked", asked, (len(self.ends), len(each)))
         found = np.zeros(asked.shape, dtype=np.bool_)
         poses, numbers = (one.astype(np.int32) for one in np.nonzero(asked))
         found[poses, numbers] = self._distances(each, poses, numbers) <= 0
@@ -58,11 +59,10 @@ class SampledBodies(NamedTuple):
 
     def _distances(self, pairs: IntArray, poses: IntArray, numbers: IntArray) -> FloatArray:
         """Distances (m,) of bodies in poses, each by its number and that of the pair, [m]."""
-        packed = self.chain.packed_poses(self.positions)
         bodies = hulls_of(self.chain, self.capsules, 1.0)._replace(
             pairs=read_only(pairs.reshape(-1))
         )
         asked = np.stack([poses, numbers], axis=1).astype(np.int32)
         distances = np.empty(len(asked))
-        hull_distances(bodies, packed, asked.reshape(-1), 0.0, 0, distances)
+        hull_distances(bodies, self.poses, asked.reshape(-1), 0.0, 0, distances)
         return distances

@@ -7,12 +7,13 @@ of them; lengths are in [m]. Poses are flat: nine numbers of the rotation by row
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.compilation.jitable import jitable
+from abi.compilation.jitable import called_as, jitable
+from abi.compilation.plain import as_lists
 from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
 
 POSE = 12
@@ -75,10 +76,25 @@ def _append(poses: FloatArray, at: int, before: int, origins: FloatArray, joint:
         )
 
 
+def _of_each(angle: float) -> tuple[float, float]:
+    if not isinstance(angle, np.ndarray):
+        return math.sin(angle), math.cos(angle)
+    # numpy's own differ from these in the last bit
+    angles = angle.tolist()
+    return np.array([*map(math.sin, angles)]), np.array([*map(math.cos, angles)])
+
+
+@jitable
+@called_as(_of_each)
+def _sine_and_cosine(angle: float) -> tuple[float, float]:
+    """Sine and cosine of an angle; as Python of an array of angles, too."""
+    return math.sin(angle), math.cos(angle)
+
+
 @jitable
 def _turn(poses: FloatArray, at: int, axis: tuple[float, float, float], angle: float) -> None:
     """Turn pose ``at`` about an axis of its own (Rodrigues' formula)."""
-    s, c = math.sin(angle), math.cos(angle)
+    s, c = _sine_and_cosine(angle)
     x, y, z = axis
     v = 1 - c
     # by rows and columns; written out as above
@@ -101,6 +117,8 @@ def place_chain(chain: ChainTable, q: FloatArray, first: int, poses: FloatArray)
         q: coordinates; those of this pose begin at ``first``.
         first: their place.
         poses: written.
+
+    As Python it takes arrays in place of each of these numbers, and places many chains at once.
     """
     count = len(chain.source)
     for joint in range(count):
@@ -155,7 +173,16 @@ def fill_jacobian(
             jacobian[5 * count + column] += factor * (wz - own * zz)
 
 
-@compiled(example=(TABLE, FLOATS, 0, NEW_FLOATS))
+def _chains_at_once(chain: ChainTable, joints: FloatArray, count: int, poses: FloatArray) -> None:
+    columns: Any = [0.0] * (POSE * (len(chain.source) + 1))
+    values: Any = [*joints.reshape(-1, count).T.copy()]
+    place_chain(as_lists(chain), values, 0, columns)
+    rows = poses.reshape(-1, len(columns))
+    for k, column in enumerate(columns):
+        rows[:, k] = column
+
+
+@compiled(example=(TABLE, FLOATS, 0, NEW_FLOATS), in_numpy=_chains_at_once)
 def chain_poses(chain: ChainTable, joints: FloatArray, count: int, poses: FloatArray) -> None:
     """Write the poses of all frames at many joint positions.
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -13,6 +17,7 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
 from abi.arm_planning.world.collision_world import chain_world
+from abi.compiled import Kernel
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
@@ -61,6 +66,17 @@ def obstacles_near(configurations: NodeConfigurations, random: np.random.Generat
     return ObstacleSet(tuple(shapes))
 
 
+@contextmanager
+def _taken_for_python(kernel: Kernel[..., Any]) -> Iterator[None]:
+    """Have a compiled kernel do quickly what is left to it while it is not."""
+    run = kernel._run
+    kernel._run = lambda *arguments: run(*arguments)
+    try:
+        yield
+    finally:
+        kernel._run = run
+
+
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("wide", [0.0, 0.3, 3.0])
 def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
@@ -68,7 +84,7 @@ def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
         kernel.compile()
     arm, random = some_arm(name), np.random.default_rng(int(10 * wide))
     configurations = some_stances(arm, random, wide)
-    obstacles = obstacles_near(configurations, random)
+    obstacles, mesh = obstacles_near(configurations, random), configurations.mesh
     collision_world = chain_world(arm, obstacles, 0.0)
     branch = ChainBranch(
         arm, "", collision_world, configurations, 0.01 * arm.reach, 0.002 * arm.reach
@@ -83,10 +99,16 @@ def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
         )
         every = one_by_one(coordinates)
         touching_configurations(table, bodies, every, (alone, -1), -1.0, asked, expected)
-        found = branch.touching(configurations.mesh.points, number, asked)
+        found = branch.touching(mesh.points, number, asked)
         np.testing.assert_array_equal(found, expected, strict=True)
+        with _taken_for_python(touching_configurations):
+            mostly_by_numpy = branch.touching(mesh.points, number, asked)
+        np.testing.assert_array_equal(mostly_by_numpy, expected, strict=True)
         some += 0 < expected.sum() < asked.sum()
     assert some > 1 or wide == 0
+    with _taken_for_python(touching_configurations):
+        mostly_by_numpy = branch.reached(mesh.points)
+    np.testing.assert_array_equal(mostly_by_numpy, branch.reached(mesh.points), strict=True)
 
 
 def test_boxes_hold_the_capsules_of_all_their_stances() -> None:

@@ -9,12 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.obstacles import primitive_distances
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
 from tests.abi.shape_distances import gradient, segment_distance, signed_distance
+from tests.kernel_forms import compiled, plain
 from tests.random_geometry import random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
@@ -112,6 +114,23 @@ def test_primitives_and_meshes_know_their_numbers() -> None:
     assert obstacles.meshes == (ball, ball)
     assert obstacles.mesh_numbers.tolist() == [1, 4]
     assert tuple(obstacles.meshes_alone) == (ball, ball)
+
+
+@pytest.mark.parametrize("count", [0, 1, 5, 40])
+def test_the_nearest_primitive_is_the_same_compiled_and_by_numpy(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(primitive_distances, "_AT_ONCE", 100)
+    random = np.random.default_rng(count)
+    some = [random_obstacle(random) for _ in range(count)]
+    twice = ObstacleSet((*some, *some[:2]))  # as near as each other
+    points = random.uniform(-1, 7, (60, 3))
+    for point, one in zip(points, some, strict=False):
+        point[:] = one.position
+    points[30:40] = np.round(points[30:40])
+    found = [form(lambda: twice.nearest(points)) for form in (plain, compiled)]
+    for by_numpy, by_kernel in zip(*found, strict=True):
+        assert by_numpy.tobytes() == by_kernel.tobytes()
 
 
 def test_nothing_is_near_an_empty_set() -> None:

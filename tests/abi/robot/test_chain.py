@@ -54,6 +54,17 @@ def random_positions(one: Chain, count: int, seed: int = 0) -> FloatArray:
     return random.uniform(one.limits[:, 0], one.limits[:, 1], (count, len(one.names)))
 
 
+@pytest.mark.parametrize("name", [*SHIPPED, *OWN])
+def test_poses_are_the_same_compiled_and_by_numpy(name: str) -> None:
+    if name in SHIPPED:
+        one = chain(name)
+    else:
+        one = Chain.of(robot_from_archive(packed({"a.urdf": OWN[name]})), "d", BASE)
+    positions = random_positions(one, 9)
+    found = [form(lambda: one.packed_poses(positions)) for form in (plain, compiled)]
+    assert found[0].tobytes() == found[1].tobytes()
+
+
 def path(one: Chain, start: FloatArray, end: FloatArray) -> FloatArray:
     """A bent path between the tips of two poses near each other."""
     ends = one.poses(np.stack([start, end]))[:, -1, :, 3]
