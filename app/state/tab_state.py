@@ -6,7 +6,7 @@ import base64
 import json
 import math
 import zlib
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ import msgspec
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.planner.remembered_call import RememberedCall
 from abi.scene.scene import Scene
 from abi.scene.scene_file import MAX_JSON_BYTES
 from abi.scene.without_obstacles import contacts_without, legs_without
@@ -127,45 +128,25 @@ class StateEncoder:
     """
 
     def __init__(self) -> None:
-        self._scene = _StreamPart()
-        self._before = _StreamPart()
-        self._tasks = _StreamPart()
+        self._scene = RememberedCall(_scene_part)
+        self._tasks = RememberedCall(_tasks_part)
+        self._before = RememberedCall(_before_part)
 
     def encode(self, state: TabState) -> str:
         """Encode the state in URL-safe characters."""
-        self._scene.write(state.scene, lambda: "{" + _fields_of(state.scene))
-        self._before.write(state.before, lambda: _before_field(state))
-        self._tasks.write(state.tasks, lambda: _tasks_field(state.tasks))
         settings = json.dumps(state.settings(), separators=(",", ":")).encode()
         settings = b"," + settings.removeprefix(b"{")
-        parts = [self._scene, self._tasks, self._before]
-        while (
-            len(parts) > 1
-            and sum(len(part.text) for part in parts) + len(settings) > MAX_JSON_BYTES
-        ):
+        parts = [self._scene(state.scene), self._tasks(state.tasks), self._before(state.before)]
+        while len(parts) > 1 and sum(len(t) for t, _ in parts) + len(settings) > MAX_JSON_BYTES:
             parts.pop()  # what is shown now comes back rather than nothing
         # a zlib stream (RFC 1950) in stretches, none of which looks back into another
         checksum = zlib.adler32(b"")
-        for part in parts:
-            checksum = zlib.adler32(part.text, checksum)
+        for text, _ in parts:
+            checksum = zlib.adler32(text, checksum)
         checksum = zlib.adler32(settings, checksum)
-        packed = b"".join(part.packed for part in parts)
+        packed = b"".join(packed for _, packed in parts)
         stream = _ZLIB_HEADER + packed + _deflate(settings, zlib.Z_FINISH) + checksum.to_bytes(4)
         return base64.urlsafe_b64encode(stream).decode().rstrip("=")
-
-
-class _StreamPart:
-    """Part of a compressed stream that is reused while its object stays the same."""
-
-    def __init__(self) -> None:
-        self._written: object = None
-        self.text = self.packed = b""
-
-    def write(self, written: object, text: Callable[[], str]) -> None:
-        """Compress ``text()`` unless the same object was written last."""
-        if written is not self._written:
-            self._written, self.text = written, text().encode()
-            self.packed = _deflate(self.text, zlib.Z_FULL_FLUSH) if self.text else b""
 
 
 def _fields_of(scene: Scene) -> str:
@@ -173,20 +154,30 @@ def _fields_of(scene: Scene) -> str:
     return f'"scene":{scene.model_dump_json()},"files":{files}'
 
 
-def _before_field(state: TabState) -> str:
-    """The previous state as a field of a JSON object; empty without one."""
-    before = state.before
+def _scene_part(scene: Scene) -> tuple[bytes, bytes]:
+    """The begin of a JSON object, and the same compressed: a scene and its files."""
+    return _part("{" + _fields_of(scene))
+
+
+def _before_part(before: TabState | None) -> tuple[bytes, bytes]:
+    """The previous state as a field of the object, and compressed; empty without one."""
     if before is None:
-        return ""
+        return b"", b""
     settings = json.dumps(before.settings(), separators=(",", ":")).removeprefix("{")
-    return f',"before":{{{_fields_of(before.scene)},{settings}'
+    return _part(f',"before":{{{_fields_of(before.scene)},{settings}')
 
 
-def _tasks_field(tasks: KnownLegs | None) -> str:
-    """The sequence of tasks as a field of a JSON object; empty without one."""
+def _tasks_part(tasks: KnownLegs | None) -> tuple[bytes, bytes]:
+    """The sequence of tasks as a field of the object, and compressed; empty without one."""
     if tasks is None:
-        return ""
-    return f',"tasks":{{{_fields_of(tasks.whole)},"legs":{json.dumps(tasks.to_list())}}}'
+        return b"", b""
+    return _part(f',"tasks":{{{_fields_of(tasks.whole)},"legs":{json.dumps(tasks.to_list())}}}')
+
+
+def _part(text: str) -> tuple[bytes, bytes]:
+    """A part of a text, and the same compressed so that it needs no part before."""
+    content = text.encode()
+    return content, _deflate(content, zlib.Z_FULL_FLUSH)
 
 
 def _deflate(data: bytes, end: int) -> bytes:

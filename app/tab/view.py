@@ -83,7 +83,8 @@ class TabView:
         self.classroom: ClassroomPanel | None = None
         self.exercise: ExercisePanel | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
-        self._folding = PanelFolding(self.panels.layout)
+        left, right = self.panels.layout.panels
+        self._foldings = PanelFolding(left, is_left=True), PanelFolding(right, is_left=False)
         layers = [layer(self.panels.layout) for layer in LAYERS]
         slow_layers = [layer(self.panels.layout) for layer in SLOW_LAYERS]
         with self.panels.layout.result:
@@ -229,7 +230,8 @@ class TabView:
 
     def _fit(self, frame: Frame) -> None:
         """Adapt panels and camera to lecture mode, or end that."""
-        self._folding.update(self._watch.area(), frame.lecture)
+        for folding in self._foldings:
+            folding.update(self._watch.area(), frame.lecture)
         # stages that do not show the arm need no room for it
         alone = frame.stage not in ("", "arm")
         surrounded = (frame.plan, alone) if frame.lecture else None
@@ -250,7 +252,8 @@ class TabView:
         if touched:
             self._faced = None
         area = self._watch.area()
-        self._folding.update(area, self.panels.lecture.on)
+        for folding in self._foldings:
+            folding.update(area, self.panels.lecture.on)
         arrives = self._faced is not None and (frame.plan is self._faced or frame.demonstrates)
         self.viewpoint.fit(area, arrives=arrives)
         shown = label_scale(area, frame.lecture), self._watch.plots

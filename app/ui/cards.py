@@ -6,7 +6,6 @@ import base64
 import functools
 import html
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 import viser
@@ -14,35 +13,32 @@ import viser
 from app.ui import page
 
 
-@dataclass(frozen=True)
-class Card:
-    """One entry of a list.
+def cards(entries: Iterable[str], few: bool = False) -> str:
+    """HTML of a list of cards; with ``few`` only some are in view at once."""
+    return f'<div class="abi-cards{" abi-few" if few else ""}">{"".join(entries)}</div>'
 
-    Attributes:
-        title: its name, to which choosing it sets the widget.
+
+def card(
+    widget: viser.GuiDropdownHandle[str],
+    title: str,
+    note: str,
+    picture: Path,
+    chosen: bool = False,
+) -> str:
+    """HTML of a card that sets ``widget``.
+
+    Args:
+        widget: which is set to the title of the card that is chosen.
+        title: its name.
         note: what else is said of it.
         picture: file of its picture, which may be missing.
         chosen: whether it is the one to look at.
     """
-
-    title: str
-    note: str
-    picture: Path
-    chosen: bool = False
-
-
-def cards(widget: viser.GuiDropdownHandle[str], entries: Iterable[Card], few: bool = False) -> str:
-    """HTML of cards that set ``widget``; with ``few`` only some are in view at once."""
-    content = "".join(_card(page.uuid(widget), entry) for entry in entries)
-    return f'<div class="abi-cards{" abi-few" if few else ""}">{content}</div>'
-
-
-def _card(uuid: str, card: Card) -> str:
-    title = html.escape(card.title)
+    title = html.escape(title)
     return (
-        f'<button data-choose="{uuid}" data-value="{title}" aria-label="{title}"'
-        f' aria-pressed="{str(card.chosen).lower()}">{_picture(card.picture)}'
-        f"<span><b>{title}</b><br>{html.escape(card.note)}</span></button>"
+        f'<button data-choose="{page.uuid(widget)}" data-value="{title}" aria-label="{title}"'
+        f' aria-pressed="{str(chosen).lower()}">{_picture(picture)}'
+        f"<span><b>{title}</b><br>{html.escape(note)}</span></button>"
     )
 
 

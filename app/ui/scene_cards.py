@@ -5,17 +5,20 @@ from __future__ import annotations
 import functools
 import re
 
+import viser
+
 from abi import assets
 from abi.scene.scene import scene_names
-from app.ui.cards import Card
+from app.ui.cards import card
 
 _SENTENCE = re.compile(r"(?<=[.!?]) ")
 
 
-def scene_cards(chosen: str) -> list[Card]:
-    """A card of each shipped scene, the ``chosen`` one first."""
+def scene_cards(widget: viser.GuiDropdownHandle[str], chosen: str) -> list[str]:
+    """A card of each shipped scene that sets ``widget``, as HTML, the ``chosen`` one first."""
     return [
-        Card(
+        card(
+            widget,
             name,
             about(name),
             assets.path("pictures", "scenes", f"{name}.webp"),

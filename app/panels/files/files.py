@@ -72,7 +72,7 @@ class FilesPanel:
         """Show what the scenes are about, once there is time, and which one is chosen."""
         if self._shown != self.name and not (frame.interactive or frame.plan.partial):
             self._shown = self.name
-            self._cards.content = cards(self.choice, scene_cards(self.name), few=True)
+            self._cards.content = cards(scene_cards(self.choice, self.name), few=True)
 
     def show(self, name: str, loaded: Scene) -> None:
         """Take a scene loaded earlier, listed under ``name``, for the one loaded last."""

@@ -27,7 +27,7 @@ from app.teach.lesson import (
 from app.teach.lesson_progress import LessonProgress
 from app.teach.measures import filled
 from app.ui import notices, page, style
-from app.ui.cards import Card, cards
+from app.ui.cards import card, cards
 from app.ui.formulas import with_formulas
 
 _NONE = "choose a lesson"
@@ -194,8 +194,8 @@ class LessonPanel:
                 note += " · next"
             picture = assets.path("pictures", "lessons", f"{name}.webp")
             title = self.progress.title(name)
-            entries.append(Card(title, note, picture, name == following))
-        return cards(self.choice, entries)
+            entries.append(card(self.choice, title, note, picture, name == following))
+        return cards(entries)
 
     def _take_presses(self) -> None:
         """Do what the student pressed or chose since the last call."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict, replace
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -49,74 +49,81 @@ class _Panel:
         self.open = True
 
 
-def _folding() -> tuple[PanelFolding, _Panel, _Panel]:
+def _folding() -> tuple[Callable[[PageArea, bool], None], _Panel, _Panel]:
+    """How both panels are told of the page, and these."""
     left, right = _Panel(), _Panel()
-    layout: Any = SimpleNamespace(client=None, panels=(left, right))
-    return PanelFolding(layout), left, right
+    panels: Any = left, right
+    foldings = [PanelFolding(panel, is_left=panel is left) for panel in panels]
+
+    def update(area: PageArea, lecture: bool) -> None:
+        for folding in foldings:
+            folding.update(area, lecture)
+
+    return update, left, right
 
 
 def test_a_window_made_narrow_folds_its_panels_and_unfolds_them_when_wide() -> None:
-    folding, left, right = _folding()
-    folding.update(WIDE, False)
+    update, left, right = _folding()
+    update(WIDE, False)
     assert left.open
     # as long as the page has not folded them, it says that they are open
     for area in (_area(NARROW - 1, 348, 384), SLIM):
-        folding.update(area, False)
+        update(area, False)
         assert not left.open
         assert not right.open
-    folding.update(_area(1280, 40, 40), False)
+    update(_area(1280, 40, 40), False)
     assert left.open
     assert right.open
 
 
 def test_what_a_hand_has_folded_or_unfolded_stays() -> None:
-    folding, left, right = _folding()
-    folding.update(WIDE, False)
+    update, left, right = _folding()
+    update(WIDE, False)
     left.open = False  # by hand
-    folding.update(_area(1280, 40, 384), False)
-    folding.update(_area(900, 40, 384), False)
-    folding.update(SLIM, False)
+    update(_area(1280, 40, 384), False)
+    update(_area(900, 40, 384), False)
+    update(SLIM, False)
     assert not right.open
-    folding.update(_area(1280, 40, 40), False)
+    update(_area(1280, 40, 40), False)
     assert not left.open
     assert right.open
 
-    folding.update(SLIM, False)
-    folding.update(SLIM, False)
+    update(SLIM, False)
+    update(SLIM, False)
     for width, is_open in ((384, True), (40, False)):  # opened by hand, and folded again
         right.open = is_open
-        folding.update(_area(900, 40, width), False)
-    folding.update(_area(1280, 40, 40), False)
+        update(_area(900, 40, width), False)
+    update(_area(1280, 40, 40), False)
     assert not right.open
 
 
 def test_the_end_of_a_lecture_leaves_a_narrow_page_folded() -> None:
-    folding, left, right = _folding()
-    folding.update(WIDE, True)
+    update, left, right = _folding()
+    update(WIDE, True)
     assert not left.open
-    folding.update(_area(1280, 40, 40), True)
-    folding.update(SLIM, True)
-    folding.update(SLIM, False)
+    update(_area(1280, 40, 40), True)
+    update(SLIM, True)
+    update(SLIM, False)
     assert not right.open
-    folding.update(_area(1280, 40, 40), False)
+    update(_area(1280, 40, 40), False)
     assert right.open
 
 
 def test_before_the_page_has_panels_nothing_is_taken_for_folded() -> None:
-    folding, left, _ = _folding()
-    folding.update(_area(900, 0, 0), False)
+    update, left, _ = _folding()
+    update(_area(900, 0, 0), False)
     assert not left.open
-    folding.update(_area(1280, 40, 40), False)
+    update(_area(1280, 40, 40), False)
     assert left.open
 
 
 def test_a_phones_sheet_is_left_to_the_page() -> None:
-    folding, left, _ = _folding()
-    folding.update(WIDE, False)
+    update, left, _ = _folding()
+    update(WIDE, False)
     for _ in range(3):
-        folding.update(_area(390, 0, 0), False)
+        update(_area(390, 0, 0), False)
     assert left.open
-    folding.update(SLIM, False)
+    update(SLIM, False)
     assert not left.open
 
 
@@ -176,5 +183,5 @@ def test_a_new_area_is_no_input(tab: tuple[FakeTab, Session]) -> None:
     begun = session._pause._begun
     fake.set(watch._box, json.dumps(asdict(SLIM)))
     until(lambda: watch.area() == SLIM)
-    until(lambda: session._view._folding._narrow)
+    until(lambda: all(one._narrow for one in session._view._foldings))
     assert session._pause._begun == begun
