@@ -21,7 +21,7 @@ import numpy as np
 from abi import compiling
 from abi.arm_planning.exclusion.paper_arm_regions import shadow
 from abi.arm_planning.paper_arm_model import paper_arm
-from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene

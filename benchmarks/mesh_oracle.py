@@ -48,7 +48,7 @@ class MeshOracle:
 
     def __init__(self, problem: MotionProblem) -> None:
         self._chain, self._floor = problem.chain, problem.around.floor
-        self._obstacles = list(problem.obstacles)
+        self._obstacles = list(problem.around.obstacles)
         self._parts, self._links = list[_Part](), dict[str, list[int]]()
         for carried in self._chain.carried:
             for shape in self._chain.robot.links[carried.link].shapes:

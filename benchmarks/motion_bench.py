@@ -26,7 +26,7 @@ from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort, search_joints
 from abi.arm_planning.motion_law import motion_law
-from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arrays import FloatArray
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.settings import MotionSettings
@@ -89,7 +89,7 @@ def attempt(arm: UrdfArm, problem: MotionProblem, effort: JointSearchEffort) -> 
     spline = spline_near(space, found.path)
     if spline is not None:
         passage = passage_of(spline, arm)
-        profile, around = motion_law(passage, _LAW), (problem.obstacles, surroundings, 0.0)
+        profile, around = motion_law(passage, _LAW), (surroundings, 0.0)
         motion, clearance = proven_motion(passage, profile, _SAMPLES, *around)
         certified, positions = clearance.certified, motion.positions
     motion_ms = 1e3 * (time.thread_time() - begin)

@@ -10,7 +10,7 @@ import numpy as np
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.paper_arm_model import paper_arm
-from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.paper_arm import PaperArm, place

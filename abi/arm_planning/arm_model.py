@@ -71,7 +71,6 @@ class JointPath(Protocol):
     def clearance(
         self,
         motion: ArmMotion,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         required: float,
     ) -> ArmClearance:
@@ -120,9 +119,7 @@ class ArmBranch(Protocol):
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not reach a point (3,); None if it is not known."""
 
-    def link_contact(
-        self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
-    ) -> LinkContact | None:
+    def link_contact(self, point: FloatArray, pair: tuple[str, int | str]) -> LinkContact | None:
         """Whether the first of a pair touches the other by its own shapes at a point (3,); or
         None."""
 
@@ -178,18 +175,16 @@ class Unreached(NamedTuple):
 
 
 class BranchProblem(NamedTuple):
-    """What the branches of an arm are made from: scene, mesh, obstacles and margins.
+    """What the branches of an arm are made from: scene, mesh, collision world and margin.
 
     Attributes:
         scene: the scene.
-        obstacles: its obstacles.
         collision_world: everything around the arm.
         mesh: whose nodes may be asked about.
         slack: distance that segments and places keep beyond the clearance, [unit].
     """
 
     scene: Scene
-    obstacles: ObstacleSet
     collision_world: CollisionWorld
     mesh: TetMesh
     slack: float
@@ -214,7 +209,6 @@ class ArmModel(Protocol):
         curve: Curve,
         arc: ArcLength,
         settings: ArmSettings,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         hasty: bool = False,
     ) -> Sequence[JointPath]:
@@ -227,7 +221,6 @@ class ArmModel(Protocol):
         self,
         curve: Curve,
         arc: ArcLength,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         required: float,
     ) -> bool:
@@ -236,7 +229,6 @@ class ArmModel(Protocol):
         Args:
             curve: path of the tool.
             arc: its arc length.
-            obstacles: the solids.
             collision_world: everything around the arm.
             required: clearance that the links are to keep from obstacles, [unit].
         """

@@ -10,8 +10,9 @@ import numpy as np
 from abi.arm_planning.arm_model import BranchProblem
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
-from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
-from abi.arm_planning.world.solid_rows import RowTable
+from abi.arm_planning.world.arm_worlds import paper_arm_world
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.row_table import RowTable
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.curves import three_phase_profile
 from abi.curves.curve import ArcLength, Curve
@@ -47,7 +48,6 @@ class PaperArmModel:
         curve: Curve,
         arc: ArcLength,
         settings: ArmSettings,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         hasty: bool = False,
     ) -> tuple[PaperArmJointPath, ...]:
@@ -61,7 +61,6 @@ class PaperArmModel:
         self,
         curve: Curve,
         arc: ArcLength,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         required: float,
     ) -> bool:

@@ -25,9 +25,10 @@ from abi.arm_planning.motion.urdf_motion import (
     start_pose,
     touches_from_all,
 )
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.chain_distances import inside_meshes
-from abi.arm_planning.world.collision_world import CollisionWorld, chain_world
-from abi.arm_planning.world.solid_rows import RowTable
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.row_table import RowTable
 from abi.arrays import FloatArray
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.curve import ArcLength, Curve
@@ -70,25 +71,24 @@ class UrdfArmModel:
         curve: Curve,
         arc: ArcLength,
         settings: ArmSettings,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         hasty: bool = False,
     ) -> tuple[ChainJointPath, ...]:
         """The joint path from the start pose that keeps the arm clearest; in haste the last one."""
-        around, likely = (self.arm, obstacles, collision_world), self._start if hasty else -1
-        self._start = start_pose(curve, arc, *around, likely)
+        likely = self._start if hasty else -1
+        self._start = start_pose(curve, arc, self.arm, collision_world, likely)
         return (chain_joint_path(curve, arc, self.arm, self._start),)
 
     def is_refuted(
         self,
         curve: Curve,
         arc: ArcLength,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         required: float,
     ) -> bool:
         """Check whether it touches something at a few points, whatever start pose it has."""
-        if obstacles.meshes:  # the quick test is of capsules there, which are larger
+        # near meshes the quick test is of capsules, which are larger
+        if collision_world.obstacles.meshes:
             return False
         return touches_from_all(curve, arc, self.arm, collision_world, required)
 
@@ -157,13 +157,13 @@ class UrdfArmModel:
     def _is_clear(self, problem: BranchProblem, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
         margin = problem.scene.arm.clearance + problem.slack
-        self._poses.enter(problem.obstacles.obstacles, problem.collision_world)
+        self._poses.enter(problem.collision_world)
         _, fault = self._poses.examined(
             (pose.tobytes(), margin), partial(_still, pose), partial(self._refutation, margin)
         )
         if fault is not None:
             return False
-        return not inside_meshes(self.arm, problem.obstacles, pose, problem.collision_world.allowed)
+        return not inside_meshes(self.arm, problem.collision_world, pose)
 
     def _refutation(
         self, margin: float, followed: Followed, around: CollisionWorld, with_itself: bool
@@ -174,7 +174,7 @@ class UrdfArmModel:
 
     def _branch(self, pair: PosePair, problem: BranchProblem) -> ChainBranch:
         configurations, memory = self._spread(pair, problem)
-        memory.enter(problem.obstacles.obstacles, problem.collision_world)
+        memory.enter(problem.collision_world)
         clearance = problem.scene.arm.clearance
         around = problem.collision_world, configurations, clearance, problem.slack
         return ChainBranch(self.arm, _name_of(pair), *around, memory=memory)

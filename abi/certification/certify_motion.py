@@ -121,7 +121,7 @@ def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
     found = []
     first = problem.motion.positions_at(np.array([0.0]))
     poses = problem.chain.poses(first)[0]
-    for number, obstacle in enumerate(problem.obstacles):
+    for number, obstacle in enumerate(problem.around.obstacles):
         if obstacle.convex:
             continue
         for body in problem.bodies:

@@ -27,8 +27,8 @@ import numpy as np
 
 from abi import arguments
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
-from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arm_planning.world.solid_rows import FLOOR, Own, RowTable
+from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
+from abi.arm_planning.world.row_table import Own, RowTable
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.convex_bodies import body_pairs, hulls_apart, robot_bodies
 from abi.certification.posed_hulls_kernels import nearest_obstacle
@@ -37,8 +37,6 @@ from abi.certification.separate_motion_kernels import separate_motion
 from abi.curves.clearance.separation_kernels import REFUTED, SPENT
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
-from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
-from abi.obstacles.primitive_tree_kernels import TREE
 from abi.robot.bodies.allowed_contacts import AllowedContact
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule
@@ -62,7 +60,6 @@ class MotionProblem(ShortRepr):
         chain: its joints, with limits that hold wherever it goes, [m].
         bodies: the b bodies, those that stand still first, [m].
         around: obstacles and the floor.
-        obstacles: the obstacles.
         metres: one [unit] in metres.
     """
 
@@ -70,7 +67,6 @@ class MotionProblem(ShortRepr):
     chain: Chain
     bodies: tuple[ChainCapsule, ...]
     around: CollisionWorld
-    obstacles: ObstacleSet
     metres: float
 
     @cached_property
@@ -86,7 +82,7 @@ class MotionProblem(ShortRepr):
     @cached_property
     def solids(self) -> tuple[LinkSolids, ...]:
         """The exact shape of each obstacle."""
-        return tuple(LinkSolids((shape,)) for shape in self.obstacles)
+        return tuple(LinkSolids((shape,)) for shape in self.around.obstacles)
 
     @property
     def allowed(self) -> tuple[AllowedContact, ...]:
@@ -128,14 +124,12 @@ def problem_of(
     motion: RobotMotion, scene: Scene, closely: Collection[str] = frozenset()
 ) -> MotionProblem:
     """Bodies and collision world of a motion in a scene; ``closely`` as for ``robot_bodies``."""
-    metres = METRES[scene.unit]
     low = np.minimum(motion.chain.limits[:, 0], motion.points.min(axis=(0, 1)))
     high = np.maximum(motion.chain.limits[:, 1], motion.points.max(axis=(0, 1)))
     # a motion may pass limits; levers hold where it goes
     chain = replace(motion.chain, limits=read_only(np.stack([low, high], axis=1)))
-    bodies, obstacles = robot_bodies(chain, closely), ObstacleSet(scene.obstacles)
-    around = _around(chain, bodies, obstacles, scene)
-    return MotionProblem(motion, chain, bodies, around, obstacles, metres)
+    bodies = robot_bodies(chain, closely)
+    return MotionProblem(motion, chain, bodies, _around(chain, bodies, scene), METRES[scene.unit])
 
 
 def separation(
@@ -164,7 +158,7 @@ def separation(
         return _undecided(problem, left, outcomes)
     bodies, others = _numbers(problem, planes[:, 2])
     return ArmCertificate(
-        margin=margin if len(problem.obstacles) else math.inf,
+        margin=margin if len(problem.around.obstacles) else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),
         capsule=bodies,
@@ -235,22 +229,15 @@ def _numbers(problem: MotionProblem, pairs: FloatArray) -> tuple[IntArray, IntAr
     return read_only(bodies.astype(np.int32)), read_only(others.astype(np.int32))
 
 
-def _around(
-    chain: Chain, bodies: Sequence[ChainCapsule], obstacles: ObstacleSet, scene: Scene
-) -> CollisionWorld:
+def _around(chain: Chain, bodies: Sequence[ChainCapsule], scene: Scene) -> CollisionWorld:
     """Obstacles and floor, without links that stand still."""
     metres, floor = METRES[scene.unit], min(scene.arm.base[2], scene.workspace.min[2])
     standing = on_floor(chain, bodies, floor * metres)
     frames = np.array([body.frame for body in bodies])
     stands = np.array([body.link in standing for body in bodies])
     own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), ~stands[:, None])
-    solids = RowTable()(obstacles, own)
-    asked = np.zeros((len(frames), len(solids.numbers)), dtype=np.bool_)
-    asked[:, solids.outer] = (frames >= 0)[:, None]
-    asked[:, -1] = ~stands
-    corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
     reach = 2 * chain.table.reach / metres
     points = max(float(np.abs(body.points).max()) for body in bodies) / metres
     size = float(np.abs(scene.arm.base).max()) + reach + points
-    size += float(np.abs(corners).max(initial=0.0))
-    return CollisionWorld(solids, read_only(asked), floor, size)
+    world = RowTable()(ObstacleSet(scene.obstacles), own, floor, size)
+    return replace(world, asked=read_only(world.asked & (frames >= 0)[:, None]))

@@ -9,8 +9,7 @@ import numpy as np
 
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.search_joints import search_joints
-from abi.arm_planning.world.collision_world import chain_world
-from abi.arm_planning.world.solid_rows import RowTable
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
 from abi.certification.motion import Motion
@@ -83,7 +82,7 @@ def _space(verdict: MotionVerdict) -> JointSpace:
             f"Only motions of the arm's own joints can be repaired; this one moves {others[0]}."
         )
     lowest = min(settings.base[2], scene.workspace.min[2])
-    around = chain_world(arm, verdict.problem.obstacles, lowest, RowTable())
+    around = chain_world(arm, verdict.problem.around.obstacles, lowest)
     return JointSpace(arm, around, settings.clearance)
 
 

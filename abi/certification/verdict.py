@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import Contact
-from abi.arm_planning.world.solid_rows import FLOOR
+from abi.arm_planning.world.collision_world import FLOOR
 from abi.arrays import ShortRepr
 from abi.certification.clearance_proof import MotionProblem
 from abi.certification.joint_limits import LimitsKept
@@ -189,7 +189,7 @@ def _certificate(problem: MotionProblem, proof: ArmCertificate) -> dict[str, Any
         strict=True,
     )
     return {
-        "margin": proof.margin if len(problem.obstacles) else None,
+        "margin": proof.margin if len(problem.around.obstacles) else None,
         "bodies": [
             {
                 "link": body.link,

@@ -73,9 +73,7 @@ class ArmAware:
         """
         assert tool.free is not None
         slack = problem.margin - problem.scene.spline.clearance
-        asked = BranchProblem(
-            problem.scene, problem.obstacles, collision_world, tool.free.mesh, slack
-        )
+        asked = BranchProblem(problem.scene, collision_world, tool.free.mesh, slack)
         on = partial(self._branch, problem, collision_world, tool)
         if problem.hasty and self.kept:
             kept = [on(one, self._memory) for one in problem.model.branches(asked, self.kept)]

@@ -15,7 +15,6 @@ from abi.arm_planning.world.chain_distances import inside_meshes, obstacle_dista
 from abi.arm_planning.world.link_contact import link_contact
 from abi.arrays import FloatArray
 from abi.curves.clearance.certificate import Refutation
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, rotation
 from abi.robot.kinematics.start_poses import REACHED
 from abi.robot.urdf_arm import UrdfArm
@@ -29,7 +28,6 @@ End = Literal["start", "goal"]
 
 def clear_end_poses(
     space: JointSpace,
-    obstacles: ObstacleSet,
     scene: Scene,
     end: End,
     refuted: Callable[[FloatArray], Refutation | None],
@@ -38,7 +36,6 @@ def clear_end_poses(
 
     Args:
         space: the arm and what it keeps clear of.
-        obstacles: the obstacles.
         scene: the scene.
         end: which end.
         refuted: finds where the arm is not clear along joint positions (k, n), k >= 2.
@@ -57,11 +54,11 @@ def clear_end_poses(
         if fault is not None:
             found = pose, fault.capsule, fault.obstacle
         else:
-            if not inside_meshes(arm, obstacles, pose, around.allowed):
+            if not inside_meshes(arm, around, pose):
                 kept.append(pose)
                 continue
             away, numbers = obstacle_distances(
-                arm, obstacles, arm.place(pose[None]), allowed=around.allowed
+                arm, around.obstacles, arm.place(pose[None]), allowed=around.allowed
             )
             capsule = int(away[0].argmin())
             found = pose, capsule, int(numbers[0, capsule])
@@ -70,7 +67,7 @@ def clear_end_poses(
         assert first is not None
         pose, capsule, number = first
         pair = arm.capsule_links[capsule], named(number, arm)
-        contact = link_contact(arm, obstacles, around, pose, pair, space.margin)
+        contact = link_contact(arm, around, pose, pair, space.margin)
         raise NoJointMotion(end, *pair, len(poses), contact=contact)
     return np.array(kept)
 

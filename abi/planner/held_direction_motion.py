@@ -24,7 +24,6 @@ from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearch
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.motion_law import motion_law
 from abi.arrays import FloatArray
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planning_problem import sample_count
 from abi.planner.stage_results import TimedMotion
 from abi.robot.urdf_arm import UrdfArm
@@ -48,7 +47,6 @@ def move_holding(
     hold: HeldDirection,
     space: JointSpace,
     scene: Scene,
-    obstacles: ObstacleSet,
     ends: tuple[FloatArray, FloatArray],
     effort: JointSearchEffort,
 ) -> tuple[JointSearch, TimedMotion]:
@@ -58,7 +56,6 @@ def move_holding(
         hold: the direction, and when it is kept.
         space: the arm and what it keeps clear of.
         scene: the scene.
-        obstacles: its obstacles.
         ends: joint positions (k, n) at the start, and at the goal, that are clear.
         effort: how long to search.
 
@@ -73,7 +70,7 @@ def move_holding(
     for pair in nearest:
         tries = range(effort.seed, effort.seed + _TRIES // len(nearest))
         efforts = [replace(effort, seed=seed) for seed in tries]
-        found = _between(hold, held, scene, obstacles, pair, efforts)
+        found = _between(hold, held, scene, pair, efforts)
         if found is not None:
             return found
     raise DirectionNotHeld("path", hold.tolerance, (hold.begin, hold.end))
@@ -83,7 +80,6 @@ def _between(
     hold: HeldDirection,
     held: HeldSearch,
     scene: Scene,
-    obstacles: ObstacleSet,
     pair: tuple[FloatArray, FloatArray],
     efforts: Sequence[JointSearchEffort],
 ) -> tuple[JointSearch, TimedMotion] | None:
@@ -105,7 +101,7 @@ def _between(
             passage = _passage(inner, space.arm, factor, spline)
             lacks = _shorter_by(hold, _part_of(inner, passage, scene.motion))
             if lacks is None:
-                moved = _moved(hold, space, scene, obstacles, (search.path, inner), factor)
+                moved = _moved(hold, space, scene, (search.path, inner), factor)
                 if moved is not None:
                     return search, moved
                 break
@@ -173,7 +169,6 @@ def _moved(
     hold: HeldDirection,
     space: JointSpace,
     scene: Scene,
-    obstacles: ObstacleSet,
     found: tuple[FloatArray, FloatArray],
     factor: float,
 ) -> TimedMotion | None:
@@ -190,7 +185,7 @@ def _moved(
     passage = way(spline)
     profile = motion_law(passage, scene.motion)
     count = sample_count(profile, scene.motion)
-    around = obstacles, space.collision_world, space.margin
+    around = space.collision_world, space.margin
     moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
     holds = hold.fault(moved.motion.positions) is None
     return moved if moved.is_clear and holds else None

@@ -33,7 +33,6 @@ from abi.arm_planning.motion_law import motion_law
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray
 from abi.curves.clearance.certificate import Refutation
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.end_poses import clear_end_poses
 from abi.planner.held_direction_motion import move_holding
 from abi.planner.planning_problem import sample_count
@@ -82,7 +81,6 @@ class JointSpaceMotions:
         self,
         scene: Scene,
         arm: UrdfArm,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         effort: JointSearchEffort,
         hasty: bool = False,
@@ -92,7 +90,6 @@ class JointSpaceMotions:
         Args:
             scene: the scene.
             arm: its arm.
-            obstacles: its obstacles.
             collision_world: everything around the arm.
             effort: how long to search.
             hasty: whether the last path will do, made shorter, if it is clear.
@@ -107,13 +104,13 @@ class JointSpaceMotions:
         progress.tell("searching in the space of the joints")
         if arm is not self._arm:
             self._arm, self._memory, self._last = arm, SegmentMemory(), None
-        self._memory.enter(obstacles.obstacles, collision_world)
+        self._memory.enter(collision_world)
         space = JointSpace(arm, collision_world, scene.arm.clearance)
         refuted = partial(self._refutation if hasty else _refutation, space)
-        starts, goals = (clear_end_poses(space, obstacles, scene, end, refuted) for end in ENDS)
+        starts, goals = (clear_end_poses(space, scene, end, refuted) for end in ENDS)
         if scene.arm.held_axis is not None:
             part = HeldDirection.of(arm, scene.arm.held_axis)
-            return move_holding(part, space, scene, obstacles, (starts, goals), effort)
+            return move_holding(part, space, scene, (starts, goals), effort)
         search = self._search(space, starts, goals, effort, hasty)
         if search.path is None:
             raise NoJointMotion("path", samples=search.samples)
@@ -122,7 +119,7 @@ class JointSpaceMotions:
         passage = self._passage(space, search.path, hasty)
         profile = self._profile(passage, scene.motion)
         count = sample_count(profile, scene.motion)
-        around = obstacles, collision_world, scene.arm.clearance
+        around = collision_world, scene.arm.clearance
         moved = TimedMotion(profile, *proven_motion(passage, profile, count, *around))
         if not moved.is_clear:
             raise NoJointMotion("curve")

@@ -217,8 +217,7 @@ class Planner:
         arm = problem.model.chain_arm
         assert arm is not None
         search, (profile, motion, clearance) = self._stages.joints(
-            *(problem.scene, arm, problem.obstacles, tool.collision_world, self._effort),
-            problem.hasty,
+            problem.scene, arm, tool.collision_world, self._effort, problem.hasty
         )
         return replace(
             plan,

@@ -208,8 +208,7 @@ class ToolBranch:
             self.problem.scene.arm.clearance,
             self.collision_world,
         )
-        asked = followed.curve, followed.arc, problem.obstacles, around, required
-        if problem.model.is_refuted(*asked):
+        if problem.model.is_refuted(followed.curve, followed.arc, around, required):
             self._skip(self.stages.joint_paths, *self.stages.along_joint_paths)
             return True
         joint_paths = self._joint_paths(followed)
@@ -242,7 +241,7 @@ class ToolBranch:
         asked = self.problem.scene.motion
         motion = stages.motions[number](joint_path.motion, profile, sample_count(profile, asked))
         clearance = stages.arm_clearances[number](
-            joint_path.clearance, motion, self.problem.obstacles, self.collision_world, required
+            joint_path.clearance, motion, self.collision_world, required
         )
         return TimedMotion(profile, motion, clearance)
 
@@ -259,7 +258,7 @@ class ToolBranch:
         progress.tell("moving the arm")
         problem, curve = self.problem, followed.curve
         return self.stages.joint_paths(
-            *(problem.model.joint_paths, curve, followed.arc, problem.scene.arm, problem.obstacles),
+            *(problem.model.joint_paths, curve, followed.arc, problem.scene.arm),
             *(self.collision_world, problem.hasty),
         )
 

@@ -188,9 +188,7 @@ class WholeArmBranch:
         joint_path = self.arm_branch.joint_path(followed.curve, followed.arc)
         profile = _profile(joint_path, scene.motion)  # type: ignore[arg-type]  # all have a hash
         motion = joint_path.motion(profile, sample_count(profile, scene.motion))
-        clearance = joint_path.clearance(
-            motion, self.problem.obstacles, self.collision_world, scene.arm.clearance
-        )
+        clearance = joint_path.clearance(motion, self.collision_world, scene.arm.clearance)
         moved = TimedMotion(profile, motion, clearance)
         if not moved.is_clear:
             raise self._not_clear("curve")
@@ -221,7 +219,7 @@ class WholeArmBranch:
         scene, where = self.problem.scene, fault.where
         point = np.array(scene.start if where == "start" else scene.goal)
         pair = fault.link, fault.obstacle
-        contact = self.arm_branch.link_contact(point, pair, self.problem.obstacles)
+        contact = self.arm_branch.link_contact(point, pair)
         return ArmNotClear(fault.branch, where, *pair, has_elbow=fault.has_elbow, contact=contact)
 
     def _not_clear_at(self, end: str, point: FloatArray, fault: Refutation) -> ArmNotClear:

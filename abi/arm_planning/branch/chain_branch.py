@@ -26,7 +26,6 @@ from abi.arm_planning.world.link_contact import link_contact
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.curve import ArcLength, Curve
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.kinematics.start_poses import REACHED
 from abi.robot.urdf_arm import UrdfArm
 from abi.tet_mesh.node_tree import NodeTree
@@ -92,14 +91,11 @@ class ChainBranch:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         return self._examined(arguments.polyline("points", points), None)[1]
 
-    def link_contact(
-        self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
-    ) -> LinkContact | None:
+    def link_contact(self, point: FloatArray, pair: tuple[str, int | str]) -> LinkContact | None:
         """Whether the first of a pair itself touches the other at a point (3,), [unit]."""
         point = arguments.numbers("point", point, (3,))
         _, joints, _ = self._follow_polyline(np.stack([point, point]), None)
-        around = obstacles, self.collision_world
-        return link_contact(self.arm, *around, joints[-1], pair, self.clearance)
+        return link_contact(self.arm, self.collision_world, joints[-1], pair, self.clearance)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not reach a point (3,), [unit], world."""

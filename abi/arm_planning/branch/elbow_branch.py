@@ -27,7 +27,6 @@ from abi.curves.clearance.bezier import PolynomialCurve
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength, Curve
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm
 from abi.robot.paper_arm.pose_kernels import ArmTable
@@ -117,9 +116,7 @@ class ElbowBranch:
         decided = status in (REFUTED, UNREACHED)
         return Refutation(at, int(self.collision_world.numbers[row]), decided, capsule)
 
-    def link_contact(
-        self, point: FloatArray, pair: tuple[str, int | str], obstacles: ObstacleSet
-    ) -> None:
+    def link_contact(self, point: FloatArray, pair: tuple[str, int | str]) -> None:
         """None, as the bodies are the links' own shapes."""
 
     def unreached(self, point: FloatArray) -> Unreached | None:

@@ -18,7 +18,6 @@ from abi.arrays import FloatArray, flat, read_only
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.cubic_profile import CubicProfile, PathProfile
 from abi.curves.curve import ArcLength, Curve
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.paper_arm import JOINT_SPEED, MOVED, PaperArm
 from abi.scene.arm_settings import ArmSettings
@@ -107,9 +106,8 @@ class PaperArmJointPath:
     def clearance(
         self,
         motion: ArmMotion,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         required: float,
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
-        return arm_clearance(motion, self.arm, obstacles, collision_world, required)
+        return arm_clearance(motion, self.arm, collision_world, required)

@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.motion.urdf_motion import ChainJointPath
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arm_planning.world.world_change import Change, World, world_change
 from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import Obstacle
 
@@ -43,16 +42,19 @@ class SegmentMemory:
         self.joint_path: tuple[bytes, ChainJointPath] | None = None
         # answers, and the number of the collision world for which each holds
         self._known: dict[Key, tuple[Followed, Refutation | None, int]] = {}
-        self._worlds: deque[World] = deque(maxlen=_WORLDS)
+        # obstacles of the latest worlds, which are alike but for these
+        self._obstacles: deque[Sequence[Obstacle]] = deque(maxlen=_WORLDS)
         self._latest = -1
         self._around: CollisionWorld | None = None
-        self._changes: dict[int, Change | None] = {}
+        self._changes: dict[int, tuple[frozenset[int], CollisionWorld]] = {}
 
-    def enter(self, obstacles: Sequence[Obstacle], around: CollisionWorld) -> None:
-        """Switch to these obstacles, in the order of their numbers."""
+    def enter(self, around: CollisionWorld) -> None:
+        """Switch to this collision world."""
         if around is self._around:
             return
-        self._worlds.append(World.of(obstacles, around))
+        if self._around is not None and around.ground != self._around.ground:
+            self._obstacles.clear()
+        self._obstacles.append(around.obstacles.obstacles)
         self._latest, self._around, self._changes = self._latest + 1, around, {}
 
     def examined(
@@ -73,29 +75,22 @@ class SegmentMemory:
             fault = refute(followed, self._around, True)
         else:
             followed, fault, world = known
-            change = self._since(world)
-            if change is None or (fault is not None and not _remains(change, fault)):
+            if self._latest - world >= len(self._obstacles):
                 fault = refute(followed, self._around, True)
-            elif fault is None and change.moved:
-                fault = refute(followed, change.around, False)
+            else:
+                stays, moved = self._since(world, self._around)
+                if fault is not None and fault.obstacle >= 0 and fault.obstacle not in stays:
+                    fault = refute(followed, self._around, True)
+                elif fault is None and len(stays) < len(self._around.obstacles):
+                    fault = refute(followed, moved, False)
         if len(self._known) >= _MOST:
             del self._known[next(iter(self._known))]
         self._known[key] = followed, fault, self._latest
         return followed, fault
 
-    def _since(self, world: int) -> Change | None:
-        """Changes since an answer; None if unknown, or if more than obstacles changed."""
+    def _since(self, world: int, around: CollisionWorld) -> tuple[frozenset[int], CollisionWorld]:
+        """What stays where it was in one of the latest worlds, and the world of the others."""
         if world not in self._changes:
-            self._changes[world] = self._change(world)
+            before = self._obstacles[world - self._latest - 1]
+            self._changes[world] = around.changed_since(before)
         return self._changes[world]
-
-    def _change(self, world: int) -> Change | None:
-        first = self._latest - len(self._worlds) + 1
-        if world < first or self._around is None:
-            return None
-        return world_change(self._worlds[world - first], self._worlds[-1], self._around)
-
-
-def _remains(change: Change, fault: Refutation) -> bool:
-    """Check if a collision found before is still there: with itself, or what has not moved."""
-    return fault.obstacle < 0 or fault.obstacle in change.stays

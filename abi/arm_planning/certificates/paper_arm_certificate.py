@@ -65,7 +65,7 @@ def certify_paper_arm(
         most_tries: pairs of a capsule and an obstacle to try at most; None for the default limit.
     """
     if most_tries is None:
-        most_tries = _MOST_TRIES + 20 * len(collision_world.asked) * collision_world.solids.in_use
+        most_tries = _MOST_TRIES + 20 * len(collision_world.asked) * collision_world.in_use
     bounds = tuple(flat(values).tobytes() for values in slide)
     return _certified(
         *(curve, bounds, arm, elbow, collision_world, margin, most_tries)  # type: ignore[arg-type]

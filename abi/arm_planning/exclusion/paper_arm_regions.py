@@ -39,7 +39,7 @@ def shadow(
     Returns:
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
-    places = _MESH_PLACES if collision_world.solids.inside.any() else _SHADOW_PLACES
+    places = _MESH_PLACES if collision_world.inside.any() else _SHADOW_PLACES
     points, shape = grid(*box, places)
     forearm = arm.a4 + arm.a5 + extension
     reached = np.empty(len(points), dtype=np.bool_)

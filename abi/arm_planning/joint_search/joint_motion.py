@@ -13,7 +13,6 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, read_only
 from abi.curves.bspline import clamped
 from abi.curves.cubic_profile import PathProfile
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.urdf_arm import UrdfArm
 
 _GRID = 1201
@@ -87,7 +86,6 @@ def proven_motion(
     passage: ChainJointPath,
     profile: PathProfile,
     samples: int,
-    obstacles: ObstacleSet,
     collision_world: CollisionWorld,
     required: float,
 ) -> tuple[ArmMotion, ArmClearance]:
@@ -100,7 +98,6 @@ def proven_motion(
         passage: the way of the joints.
         profile: of the motion.
         samples: at least so many.
-        obstacles: the obstacles.
         collision_world: everything around the arm.
         required: distance that the links are to keep from obstacles, [unit].
 
@@ -109,7 +106,7 @@ def proven_motion(
     """
     for times in _FINER:
         motion = passage.motion(profile, times * (samples - 1) + 1)
-        clearance = passage.clearance(motion, obstacles, collision_world, required)
+        clearance = passage.clearance(motion, collision_world, required)
         if is_clear(motion, clearance):
             break
     return motion, clearance

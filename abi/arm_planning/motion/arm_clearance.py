@@ -17,9 +17,9 @@ from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.world import paper_arm_distance_kernels
-from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
+from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
 from abi.arm_planning.world.paper_arm_distance_kernels import capsules_near_meshes
-from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -128,7 +128,6 @@ class ArmClearance(ShortRepr):
 def arm_clearance(
     motion: ArmMotion,
     arm: PaperArm,
-    obstacles: ObstacleSet,
     collision_world: CollisionWorld,
     required: float,
 ) -> ArmClearance:
@@ -137,8 +136,7 @@ def arm_clearance(
     Args:
         motion: its motion.
         arm: the arm.
-        obstacles: the solids.
-        collision_world: the same, with the floor and the arm's column.
+        collision_world: obstacles, floor and the arm's column.
         required: distance to keep from obstacles, at least 0, [unit].
     """
     ends = place(arm, motion.positions)
@@ -146,10 +144,10 @@ def arm_clearance(
     measured = _distances(
         ends,
         arm,
-        collision_world.only((collision_world.numbers >= 0) & (collision_world.solids.meshes < 0)),
+        collision_world.only((collision_world.numbers >= 0) & (collision_world.meshes < 0)),
     )
-    if obstacles.meshes:
-        measured = _with_meshes(*measured, ends, arm, obstacles)
+    if collision_world.obstacles.meshes:
+        measured = _with_meshes(*measured, ends, arm, collision_world.obstacles)
     capsules = range(len(arm.capsules))
     contacts = (
         *contacts_of(motion.time, *own, capsules, arm),
@@ -160,7 +158,7 @@ def arm_clearance(
         certify_paper_arm, motion.curve, motion.slide, arm, motion.elbow, collision_world
     )
     return proven_clearance(
-        motion, arm, measured, contacts, required, collision_world.solids.in_use, certify
+        motion, arm, measured, contacts, required, collision_world.in_use, certify
     )
 
 

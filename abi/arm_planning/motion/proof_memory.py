@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.arm_planning.world.world_change import Change, World, world_change
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import Obstacle
@@ -36,49 +35,39 @@ class ProofMemory:
     def __init__(self, arm: UrdfArm) -> None:
         self._arm = arm
         self._last: ArmCertificate | None = None
-        self._required, self._world = 0.0, World((), 0.0, ())  # of the last
+        self._asked: tuple[object, ...] = ()  # margin and ground of the last
+        self._obstacles: Sequence[Obstacle] = ()  # of the last
         self._of_itself: ArmCertificate | Refutation | None = None
-        self._of: tuple[FloatArray, World] | None = None  # positions and world of that
+        self._of: tuple[FloatArray, object] | None = None  # joints and ground of that
 
     def certify(
-        self,
-        positions: FloatArray,
-        obstacles: Sequence[Obstacle],
-        around: CollisionWorld,
-        margin: float,
+        self, positions: FloatArray, around: CollisionWorld, margin: float
     ) -> ArmCertificate | Refutation:
         """Certify as :func:`certify_chain` does, reusing what remains of the last proof.
 
         Args:
             positions: joint positions (k, n), k >= 2, [rad] or [unit].
-            obstacles: the obstacles, in the order of their numbers.
-            around: they and the floor, in the format of the kernels.
+            around: obstacles and floor.
             margin: distance to prove from obstacles, at least 0, [unit].
         """
-        world, known, change = World.of(obstacles, around), self._last, None
-        if known is not None and known.positions is positions and self._required == margin:
-            change = world_change(self._world, world, around)
-        if known is None or change is None:
-            found = self._anew(positions, world, around, margin)
+        asked, known = (margin, around.ground), self._last
+        if known is not None and known.positions is positions and asked == self._asked:
+            found = self._updated(known, around, margin)
         else:
-            found = self._updated(known, change, margin)
+            found = self._anew(positions, around, margin)
         if isinstance(found, ArmCertificate):
-            self._last, self._required, self._world = found, margin, world
+            self._last, self._asked = found, asked
+            self._obstacles = around.obstacles.obstacles
         return found
 
     def _anew(
-        self, positions: FloatArray, world: World, around: CollisionWorld, margin: float
+        self, positions: FloatArray, around: CollisionWorld, margin: float
     ) -> ArmCertificate | Refutation:
         """A proof at joint positions (k, n) of which at most the arm's own part is known."""
         own, of = self._of_itself, self._of
-        if (
-            own is None
-            or of is None
-            or of[0] is not positions
-            or (of[1].floor, of[1].allowed) != (world.floor, world.allowed)
-        ):
+        if own is None or of is None or of[0] is not positions or of[1] != around.ground:
             own = certify_chain(self._arm, positions, around.only(around.numbers < 0), 0.0)
-            self._of_itself, self._of = own, (positions, world)
+            self._of_itself, self._of = own, (positions, around.ground)
         if isinstance(own, Refutation):
             return own
         solids = around.only(around.numbers >= 0)
@@ -86,17 +75,19 @@ class ProofMemory:
         return new if isinstance(new, Refutation) else _both(own, new, new.margin)
 
     def _updated(
-        self, known: ArmCertificate, change: Change, margin: float
+        self, known: ArmCertificate, around: CollisionWorld, margin: float
     ) -> ArmCertificate | Refutation:
-        """Update a proof after a change."""
+        """Update the last proof after obstacles may have moved."""
         assert known.positions is not None
-        stays = (known.obstacle < 0) | np.isin(known.obstacle, [*change.stays])
-        if not change.moved and stays.all():
+        numbers, moved = around.changed_since(self._obstacles)
+        stays = (known.obstacle < 0) | np.isin(known.obstacle, [*numbers])
+        has_moved = len(numbers) < len(around.obstacles)
+        if not has_moved and stays.all():
             return known
-        new = certify_chain(self._arm, known.positions, change.around, margin, with_itself=False)
+        new = certify_chain(self._arm, known.positions, moved, margin, with_itself=False)
         if isinstance(new, Refutation):
             return new
-        margin = new.margin if change.moved else known.margin if change.stays else math.inf
+        margin = new.margin if has_moved else known.margin if numbers else math.inf
         return _both(known, new, margin, stays)
 
 

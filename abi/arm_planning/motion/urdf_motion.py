@@ -33,13 +33,11 @@ from abi.arm_planning.world.chain_distances import (
     obstacle_distances,
     own_distances,
 )
-from abi.arm_planning.world.collision_world import OWN, CollisionWorld
+from abi.arm_planning.world.collision_world import FLOOR, OWN, CollisionWorld
 from abi.arm_planning.world.link_contact import are_apart, link_contact
-from abi.arm_planning.world.solid_rows import FLOOR
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.kinematics.start_poses import REACHED
 from abi.robot.urdf_arm import UrdfArm
 
@@ -152,30 +150,27 @@ class ChainJointPath:
     def clearance(
         self,
         motion: ArmMotion,
-        obstacles: ObstacleSet,
         collision_world: CollisionWorld,
         required: float,
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
         arm, allowed = self.arm, collision_world.allowed
         poses = _poses(arm, motion)
+        obstacles = collision_world.obstacles
         of_capsules = obstacle_distances(arm, obstacles, poses.ends, allowed=allowed)
         least = float(of_capsules[0][:, ~arm.touchable].min(initial=math.inf))
         below = max(required, least) + _CLOSER * arm.reach
         measured = hull_distances_to(arm, poses, collision_world, of_capsules, below)
         measured = _without_touchable(arm, *measured)
         contacts = contacts_of(motion.time, *measured, range(len(arm.capsules)), arm)
-        around = motion.positions, obstacles.obstacles, collision_world
-        certify = partial(self._proofs.certify, *around)
-        rows = collision_world.solids.in_use
+        certify = partial(self._proofs.certify, motion.positions, collision_world)
+        rows = collision_world.in_use
         found = proven_clearance(motion, arm, measured, contacts, required, rows, certify)
         if found.certificate is not None and _apart_though_allowed(arm, motion):
             found = replace(found, certificate=None)
         if found.certificate is None:  # else it touches neither itself nor the floor
             found = found.with_contacts(_own_contacts(arm, motion, collision_world.floor))
-        deepest = [
-            _decided(arm, motion, obstacles, collision_world, one) for one in found.contacts[:1]
-        ]
+        deepest = [_decided(arm, motion, collision_world, one) for one in found.contacts[:1]]
         contacts = (*deepest, *found.contacts[1:])
         touchable = itertools.compress((one.link for one in arm.capsules), arm.touchable)
         return replace(
@@ -218,14 +213,13 @@ def _own_contacts(arm: UrdfArm, motion: ArmMotion, floor: float) -> tuple[Contac
 def _decided(
     arm: UrdfArm,
     motion: ArmMotion,
-    obstacles: ObstacleSet,
     collision_world: CollisionWorld,
     contact: Contact,
 ) -> Contact:
     """A contact of a link's bodies, decided by its given shapes at that time."""
     pose = motion.positions[int(np.searchsorted(motion.time, contact.time))]
     pair = contact.link, contact.obstacle
-    exact = link_contact(arm, obstacles, collision_world, pose, pair, 0.0)
+    exact = link_contact(arm, collision_world, pose, pair, 0.0)
     if exact is None:
         return contact
     if exact.touches:
@@ -251,7 +245,6 @@ def start_pose(
     curve: Curve,
     arc: ArcLength,
     arm: UrdfArm,
-    obstacles: ObstacleSet,
     collision_world: CollisionWorld,
     likely: int = -1,
 ) -> int:
@@ -264,8 +257,7 @@ def start_pose(
         curve: path of the tool.
         arc: its arc length, above 0.
         arm: the arm.
-        obstacles: obstacles that the links must keep clear of.
-        collision_world: the same, with the floor.
+        collision_world: what the links must keep clear of.
         likely: number of a pose that will do if the whole curve can be followed from it, far from
             obstacles; -1 for none.
     """
@@ -273,15 +265,15 @@ def start_pose(
     positions = np.stack([joints for joints, _ in followed])
     beyond = [float(missed.max()) for _, missed in followed]
     beyond = [far if far > REACHED * arm.reach else 0.0 for far in beyond]
-    around, enough = (obstacles, collision_world), _ENOUGH * arm.reach
+    enough = _ENOUGH * arm.reach
     if 0 <= likely < len(firsts) and beyond[likely] == 0:
         poses = Poses.of(arm, positions[likely])
-        if _gaps_outside(arm, poses, *around).min() >= enough:
+        if _gaps_outside(arm, poses, collision_world).min() >= enough:
             return likely
     least = [k for k, far in enumerate(beyond) if far == min(beyond)]
     if len(least) == 1:
         return least[0]
-    gaps = np.minimum(_gaps(arm, positions[least], *around), enough)
+    gaps = np.minimum(_gaps(arm, positions[least], collision_world), enough)
     travels = np.abs(np.diff(positions[least] / arm.scales, axis=1)).sum(axis=(1, 2))
     return least[int(np.lexsort((travels, -gaps))[0])]
 
@@ -324,21 +316,17 @@ def _followed(
     return firsts, [arm.follow(pose, few) for pose in firsts]
 
 
-def _gaps(
-    arm: UrdfArm, positions: FloatArray, obstacles: ObstacleSet, collision_world: CollisionWorld
-) -> FloatArray:
+def _gaps(arm: UrdfArm, positions: FloatArray, collision_world: CollisionWorld) -> FloatArray:
     """Least distances (p,) of an arm at joint positions (p, k, n), exact where below enough."""
     poses, enough = Poses.of(arm, positions.reshape(-1, positions.shape[2])), _ENOUGH * arm.reach
     own = own_distances(arm, poses, enough, positions.shape[1]).min(axis=1, initial=np.inf)
-    least = np.minimum(_gaps_outside(arm, poses, obstacles, collision_world), own)
+    least = np.minimum(_gaps_outside(arm, poses, collision_world), own)
     return np.asarray(least.reshape(positions.shape[:2]).min(axis=1))
 
 
-def _gaps_outside(
-    arm: UrdfArm, poses: Poses, obstacles: ObstacleSet, collision_world: CollisionWorld
-) -> FloatArray:
+def _gaps_outside(arm: UrdfArm, poses: Poses, collision_world: CollisionWorld) -> FloatArray:
     """Least distances (k,) of an arm's poses to obstacles and floor, exact where below enough."""
-    enough = _ENOUGH * arm.reach
+    enough, obstacles = _ENOUGH * arm.reach, collision_world.obstacles
     of_capsules = obstacle_distances(arm, obstacles, poses.ends, enough, collision_world.allowed)
     outside = hull_distances_to(arm, poses, collision_world, of_capsules, enough)[0]
     floor = floor_distances(arm, collision_world.floor, poses)

@@ -84,20 +84,18 @@ def _distances(
     return distance, np.append(obstacles.rows, np.int32(-1))[row]
 
 
-def inside_meshes(
-    arm: UrdfArm, obstacles: ObstacleSet, pose: FloatArray, allowed: Sequence[AllowedContact] = ()
-) -> bool:
+def inside_meshes(arm: UrdfArm, collision_world: CollisionWorld, pose: FloatArray) -> bool:
     """Check whether a body is inside a closed mesh, given that none touches its triangles.
 
     Args:
         arm: the arm.
-        obstacles: the obstacles.
+        collision_world: everything around it; what it may touch is not asked about.
         pose: joint positions, (n,).
-        allowed: what is not asked about.
     """
+    obstacles = collision_world.obstacles
     if not obstacles.meshes:
         return False
-    may = {(one.link, one.other) for one in allowed}
+    may = {(one.link, one.other) for one in collision_world.allowed}
     corners = arm.first_corners(pose)
     return any(
         (capsule.link, number) not in may and mesh.signed_distance(corner[None])[0] < 0

@@ -10,7 +10,6 @@ from abi import arguments
 from abi.arm_planning.arm_errors import LinkContact
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.bodies.chain_capsules import meeting
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
 from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, depth, distance, touch
@@ -23,7 +22,6 @@ _MOST = 20_000
 
 def link_contact(
     arm: UrdfArm,
-    obstacles: ObstacleSet,
     around: CollisionWorld,
     pose: FloatArray,
     pair: tuple[str, int | str],
@@ -36,8 +34,7 @@ def link_contact(
 
     Args:
         arm: the arm.
-        obstacles: the obstacles.
-        around: they and the floor.
+        around: obstacles and floor.
         pose: joint positions, (n,), [rad] or [unit].
         pair: name of the link, and number of an obstacle, name of another link, or ``floor``.
         clearance: distance that it is to keep from obstacles, [unit].
@@ -54,7 +51,7 @@ def link_contact(
         heights = (solids.corners @ placed.turn.T + placed.origin)[:, 2]
         height = float(heights.min(initial=np.inf)) - around.floor
         return LinkContact(height <= 0, max(-height, 0.0), height, 0.0)
-    return _contact(LinkSolids((obstacles[other],)), solids, placed, clearance)
+    return _contact(LinkSolids((around.obstacles[other],)), solids, placed, clearance)
 
 
 def _contact(

@@ -6,7 +6,7 @@ import numpy as np
 
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.exclusion.paper_arm_regions import reachable, shadow
-from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan

@@ -15,7 +15,7 @@ from abi.arm_planning.exclusion.chain_regions import (
     reach_box,
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
-from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3

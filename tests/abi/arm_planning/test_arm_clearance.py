@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from abi.arm_planning.motion.arm_clearance import ArmClearance, arm_clearance
 from abi.arm_planning.motion.trajectory import ArmMotion, follow
 from abi.arm_planning.paper_arm_model import paper_arm
-from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.arm_planning.world.paper_arm_distance_kernels import (
     capsule_clearances,
     capsules_near_meshes,
@@ -65,14 +65,14 @@ def case(settings: ArmSettings, points: FloatArray, obstacles: Obstacles, sample
     motion = follow(curve, arc, profile, arm, settings, samples)
     solids = ObstacleSet(obstacles)
     collision_world = paper_arm_world(arm, solids, 0.0)
-    return Case(arm, motion, solids, arm_clearance(motion, arm, solids, collision_world, 0.0))
+    return Case(arm, motion, solids, arm_clearance(motion, arm, collision_world, 0.0))
 
 
 def case_of(other: Case, obstacles: Obstacles) -> Case:
     """The motion of another case among other obstacles."""
     solids = ObstacleSet(obstacles)
     collision_world = paper_arm_world(other.arm, solids, 0.0)
-    clearance = arm_clearance(other.motion, other.arm, solids, collision_world, 0.0)
+    clearance = arm_clearance(other.motion, other.arm, collision_world, 0.0)
     return Case(other.arm, other.motion, solids, clearance)
 
 

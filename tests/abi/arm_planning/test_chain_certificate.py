@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain, chain_refutation
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.chain_distances import (
     Poses,
     floor_distances,
@@ -19,8 +20,7 @@ from abi.arm_planning.world.chain_distances import (
     obstacle_distances,
     own_distances,
 )
-from abi.arm_planning.world.collision_world import chain_world
-from abi.arm_planning.world.solid_rows import FLOOR
+from abi.arm_planning.world.collision_world import FLOOR
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet

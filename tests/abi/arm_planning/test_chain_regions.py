@@ -13,8 +13,8 @@ from abi.arm_planning.exclusion.chain_regions import (
     reach_box,
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.chain_distances import obstacle_distances
-from abi.arm_planning.world.collision_world import chain_world
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.convex_shape import ConvexShape
 from abi.obstacles.obstacle_set import ObstacleSet

@@ -16,7 +16,7 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
     touching_configurations,
 )
 from abi.arm_planning.exclusion.node_configurations import NodeConfigurations
-from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.compiled import Kernel
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet

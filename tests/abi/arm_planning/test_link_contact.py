@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy
 
-from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.link_contact import are_apart, link_contact
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -54,7 +54,7 @@ def test_a_link_touches_a_ball_where_a_point_of_it_is_in_the_ball() -> None:
             ball = Sphere(radius=radius, position=tuple(centre.tolist()))
             obstacles = ObstacleSet((ball,))
             around = chain_world(arm, obstacles, -1e3)
-            found = link_contact(arm, obstacles, around, pose, (link, 0), 0.0)
+            found = link_contact(arm, around, pose, (link, 0), 0.0)
             assert found is not None
             gap, slack = float(surface.query(centre)[0]) - radius, _SPACING / arm.metres
             assert found.touches or gap > -1e-9
@@ -74,7 +74,7 @@ def test_two_links_are_as_far_apart_as_their_points_whatever_other_joints_do() -
     low, high = arm.chain.usual_range().T
     for pose in random.uniform(low, high, (2, len(low))) * arm.scales:
         pair = "forearm_link", "wrist_3_link"
-        found = link_contact(arm, ObstacleSet(), around, pose, pair, 0.0)
+        found = link_contact(arm, around, pose, pair, 0.0)
         assert found is not None
         assert found.touches != are_apart(arm, pose, *pair)
         surface, points = (surface_points(arm, link, pose) for link in pair)

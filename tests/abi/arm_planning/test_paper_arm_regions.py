@@ -11,7 +11,7 @@ from abi.arm_planning.exclusion.paper_arm_mask_kernels import reached_places
 from abi.arm_planning.exclusion.paper_arm_region_kernels import arm_gaps
 from abi.arm_planning.exclusion.paper_arm_regions import reachable, shadow
 from abi.arm_planning.paper_arm_model import paper_arm
-from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.obstacle_set_kernels import distance_to_segment

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.paper_arm_model import paper_arm
-from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet

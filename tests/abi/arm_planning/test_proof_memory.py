@@ -7,7 +7,7 @@ import numpy as np
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.chain_certificate import certify_chain
 from abi.arm_planning.motion.proof_memory import ProofMemory
-from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from tests.abi.arm_planning.test_chain_certificate import joint_path, some_arm
@@ -32,10 +32,11 @@ def test_a_proof_of_which_parts_are_remembered_is_the_one_made_anew() -> None:
         if step % 4:  # every fourth time nothing has moved
             shapes[int(random.integers(len(shapes)))] = some_box(random)
         obstacles = ObstacleSet(tuple(shapes[: len(shapes) - (step // 8) % 5]))
-        around = chain_world(arm, obstacles, -10.0)
+        floor = 3.0 if step // 3 % 4 == 3 else -10.0  # of another one nothing is known
+        around = chain_world(arm, obstacles, floor)
         asked = margin if step % 5 else margin / 2
         expected = certify_chain(arm, positions, around, asked)
-        found = memory.certify(positions, obstacles.obstacles, around, asked)
+        found = memory.certify(positions, around, asked)
         assert type(found) is type(expected)
         if isinstance(found, ArmCertificate) and isinstance(expected, ArmCertificate):
             proven += 1

@@ -43,17 +43,13 @@ def test_what_a_few_poses_refute_is_never_proven_clear(name: str) -> None:
         arc = made.bspline_arc if made.followed == "bspline" else made.quadratic_arc
         assert arc is not None
         required = moved.arm.clearance
-        along = made.motion.curve, arc, obstacles, collision_world, required
+        along = made.motion.curve, arc, collision_world, required
         none, some = model.is_refuted(*along), False
-        for joint_path in model.joint_paths(
-            made.motion.curve, arc, moved.arm, obstacles, collision_world
-        ):
+        for joint_path in model.joint_paths(made.motion.curve, arc, moved.arm, collision_world):
             settings = moved.motion.model_copy(update={"law": LAWS[trial % len(LAWS)]})
             make_profile = partial(motion_law, joint_path, settings)
             motion = joint_path.motion(make_profile(), SAMPLES)
-            clear = is_clear(
-                motion, joint_path.clearance(motion, obstacles, collision_world, required)
-            )
+            clear = is_clear(motion, joint_path.clearance(motion, collision_world, required))
             refuted = joint_path.is_refuted(make_profile, collision_world, required)
             assert not (refuted and clear)
             some |= clear

@@ -9,7 +9,8 @@ import numpy as np
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import chain_refutation
-from abi.arm_planning.world.collision_world import CollisionWorld, chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
+from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box
@@ -47,8 +48,9 @@ def test_what_is_remembered_is_what_asking_anew_tells() -> None:
         if step % 4:  # every fourth time nothing has moved
             shapes[int(random.integers(len(shapes)))] = some_box(random)
         obstacles = ObstacleSet(tuple(shapes[: len(shapes) - (step // 8) % 2]))
-        around = chain_world(asked.arm, obstacles, -10.0)
-        memory.enter(obstacles.obstacles, around)
+        floor = 2.6 if step // 6 == 3 else -10.0  # of another one nothing is known
+        around = chain_world(asked.arm, obstacles, floor)
+        memory.enter(around)
         for number, way in enumerate(ways):
             expected = chain_refutation(asked.arm, way.joints, around, MARGIN)
             follow = partial(ways.__getitem__, number)

@@ -15,7 +15,7 @@ from abi.arm_planning.arm_model import Unreached
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.paper_arm_model import paper_arm
-from abi.arm_planning.world.collision_world import paper_arm_world
+from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.explain.arm_diagnosis import _bases
 from abi.explain.diagnosis import explain
 from abi.obstacles.obstacle_set import ObstacleSet

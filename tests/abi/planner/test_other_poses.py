@@ -132,9 +132,7 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     collision_world = model.collision_world(obstacles, 0.0)
 
     assert len(model.arm.joints) <= 3
-    others, note = model.other_branches(
-        BranchProblem(scene, obstacles, collision_world, mesh, 0.01)
-    )
+    others, note = model.other_branches(BranchProblem(scene, collision_world, mesh, 0.01))
     assert list(others) == []
     assert note == ""
 
@@ -144,7 +142,7 @@ def test_a_branch_that_is_named_is_the_one_among_all() -> None:
     scene = scene_of(name, axis, ends, obstacles)
     model = UrdfArmModel(scene.arm, scene.unit)
     mesh, solids = tetrahedralise(scene.workspace, scene.mesh), ObstacleSet(scene.obstacles)
-    asked = BranchProblem(scene, solids, model.collision_world(solids, 0.0), mesh, 0.01)
+    asked = BranchProblem(scene, model.collision_world(solids, 0.0), mesh, 0.01)
 
     for one in model.branches(asked):
         (alone,) = model.branches(asked, one.name)

@@ -13,8 +13,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arm_planning.motion import urdf_motion
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.chain_distances import obstacle_distances
-from abi.arm_planning.world.collision_world import chain_world
 from abi.arm_planning.world.mount import mounts
 from abi.certification import certify_motion, convex_bodies
 from abi.certification.certify import certify

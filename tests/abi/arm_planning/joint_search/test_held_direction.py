@@ -13,7 +13,7 @@ from abi.arm_planning.joint_search.held_direction import HeldDirection
 from abi.arm_planning.joint_search.held_search import HeldSearch
 from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort
-from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.verify.exact.solids import vector

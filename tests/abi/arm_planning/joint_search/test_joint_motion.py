@@ -10,7 +10,7 @@ from abi.arm_planning.joint_search.joint_space import JointSpace
 from abi.arm_planning.joint_search.joint_spline import JointSpline, spline_near
 from abi.arm_planning.joint_search.search_joints import JointSearchEffort, search_joints
 from abi.arm_planning.motion_law import motion_law
-from abi.arm_planning.world.collision_world import chain_world
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Sphere
 from abi.scene.settings import MotionSettings
@@ -38,7 +38,7 @@ def test_a_motion_whose_samples_are_too_far_apart_to_be_proven_gets_more() -> No
             continue
         passage = passage_of(spline, arm)
         profile = motion_law(passage, LAW)
-        motion, clearance = proven_motion(passage, profile, SAMPLES, obstacles, around, 0.0)
+        motion, clearance = proven_motion(passage, profile, SAMPLES, around, 0.0)
         refuted = chain_refutation(arm, motion.positions, around, 0.0) is not None
         assert clearance.certified != refuted
         times = (len(motion.time) - 1) / (SAMPLES - 1)

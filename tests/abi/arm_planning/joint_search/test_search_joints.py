@@ -22,6 +22,7 @@ from abi.arm_planning.joint_search.search_joints import (
     search_joints,
 )
 from abi.arm_planning.joint_search.shorten import shortened
+from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.chain_distances import (
     Poses,
     floor_distances,
@@ -29,7 +30,6 @@ from abi.arm_planning.world.chain_distances import (
     obstacle_distances,
     own_distances,
 )
-from abi.arm_planning.world.collision_world import chain_world
 from abi.arrays import BoolArray, FloatArray
 from abi.errors import ArgumentError
 from abi.obstacles.obstacle_set import ObstacleSet

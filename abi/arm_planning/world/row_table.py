@@ -1,4 +1,4 @@
-"""Obstacles as rows of convex primitives, of which only those that moved are rebuilt."""
+"""Collision worlds whose rows stay as they are, but for those of obstacles that have moved."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
 from abi.arm_planning.world.mesh_boxes import boxes_of, write_boxes
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitive_kernels import WIDTH
-
-FLOOR = -1
-"""Number of the floor, beside those of obstacles."""
+from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
+from abi.obstacles.primitive_tree_kernels import TREE
 
 _SPARE = 4
 """Fraction of a table that is left free for obstacles that move."""
@@ -31,26 +30,6 @@ class Own(NamedTuple):
     rows: FloatArray
     numbers: IntArray
     asked: BoolArray
-
-
-class SolidRows(NamedTuple):
-    """Rows of obstacles and the arm's own parts; some may be out of use.
-
-    Attributes:
-        rows: flat (k ``WIDTH``,).
-        inside: first and last but one of the boxes inside each, 0 and 0 without, flat (2 k,).
-        numbers: obstacle of each, or number of the arm's own, last ``FLOOR``, (k + 1,).
-        meshes: the same of the rows of triangle meshes, -1 of others, (k + 1,).
-        outer: rows that are in no other: of primitives, of meshes, of the arm's own, the floor.
-        in_use: rows in use and the floor.
-    """
-
-    rows: FloatArray
-    inside: IntArray
-    numbers: IntArray
-    meshes: IntArray
-    outer: IntArray
-    in_use: int
 
 
 class _Block(NamedTuple):
@@ -73,8 +52,17 @@ class RowTable:
         self._begin(0)
         self._blocks: dict[int, _Block] = {}
 
-    def __call__(self, obstacles: ObstacleSet, own: Own) -> SolidRows:
-        """Rows of the obstacles: primitives as they are, meshes as trees of boxes."""
+    def __call__(
+        self, obstacles: ObstacleSet, own: Own, floor: float, size: float
+    ) -> CollisionWorld:
+        """The world with these obstacles: primitives as they are, meshes as trees of boxes.
+
+        Args:
+            obstacles: the obstacles, of which every capsule is asked.
+            own: what else there is.
+            floor: height of the floor, [unit].
+            size: largest coordinate of the arm, [unit].
+        """
         solids = (*obstacles.primitives, *obstacles.meshes, own)
         numbers = [*obstacles.rows.tolist(), FLOOR]
         known = [self._blocks.get(id(one)) for one in solids]
@@ -103,16 +91,24 @@ class RowTable:
         # the floor has no row, but a place behind them
         self._numbers[self._used], self._meshes[self._used] = FLOOR, -1
         self._used += 1
-        outer = [block.first for block in blocks[:-1]]
-        outer += range(blocks[-1].first, blocks[-1].first + blocks[-1].size)
         last = self._used - 1
-        return SolidRows(
-            read_only(self._rows[:last].reshape(-1)),
-            read_only(self._inside[:last].reshape(-1)),
-            read_only(self._numbers[: self._used]),
-            read_only(self._meshes[: self._used]),
-            read_only(np.array([*outer, last], dtype=np.int32)),
+        outer = [block.first for block in blocks[:-1]]
+        outer += [*range(blocks[-1].first, blocks[-1].first + blocks[-1].size), last]
+        asked = np.zeros((len(own.asked), self._used), dtype=np.bool_)
+        asked[:, outer] = True
+        asked[:, outer[len(outer) - own.asked.shape[1] :]] = own.asked
+        corners = self._rows[outer[:-1], BOUNDS:TREE]
+        return CollisionWorld(
+            obstacles,
+            rows=read_only(self._rows[:last].reshape(-1)),
+            inside=read_only(self._inside[:last].reshape(-1)),
+            numbers=read_only(self._numbers[: self._used]),
+            meshes=read_only(self._meshes[: self._used]),
+            outer=read_only(np.array(outer, dtype=np.int32)),
             in_use=sum(sizes) + 1,
+            asked=read_only(asked),
+            floor=floor,
+            size=size + float(np.abs(corners).max(initial=0.0)),
         )
 
     def _begin(self, count: int) -> None:

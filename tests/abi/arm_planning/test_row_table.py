@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from abi.arm_planning.paper_arm_model import paper_arm
-from abi.arm_planning.world.collision_world import CollisionWorld, paper_arm_world
-from abi.arm_planning.world.solid_rows import RowTable
+from abi.arm_planning.world.arm_worlds import paper_arm_world
+from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.row_table import RowTable
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitive_kernels import WIDTH
@@ -37,7 +38,7 @@ def test_rows_that_stay_are_those_made_anew(seed: int) -> None:
             paper_arm_world(arm, solids, -1.0),
         )
         assert _content(found) == _content(fresh)
-        assert found.solids.in_use == fresh.solids.in_use
+        assert found.in_use == fresh.in_use
         assert (found.size, found.floor) == (fresh.size, fresh.floor)
         assert found.asked.sum() == fresh.asked.sum()
         assert all(found.numbers[found.first_row(k)] == k for k in range(len(obstacles)))
@@ -76,17 +77,17 @@ def _obstacle(random: np.random.Generator) -> Obstacle:
 def _content(collision_world: CollisionWorld) -> list[tuple[object, ...]]:
     """Each outer row and all that is inside, with what is known of it, in their order."""
     last = len(collision_world.numbers) - 1
-    return [_row(collision_world, int(s)) for s in collision_world.solids.outer if s < last]
+    return [_row(collision_world, int(s)) for s in collision_world.outer if s < last]
 
 
 def _row(collision_world: CollisionWorld, s: int) -> tuple[object, ...]:
-    first, end = collision_world.solids.inside[2 * s : 2 * s + 2].tolist()
+    first, end = collision_world.inside[2 * s : 2 * s + 2].tolist()
     return (
         *(
             int(collision_world.numbers[s]),
-            int(collision_world.solids.meshes[s]),
+            int(collision_world.meshes[s]),
             tuple(collision_world.asked[:, s].tolist()),
         ),
-        collision_world.solids.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
+        collision_world.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
         tuple(_row(collision_world, row) for row in range(first, end)),
     )
