@@ -19,6 +19,7 @@ from abi.obstacles.triangle_mesh.distinct_rows import (
     first_of_distinct_rows,
     in_rows,
 )
+from abi.obstacles.triangle_mesh.enclosed import with_enclosed
 from abi.obstacles.triangle_mesh.flat_triangles import uncovered_lines
 from abi.obstacles.triangle_mesh.shells import (
     Shells,
@@ -49,7 +50,6 @@ _CLOSED_GAPS = "Small gaps between its triangles were closed."
 _SPLIT = "Triangles were split where corners of others lie on their edges."
 _AS_THEY_WERE = "Where that moved corners, the triangles count as they were, too."
 
-_LIDS = "Some of its triangles have no solid on either side: what they cover counts as hollow."
 _BESIDE = 1e-6
 """Distance from a triangle at which it is asked what is solid, over the mesh's size."""
 _MOST_WOUND = 3 * 10**6
@@ -105,8 +105,6 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
             vertices = np.concatenate([corners, vertices])
         elif cancel(vertices, faces, label):
             most, faces, sheets = 0, faces[:0], shells.faces
-    if is_as_in_file and _have_lids(vertices, faces):
-        notes = (*notes, _LIDS)
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
     moved = moved[areas_of(vertices, moved) > 0]
     if len(sheets) + len(moved) and len(faces) + 2 * (len(sheets) + len(moved)) <= most:
@@ -127,26 +125,6 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     return Surface(read_only(vertices), read_only(faces), parts > 0, notes)
 
 
-def _have_lids(vertices: FloatArray, faces: IntArray) -> bool:
-    """Whether some triangles of solids have no solid on either side, as over a hollow.
-
-    They are looked for where more than two meet in an edge, at some if there are too many.
-    """
-    if not len(faces):
-        return False
-    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    _, edge = distinct_rows(sides.astype(np.float64))
-    found = np.flatnonzero((np.bincount(edge)[edge] > 2).reshape(-1, 3).any(axis=1))
-    found = found[:: 1 + 2 * len(found) * len(faces) // _MOST_WOUND]
-    corners = vertices[faces[found]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    away = _BESIDE * np.ptp(vertices, axis=0).max() * normals / np.where(lengths > 0, lengths, 1.0)
-    middles = corners.mean(axis=1)
-    in_front, behind = (windings(vertices, faces, middles + one) for one in (away, -away))
-    return bool(((in_front == 0) & (behind == 0)).any())
-
-
 def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:
     """Mask (m,) of faces of solids that are there with both their sides, and have no solid around.
 
@@ -162,8 +140,13 @@ def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:
     asked, of = np.arange(len(walls)), np.arange(len(walls))
     if len(rest) * len(walls) > _MOST_WOUND:  # all of a patch between solids are as one of it is
         _, asked, of = np.unique(patches_of(walls, rest), return_index=True, return_inverse=True)
-    if len(rest) * len(asked) <= _MOST_WOUND:
-        thin[thin] = (windings(vertices, rest, vertices[walls[asked]].mean(axis=1)) == 0)[of]
+    if 2 * len(rest) * len(asked) <= _MOST_WOUND:
+        corners = vertices[walls[asked]]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        away = _BESIDE * np.ptp(vertices, axis=0).max() * normals / np.where(lengths, lengths, 1.0)
+        beside = (windings(vertices, rest, corners.mean(axis=1) + one) for one in (away, -away))
+        thin[thin] = (np.stack([*beside]) == 0).all(axis=0)[of]
     return thin
 
 
@@ -234,6 +217,7 @@ def _split_as_it_is(vertices: FloatArray, faces: IntArray) -> Shells:
             if not thin:
                 break
         kept = shells.faces
+    shells = with_enclosed(vertices, shells, faces)
     dropped = len(faces) - len(kept)
     twice = (f"{counted(dropped, 'triangle')} there twice, and once is enough.",) if dropped else ()
     return replace(shells, notes=(*twice, *shells.notes))

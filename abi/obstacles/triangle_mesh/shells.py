@@ -65,9 +65,8 @@ def _have_border(faces: IntArray) -> BoolArray:
     Patches meet at edges of three sides and more.
     """
     thin = np.zeros(len(faces), dtype=np.bool_)
-    edges = _Edges.of(faces)
-    inner = edges.first[edges.sides == 2]
-    count, patch = _components(edges.face[inner], edges.face[inner + 1], len(faces))
+    edges = Edges.of(faces)
+    count, patch = edges.patches()
     while True:
         sides = np.bincount(edges.edge[~thin[edges.face]], minlength=len(edges.first))
         free = (sides == 1)[edges.edge] & ~thin[edges.face]
@@ -82,17 +81,17 @@ def _split(
     vertices: FloatArray, faces: IntArray
 ) -> tuple[IntArray, IntArray, BoolArray, tuple[str, ...]]:
     """Faces turned outward, the shell of each, which shells are closed, and notes."""
-    edges = _Edges.of(faces)
+    edges = Edges.of(faces)
     faces, notes = faces.copy(), []
     flipped = edges.flipped()
     if (edges.sides > 3).any():
         # a triangle with both its sides agrees with any neighbour: the others have to by themselves
         single = ~have_both_sides(faces)
         flipped = np.zeros(len(faces), dtype=np.bool_)
-        flipped[single] = _Edges.of(faces[single]).flipped() if single.any() else False
+        flipped[single] = Edges.of(faces[single]).flipped() if single.any() else False
     if flipped.any():
         faces[flipped] = faces[flipped, ::-1]
-        edges = _Edges.of(faces)
+        edges = Edges.of(faces)
         notes.append(f"{counted(int(flipped.sum()), 'triangle')} inside out, and turned.")
     count, label = edges.shells()
     # a shell without a boundary winds a whole number of times around every point
@@ -113,7 +112,7 @@ def _split(
 
 
 @dataclass(frozen=True, eq=False)
-class _Edges:
+class Edges:
     """The sides of the faces, grouped into undirected edges.
 
     Attributes:
@@ -135,7 +134,8 @@ class _Edges:
     faces: int
 
     @classmethod
-    def of(cls, faces: IntArray) -> _Edges:
+    def of(cls, faces: IntArray) -> Edges:
+        """Edges of faces (m, 3)."""
         tail = faces.ravel().astype(np.int64)
         head = faces[:, [1, 2, 0]].ravel().astype(np.int64)
         keys = np.minimum(tail, head) * (int(faces.max()) + 1) + np.maximum(tail, head)
@@ -148,14 +148,18 @@ class _Edges:
         face = (order // 3).astype(np.int32)
         return cls(face, edge, forward, balance, first, sides, len(faces))
 
+    def patches(self) -> tuple[int, IntArray]:
+        """Number of patches, within which edges have two sides, and that of each face (m,)."""
+        inner = self.first[self.sides == 2]
+        return components(self.face[inner], self.face[inner + 1], self.faces)
+
     def shells(self) -> tuple[int, IntArray]:
         """Number of shells, and that of each face (m,).
 
         Patches within which edges have two sides are joined at edges of more, unless as many sides
         of a patch run forward there as back: it needs no other.
         """
-        inner = self.first[self.sides == 2]
-        count, patch = _components(self.face[inner], self.face[inner + 1], self.faces)
+        count, patch = self.patches()
         if self.sides.max() <= 2:
             return count, patch
         of_patch = self.edge.astype(np.int64) * count + patch[self.face]
@@ -166,7 +170,7 @@ class _Edges:
         needs[order] = (balance != 0)[np.cumsum(is_first) - 1]
         needing = np.flatnonzero(needs | (self.sides == 2)[self.edge])
         same = np.flatnonzero(self.edge[needing[1:]] == self.edge[needing[:-1]])
-        return _components(self.face[needing[same]], self.face[needing[same + 1]], self.faces)
+        return components(self.face[needing[same]], self.face[needing[same + 1]], self.faces)
 
     def flipped(self) -> BoolArray:
         """Faces (m,) to turn so that neighbours agree over every edge of two sides.
@@ -183,7 +187,7 @@ class _Edges:
             return np.zeros(m, dtype=np.bool_)
         tails = np.concatenate([a, a + m])
         heads = np.concatenate([b + m * disagree, b + m * ~disagree])
-        count, half = _components(tails, heads, 2 * m)
+        count, half = components(tails, heads, 2 * m)
         kept = np.bincount(half[:m], minlength=count)
         as_is, turned = kept[half[:m]], kept[half[m:]]
         # on a tie the half of the patch's first face stays
@@ -215,10 +219,10 @@ def patches_of(faces: IntArray, others: IntArray) -> IntArray:
     _, edge = distinct_rows(sides[inner].astype(np.float64))
     face = (inner // 3).astype(np.int32)
     count = len(faces) + int(edge.max()) + 1
-    return _components(face, edge + np.int32(len(faces)), count)[1][: len(faces)]
+    return components(face, edge + np.int32(len(faces)), count)[1][: len(faces)]
 
 
-def _components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:
+def components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:
     """Connected components of ``count`` nodes with edges from a to b: their number, and labels."""
     edges = scipy.sparse.coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(count, count))
     number, label = scipy.sparse.csgraph.connected_components(edges, directed=False)

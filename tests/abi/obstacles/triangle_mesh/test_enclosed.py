@@ -1,0 +1,96 @@
+"""What boxes enclose that share sides and edges, whichever side their triangles face."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from abi.arrays import FloatArray
+from abi.obstacles.triangle_mesh import enclosed
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.winding import windings
+from tests.abi import meshes
+from tests.abi.meshes import Mesh
+from tests.thorough import examples
+
+
+def damaged_boxes(rng: np.random.Generator) -> tuple[Mesh, FloatArray]:
+    """Boxes that are flush, with triangles inside out or there twice, shuffled; points in them."""
+    parts, points = list[Mesh](), list[FloatArray]()
+    for _ in range(rng.integers(2, 4)):
+        low = rng.integers(0, 2, 3) * 1.0
+        size = np.minimum(rng.integers(1, 3, 3), 2 - low)
+        vertices, faces = meshes.box((size[0], size[1], size[2]), tuple((low + size / 2).tolist()))
+        if rng.random() < 0.5:  # other triangles in the same sides
+            vertices = vertices * [-1, 1, 1] + [2 * low[0] + size[0], 0, 0]
+            faces = faces[:, ::-1]
+        turned = rng.random(12) < rng.choice([0, 0.1, 1])
+        faces = np.where(turned[:, None], faces[:, ::-1], faces)
+        parts.append((vertices, faces))
+        parts.append((vertices, faces[rng.random(12) < rng.choice([0, 0.3])]))
+        points.append(rng.uniform(low + 0.01, low + size - 0.01, (8, 3)))
+    vertices, faces = meshes.joined(*parts)
+    return (vertices, faces[rng.permutation(len(faces))]), np.concatenate(points)
+
+
+def is_solid(surface: Surface, points: FloatArray) -> np.ndarray:
+    return np.asarray(surface.closed & (windings(surface.vertices, surface.faces, points) != 0))
+
+
+@pytest.mark.slow
+@example(10)
+@example(45)
+@example(87)
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=examples(15))
+def test_boxes_are_solid_or_told_however_their_triangles_are_damaged(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    (vertices, faces), points = damaged_boxes(rng)
+    surface = clean(vertices, faces)
+    told = any("thin shell" in note for note in surface.notes)
+    assert told or is_solid(surface, points).all()
+    # and nothing may cross any triangle
+    corners = (rng.dirichlet(np.ones(3), 4) @ vertices[faces]).reshape(-1, 3)
+    left = corners[~is_solid(surface, corners)]
+    every = surface.vertices[surface.faces]
+    pairs = np.repeat(every, len(left), axis=0), np.tile(left, (len(every), 1))
+    nearest = trimesh.triangles.closest_point(*pairs)  # type: ignore[no-untyped-call]
+    away = np.linalg.norm(nearest - pairs[1], axis=1)
+    assert away.reshape(len(every), -1).min(axis=0).max(initial=0) < 1e-6
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+@pytest.mark.parametrize("is_mirrored", [False, True])
+def test_a_box_in_one_that_it_is_flush_with_leaves_none_hollow(
+    inside_out: bool, is_mirrored: bool
+) -> None:
+    outer, inner = meshes.box((2, 2, 2)), meshes.box((2, 1, 2), (0, 0.5, 0))
+    if is_mirrored:  # then their common side is cut along another diagonal
+        inner = inner[0] * [-1, 1, 1], inner[1][:, ::-1]
+    if inside_out:
+        outer = meshes.inverted(outer)
+    far = meshes.box(at=(9, 0, 0))
+    surface = clean(*meshes.joined(outer, inner, far))
+    assert is_solid(surface, np.array([[0, 0.5, 0], [0, -0.5, 0], [9, 0, 0]])).all()
+    assert not is_solid(surface, np.array([[0, 1.1, 0], [1.1, 0.5, 0], [0, 0, 1.1]])).any()
+    assert not any("thin shell" in note for note in surface.notes)
+    assert any("inside out" in note for note in surface.notes) == inside_out
+
+
+@pytest.mark.parametrize("limit", ["_MOST_PATCHES", "_MOST_GROUPS"])
+def test_boxes_too_many_to_tell_apart_are_solid_or_told(
+    limit: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(enclosed, limit, 1)
+    pair = meshes.joined(meshes.inverted(meshes.box((2, 2, 2))), meshes.box((2, 1, 2), (0, 0.5, 0)))
+    places = np.array([[0, 0, 0], [5, 0, 0], [10, 0, 0]])
+    mirrored = pair[0] * [-1, 1, 1], pair[1][:, ::-1]
+    several = [(one[0] + place, one[1]) for one in (pair, mirrored) for place in places]
+    surface = clean(*meshes.joined(*several))
+    points = np.concatenate([places + above for above in ([0, 0.5, 0], [0, -0.5, 0])])
+    told = any("thin shell" in note for note in surface.notes)
+    assert told or is_solid(surface, points).all()
