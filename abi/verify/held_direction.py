@@ -61,6 +61,36 @@ def check_held_at_samples(
     )
 
 
+def check_span(section: dict[str, Any], scene: Scene, duration: float) -> None:
+    """Check when a plan says that it keeps a direction, and how well, against what is asked for.
+
+    Args:
+        section: the plan's ``arm``.
+        scene: its scene.
+        duration: of the motion, [s].
+
+    Raises:
+        Fault: the scene asks for another part of the motion or tolerance, or for no direction.
+        SceneError: a field has the wrong form.
+    """
+    asked, exact = scene.arm.held_axis, scene.arm.exact_axis
+    told = section.get("axis")
+    if asked is None and exact is None:
+        if told is not None:
+            raise Fault("it says that it keeps a direction, and its scene asks for none")
+        return
+    if told is None:
+        raise Fault("it does not say how far the gripper turns from the direction that is held")
+    span = mapping("arm.axis", told)
+    begin, end = (0.0, 1.0) if asked is None else (asked.begin, asked.end)
+    for name, share in (("first", begin), ("last", end)):
+        at = finite(f"arm.axis.{name}", span.get(name))
+        if abs(at - share * duration) > _UNIFORM * duration:
+            raise Fault("it says that it keeps a direction at other times than its scene asks for")
+    if asked is not None and span.get("tolerance") != asked.tolerance:
+        raise Fault("it says that it keeps a direction within another angle than is asked for")
+
+
 def check_held_in_motion(
     data: dict[str, Any], scene: Scene, chain: ExactChain, path: ExactPath
 ) -> str:

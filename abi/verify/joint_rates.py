@@ -5,6 +5,7 @@ They are differences of its samples, here in exact numbers.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -45,7 +46,7 @@ def check_rates(
     speeds = {joint.name: joint.speed for joint in scene.robot.joints}
     told = dict(map(_told, list_of(_PASSED, section.get("limits_passed"))))
     step = Fraction(duration) / (len(rows) - 1)
-    columns = [*zip(*rows, strict=True)]
+    columns, count = [*zip(*rows, strict=True)], len(chain.coordinates)
     units = [chain.units if slides else Fraction(1) for slides in chain.slides]
     asked = Fraction(scene.motion.joint_acceleration)
     for number, (name, unit, column) in enumerate(
@@ -55,10 +56,14 @@ def check_rates(
         limits = {"speed": None if speed is None else speed * unit, "acceleration": asked * unit}
         error = _ROUNDED * max(1, *map(abs, column))
         ways = {"speed": _largest_way(column), "acceleration": _largest_turn(column)}
+        steps = max(abs(after - before) for before, after in itertools.pairwise(column))
+        fastest = _stated(section, "peak_joint_speed", number, count)
+        if fastest is not None and fastest * step > (steps + 2 * error) * _LET_PASS:
+            raise Fault(f"the speed of {name} is nowhere as large as its stated peak")
         for quantity, limit in limits.items():
             order = 1 if quantity == "speed" else 2
-            _check_stated(section, f"joint_{quantity}_limits", number, limit)
-            peak = _stated(section, f"peak_joint_{quantity}", number)
+            _check_stated(section, f"joint_{quantity}_limits", number, count, limit)
+            peak = _stated(section, f"peak_joint_{quantity}", number, count)
             way = ways[quantity] - 2 * order * error
             if peak is not None and way > peak * step**order * _LET_PASS:
                 raise Fault(f"the {quantity} of {name} is larger than its stated peak")
@@ -90,18 +95,20 @@ def _largest_turn(column: Sequence[Fraction]) -> Fraction:
     )
 
 
-def _stated(section: dict[str, Any], name: str, number: int) -> Fraction | None:
-    """A number for a joint; None where there is none."""
+def _stated(section: dict[str, Any], name: str, number: int, count: int) -> Fraction | None:
+    """A number for a joint, of so many; None where there is none."""
     values = list_of(f"arm.{name}", section.get(name))
-    if number >= len(values):
+    if len(values) != count:
         raise Fault(f"its joints have not one number each in {name}")
     value = values[number]
     return None if value is None else Fraction(finite(f"arm.{name}", value))
 
 
-def _check_stated(section: dict[str, Any], name: str, number: int, limit: Fraction | None) -> None:
+def _check_stated(
+    section: dict[str, Any], name: str, number: int, count: int, limit: Fraction | None
+) -> None:
     """Raise where a stated limit of a joint is another than the robot or the scene has."""
-    stated = _stated(section, name, number)
+    stated = _stated(section, name, number, count)
     if (stated is None) != (limit is None) or (
         stated is not None and limit is not None and abs(stated - limit) > _ROUNDED * limit
     ):

@@ -14,14 +14,9 @@ _OF_PLANS = (
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
     *("arm.axis.angle", "arm.axis.bound"),
 )
-_OF_URDF_PLANS = (
-    "timing.curve",
-    "timing.t1",
-    "timing.t2",
-    "timing.t3",
-    "timing.peak_speed",
-    "arm.elbow",
-)
+_PHASES = ("timing.t1", "timing.t2", "timing.t3", "timing.peak_speed")
+"""Read where a force moves the slide of the paper's arm."""
+_OF_URDF_PLANS = ("timing.curve", "arm.elbow")
 _OF_PAPER_PLANS = (
     *("arm.within_limits", "arm.joint_speed_limits"),
     *("arm.peak_joint_acceleration", "arm.joint_acceleration_limits"),
@@ -41,14 +36,18 @@ def unchecked(data: object) -> tuple[str, ...]:
         return ()
     if isinstance(legs := data.get("legs"), list):
         return tuple(dict.fromkeys(name for leg in legs for name in unchecked(leg)))
-    of_arm = _OF_URDF_PLANS if _is_of_urdf(data.get("scene")) else _OF_PAPER_PLANS
+    arm = _arm_of(data.get("scene"))
+    of_arm: tuple[str, ...]
+    of_arm = _OF_URDF_PLANS if arm.get("model") == "urdf" else _OF_PAPER_PLANS
+    if arm.get("model") == "urdf" or arm.get("forces", [0, 0, 0])[1:2] == [0]:
+        of_arm += _PHASES
     names = _OF_MOTIONS if "verdict" in data else (*_OF_PLANS, *of_arm)
     return tuple(name for name in names if _is_stated(data, name))
 
 
-def _is_of_urdf(scene: object) -> bool:
+def _arm_of(scene: object) -> dict[str, Any]:
     arm = scene.get("arm") if isinstance(scene, dict) else None
-    return isinstance(arm, dict) and arm.get("model") == "urdf"
+    return arm if isinstance(arm, dict) else {}
 
 
 def _is_stated(data: dict[str, Any], name: str) -> bool:

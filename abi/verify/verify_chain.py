@@ -40,7 +40,7 @@ from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, sub, vector
 from abi.verify.exact_path import ExactPath
 from abi.verify.fault import Fault
-from abi.verify.held_direction import check_held_at_samples
+from abi.verify.held_direction import check_held_at_samples, check_span
 from abi.verify.joint_motion import JointMotion, MovedHull
 from abi.verify.joint_rates import check_rates
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
@@ -85,7 +85,9 @@ def check_chain(
     chain = exact_chain(scene.robot, scene.arm.tool, *stands)
     check_samples(section, timing, chain.coordinates)
     rows = _rows(certificate, section, chain)
-    check_rates(section, finite("timing.duration", timing.get("duration")), rows, chain, scene)
+    duration = finite("timing.duration", timing.get("duration"))
+    check_rates(section, duration, rows, chain, scene)
+    check_span(section, scene, duration)
     motion = JointMotion(chain, ExactPath(tuple(itertools.pairwise(rows))))
     _check_ends(chain, rows, scene)
     check_tool_points(section, partial(_tool, chain), _tolerance(chain, rows))
@@ -141,8 +143,6 @@ def _claimed_axis(scene: Scene, section: dict[str, Any]) -> HeldAxis | None:
     """What a plan claims of a direction that its scene holds exactly; None if it holds none."""
     if scene.arm.exact_axis is None:
         return None
-    if section.get("axis") is None:
-        raise Fault("it does not say how far the gripper turns from the direction that is held")
     claimed = mapping("arm.axis", section["axis"])
     tolerance = finite("arm.axis.tolerance", claimed.get("tolerance"))
     if not _LEAST_ANGLE <= tolerance <= math.pi / 2:

@@ -45,6 +45,8 @@ _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 _BELOW = Fraction(1, 10**9)
 """Accepted depth of the tool below the floor, over the coordinates of workspace and arm."""
 _HALVINGS = 30
+_NOT_ITS = ("allowed", "apart_only", "axis")
+"""What only plans of other arms state."""
 _PHASES, _WITHOUT_PHASES = ("three_phase", "slowed"), ("time_optimal", "jerk_limited")
 """Laws whose motions have three phases, and never have; of any other a plan has them or has not."""
 
@@ -96,6 +98,9 @@ def check_paper_arm(
     """
     certificate = mapping(ARM, section["certificate"])
     margin = claimed_margin("arm", section, Fraction(scene.arm.clearance), obstacles)
+    for name in _NOT_ITS:
+        if section.get(name) not in (None, []):
+            raise Fault(f"it states {name}, which the paper's arm has not")
     elbow = section.get("elbow")
     if elbow not in ("up", "down"):
         raise Fault("its elbow is neither up nor down")

@@ -121,8 +121,10 @@ def _times(legs: list[dict[str, Any]]) -> list[float]:
     """Times of the poses of all legs, one after the other, each evenly in its leg, [s]."""
     found = [0.0]
     for leg in legs:
-        duration = numbers_of("arm.time", mapping("arm", leg.get("arm")).get("time"))[-1]
-        even = np.linspace(0.0, duration, len(_positions(leg)))[1:]
+        times = numbers_of("arm.time", mapping("arm", leg.get("arm")).get("time"))
+        if not times:
+            raise Fault("a leg's samples have no times")
+        even = np.linspace(0.0, times[-1], len(_positions(leg)))[1:]
         begin = found[-1]
         found += [begin + time for time in even.tolist()]
     return found

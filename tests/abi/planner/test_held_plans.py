@@ -23,7 +23,7 @@ from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene, load_scene
 from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.fault import Fault
-from abi.verify.held_direction import check_held_at_samples
+from abi.verify.held_direction import check_held_at_samples, check_span
 from abi.verify.verify import verify
 from abi.verify.verify_tasks import check_tasks
 
@@ -128,9 +128,25 @@ def test_a_verifier_refuses_a_part_a_tolerance_or_a_time_that_is_not_kept() -> N
     axis = honest["scene"]["arm"]["axis"]
     data = copy.deepcopy(honest)
     data["scene"]["arm"]["axis"] = {**axis, "to": 0.999}
+    data["arm"]["axis"]["last"] = 0.999 * data["timing"]["duration"]
     checked = verdict(data)
     assert not checked.proven
     assert "does not keep its direction" in checked.reason
+
+    for claim, reason in (
+        ({"first": 0.1}, "at other times"),
+        ({"last": 2 * honest["arm"]["axis"]["last"]}, "at other times"),
+        ({"tolerance": 0.5 * axis["tolerance"]}, "within another angle"),
+    ):
+        told = {**honest["arm"], "axis": {**honest["arm"]["axis"], **claim}}
+        assert reason in verdict({**honest, "arm": told}).reason
+    duration = honest["timing"]["duration"]
+    unasked = planned(0.0, 0.5).scene.replace(arm={"axis": None})
+    check_span({"axis": None}, unasked, duration)
+    with pytest.raises(Fault, match="asks for none"):
+        check_span(honest["arm"], unasked, duration)
+    with pytest.raises(Fault, match="does not say"):
+        check_span({"axis": None}, planned(0.0, 0.5).scene, duration)
 
     # the other ways to be wrong by the check of the direction alone
     scene, section = planned(0.0, 0.5).scene, honest["arm"]

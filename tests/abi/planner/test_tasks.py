@@ -336,6 +336,10 @@ def run_faster(plan: dict[str, Any]) -> None:
     plan["trajectory"]["time"] = [0.5 * time for time in plan["trajectory"]["time"]]
 
 
+def have_no_times(plan: dict[str, Any]) -> None:
+    plan["legs"][0]["arm"]["time"] = []
+
+
 def belong_to_other_legs(plan: dict[str, Any]) -> None:
     plan["trajectory"]["leg"][1:] = plan["trajectory"]["leg"][:-1]
 
@@ -358,7 +362,13 @@ def end_the_first_leg_elsewhere(plan: dict[str, Any]) -> None:
         *(begin_elsewhere, end_the_first_leg_elsewhere, run_faster),
         *(jump, move_what_is_left, hold_another, forget_it, leave_out_a_leg),
         *(keep_less, slacken, go_elsewhere, tell_another_motion),
-        *(name_other_joints, run_backwards, belong_to_other_legs, join_at_other_times),
+        *(
+            name_other_joints,
+            run_backwards,
+            belong_to_other_legs,
+            have_no_times,
+            join_at_other_times,
+        ),
     ],
 )
 def test_legs_that_do_not_join_are_found(

@@ -55,6 +55,12 @@ def test_what_passes_a_limit_has_to_be_told(seed: int, duration: float) -> None:
     exact = [[Fraction(one) for one in row] for row in rows.tolist()]
     section = told(rows, duration)
     check_rates(section, duration, exact, CHAIN, NEAR)
+    faster = [2 * one for one in section["peak_joint_speed"]]
+    with pytest.raises(Fault, match="nowhere as large"):
+        check_rates(section | {"peak_joint_speed": faster}, duration, exact, CHAIN, NEAR)
+    for name in ("peak_joint_acceleration", "joint_speed_limits", "joint_acceleration_limits"):
+        with pytest.raises(Fault, match="not one number each"):
+            check_rates(section | {name: [*section[name], 1.0]}, duration, exact, CHAIN, NEAR)
     for one in section["limits_passed"]:
         others = [other for other in section["limits_passed"] if other != one]
         for entries in (others, [*others, one | {"value": 0.99 * one["value"]}]):

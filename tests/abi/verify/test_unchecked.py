@@ -32,10 +32,14 @@ def test_what_is_named_changes_no_verdict(told: dict[str, Any]) -> None:
         inner[field or section] = "anything"
     assert verify(changed) == verdicts
     assert unchecked([told]) == ()
+    # without a force on the slide nothing depends on the phases
+    for force, unread in ((0.0, ("timing.t1",)), (1.0, ())):
+        timed = {"scene": {"arm": {"forces": [0.0, force, 0.0]}}, "timing": {"t1": 1.0}}
+        assert unchecked(timed) == unread
     assert unchecked({"legs": [told, told]}) == names
 
 
-@pytest.mark.parametrize("name", ["tool", "peak_joint_speed", "within_limits"])
+@pytest.mark.parametrize("name", ["tool", "peak_joint_speed", "within_limits", "allowed", "axis"])
 def test_what_else_the_motion_tells_is_checked(told: dict[str, Any], name: str) -> None:
     changed = copy.deepcopy(told)
     arm = changed["arm"]
@@ -44,5 +48,5 @@ def test_what_else_the_motion_tells_is_checked(told: dict[str, Any], name: str) 
     elif name == "peak_joint_speed":
         arm[name] = [0.5 * one for one in arm[name]]
     else:
-        arm[name] = not arm[name]
+        arm[name] = {"allowed": [0], "axis": {}}.get(name, not arm[name])
     assert not verify(changed)[-1].proven
