@@ -9,28 +9,18 @@ from __future__ import annotations
 
 import html
 import itertools
-from typing import NamedTuple
 
 import viser
 
-from abi.errors import AbiError
 from abi.planner.plan import Plan
 from abi.planner.task_scenes import next_scene
 from abi.scene.leg import Leg
 from abi.scene.scene import Scene
 from app.panels.widgets import Wake, hidden_button, pressed
 from app.state.frame import Frame
-from app.state.known_legs import KnownLegs, LegEnd
+from app.state.known_legs import KnownLeg, KnownLegs
 from app.ui.overlay import button
 from app.ui.time_bar import LegBar
-
-
-class _Leg(NamedTuple):
-    """A leg that has been planned: its scene, where it ends, and its plan if that is at hand."""
-
-    scene: Scene
-    end: LegEnd | None
-    plan: Plan | None = None
 
 
 class LegsCard:
@@ -47,12 +37,11 @@ class LegsCard:
         self.number: int | None = None
         self.from_time = 0.0
         self._whole: Scene | None = None
-        self._legs: list[_Leg] = []
+        self._legs: list[KnownLeg] = []
         self._complete: list[Plan] = []  # those of which nothing is to come
         self._due = False  # whether the leg that is shown has been played
         self._sought: float | None = None
         self._asked: tuple[int, Scene] | None = None
-        self._kept: KnownLegs | None = None
 
     def see(self, frame: Frame) -> None:
         """Take note of the plan that is shown: of a leg, or of another scene."""
@@ -74,27 +63,16 @@ class LegsCard:
     def restore(self, known: KnownLegs | None) -> None:
         """Take up a sequence of which a leg is about to be shown; None for none."""
         self.number = None
-        if known is None:
-            return
-        try:
-            scenes = known.scenes()
-        except AbiError:
-            return  # it is not of that scene, which is shown without the others
-        self._whole, self.number = known.whole, known.number
-        self._legs = [_Leg(scene, end) for scene, end in zip(scenes, known.ends, strict=False)]
+        if known is not None:
+            self._whole, self.number, self._legs = known.whole, known.number, [*known.legs]
 
     @property
     def kept(self) -> KnownLegs | None:
         """What a reload needs to show the leg that is shown as one of a sequence; None for none."""
         if not self.number or self._whole is None:
             return None  # the first leg is the scene itself
-        ends = [leg.end for leg in self._legs]
-        known = tuple(one for one in ends if one is not None)
-        kept = self._kept
-        state = self._whole, self.number, known
-        if kept is None or (kept.whole, kept.number, kept.ends) != state:
-            self._kept = KnownLegs(*state)
-        return self._kept
+        legs = (leg._replace(plan=None) for leg in self._legs[: self.number])
+        return KnownLegs(self._whole, self.number, tuple(legs))
 
     def _number_of(self, scene: Scene) -> int | None:
         """Number of the leg that begins as a scene does, in the joints in which another ended.
@@ -104,9 +82,7 @@ class LegsCard:
         start = None if scene.arm.start is None else scene.arm.start.joints
         last = min(len(self._legs) + 1, len(self._tasks))
         begin = [
-            number
-            for number in range(1, last)
-            if (end := self._legs[number - 1].end) is not None and start == end.joints
+            number for number in range(1, last) if start and start == self._legs[number - 1].joints
         ]
         asked = None if self._asked is None else self._asked[0]
         return min(begin, key=lambda one: (one != asked, one != self.number), default=None)
@@ -114,9 +90,9 @@ class LegsCard:
     def _take(self, number: int, plan: Plan) -> None:
         """Keep the plan of a leg; one that ends elsewhere than before drops what followed it."""
         self.number = number
-        leg = _Leg(plan.scene, LegEnd.of(plan), plan)
+        leg = KnownLeg.of(plan)
         kept = self._legs[number] if number < len(self._legs) else None
-        if kept is not None and kept.scene == leg.scene and kept.end == leg.end:
+        if kept is not None and kept._replace(plan=plan) == leg:
             self._legs[number] = leg
         else:
             self._legs[number:] = [leg]
@@ -204,7 +180,7 @@ class LegsCard:
         return self._bar(self.number)
 
     def _bar(self, number: int) -> LegBar:
-        times = [0.0 if leg.end is None else leg.end.duration for leg in self._legs]
+        times = [leg.duration for leg in self._legs]
         mean = max(sum(times) / len(times), 1e-3)
         times += [mean] * (len(self._tasks) - len(times))
         return LegBar((0.0, *itertools.accumulate(times)), number)
@@ -236,6 +212,6 @@ class LegsCard:
         )
 
 
-def _ends_well(leg: _Leg) -> bool:
+def _ends_well(leg: KnownLeg) -> bool:
     """Whether another leg may follow."""
     return leg.plan is not None and leg.plan.error is None and leg.plan.motion is not None

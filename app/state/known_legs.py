@@ -1,11 +1,13 @@
-"""Legs of a sequence of tasks as far as they are known: of each where it ends, and how long."""
+"""Legs of a sequence of tasks that are known: the scene of each, where it ends, and how long."""
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
-from abi.errors import SceneError
+from abi.errors import AbiError, SceneError
 from abi.planner.plan import Plan
 from abi.planner.task_scenes import scene_from
 from abi.robot.urdf_arm import urdf_arm
@@ -14,80 +16,89 @@ from abi.scene.scene import Scene
 _LARGEST = 1e6
 
 
-class LegEnd(NamedTuple):
-    """Where a leg ends.
+class KnownLeg(NamedTuple):
+    """A leg that has been planned.
 
     Attributes:
-        joints: positions by name, [rad] or [unit].
-        duration: of its motion, [s].
+        scene: of the leg.
+        joints: positions in which it ends, by name, [rad] or [unit]; empty without a motion.
+        duration: of its motion, [s]; 0 without one.
+        plan: of the leg; None where it is not at hand.
     """
 
+    scene: Scene
     joints: tuple[tuple[str, float], ...]
     duration: float
+    plan: Plan | None = None
 
     @classmethod
-    def of(cls, plan: Plan) -> Self | None:
-        """The end of a planned leg; None without a motion."""
+    def of(cls, plan: Plan) -> Self:
+        """The leg of a plan."""
         motion = plan.motion
         if motion is None:
-            return None
+            return cls(plan.scene, (), 0.0, plan)
         pairs = zip(motion.joints, motion.positions[-1].tolist(), strict=True)
-        return cls(tuple(pairs), float(motion.time[-1]))
+        return cls(plan.scene, tuple(pairs), float(motion.time[-1]), plan)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class KnownLegs:
     """A sequence of tasks, of which some legs have been planned.
 
     Attributes:
         whole: the scene with all tasks.
         number: of the leg that is shown, from 0.
-        ends: of the legs before it, and of those after it that are known.
+        legs: those before it.
     """
 
     whole: Scene
     number: int
-    ends: tuple[LegEnd, ...]
-
-    def scenes(self) -> tuple[Scene, ...]:
-        """Scenes of the legs before the one that is shown.
-
-        Raises:
-            SceneError: the ends are of other joints, or none of that scene.
-        """
-        found = [self.whole]
-        for number in range(1, self.number):
-            settings, last = found[-1].arm, found[-1]
-            stands = settings.base, settings.exact_axis, last.unit, settings.base_wxyz
-            arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper)
-            joints = dict(self.ends[number - 1].joints)
-            if tuple(joints) != arm.joints:
-                raise SceneError("tasks", [*joints], f"the joints {', '.join(arm.joints)}")
-            found.append(scene_from(self.whole, number, last, arm, joints))
-        return tuple(found[: self.number])
+    legs: tuple[KnownLeg, ...]
 
     def to_list(self) -> list[Any]:
-        """Number and ends as plain data."""
-        return [self.number, [[dict(one.joints), one.duration] for one in self.ends]]
+        """Number, and where each leg ends and how long it takes, as plain data."""
+        return [self.number, [[dict(one.joints), one.duration] for one in self.legs]]
 
     @classmethod
     def of(cls, whole: Scene, data: object) -> Self | None:
-        """The legs that untrusted data tell; None if they tell none of that scene."""
+        """The leg that untrusted data tell, and those before; None if they tell none of a scene."""
         match data:
             case [int(number), [*given]] if 0 < number < len(whole.tasks):
                 ends = [_end(one) for one in given[: len(whole.tasks)]]
-                known = tuple(one for one in ends if one is not None)
-                return cls(whole, number, known) if number <= len(known) == len(ends) else None
+                known = [one for one in ends if one is not None]
+                if number <= len(known) == len(ends):
+                    with contextlib.suppress(AbiError):
+                        return cls(whole, number, _legs(whole, known[:number]))
         return None
 
 
-def _end(data: object) -> LegEnd | None:
-    """Where a leg ends, of untrusted data."""
+def _legs(whole: Scene, ends: Sequence[tuple[dict[str, float], float]]) -> tuple[KnownLeg, ...]:
+    """The first legs of a sequence by the joints in which each ends, and their durations.
+
+    Raises:
+        SceneError: the ends are of other joints, or none of that scene.
+    """
+    found: list[KnownLeg] = []
+    scene = whole
+    for number, (joints, duration) in enumerate(ends):
+        if number:
+            settings, last = scene.arm, scene
+            stands = settings.base, settings.exact_axis, last.unit, settings.base_wxyz
+            arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper)
+            before = dict(found[-1].joints)
+            if tuple(before) != arm.joints:
+                raise SceneError("tasks", [*before], f"the joints {', '.join(arm.joints)}")
+            scene = scene_from(whole, number, last, arm, before)
+        found.append(KnownLeg(scene, tuple(joints.items()), duration))
+    return tuple(found)
+
+
+def _end(data: object) -> tuple[dict[str, float], float] | None:
+    """Joints in which a leg ends, and its duration, of untrusted data."""
     match data:
         case [dict() as joints, int() | float() as duration] if duration >= 0:
             if all(map(_is_number, [*joints.values(), duration])):
-                pairs = tuple((str(name), float(at)) for name, at in joints.items())
-                return LegEnd(pairs, float(duration))
+                return {str(name): float(at) for name, at in joints.items()}, float(duration)
     return None
 
 

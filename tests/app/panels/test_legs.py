@@ -167,13 +167,13 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
     state = TabState.decode(text, MeshSource())
     assert state.tasks is not None
     scenes = [leg.scene for leg in legs._legs[:3]]
-    assert [*state.tasks.scenes()] == scenes
+    assert [leg.scene for leg in state.tasks.legs] == scenes
     card = LegsCard(session.client.gui, lambda event: None)
     card.restore(state.tasks)
     card.see(session.frame)
     assert "Leg 4 of 6" in card.html()
-    ends = [leg.end for leg in legs._legs]
-    assert [leg.end for leg in card._legs] == ends
+    ends = [(leg.joints, leg.duration) for leg in legs._legs]
+    assert [(leg.joints, leg.duration) for leg in card._legs] == ends
     # what tells another sequence is not taken for this one
     whole, number = state.tasks.whole, state.tasks.number
     for data in (
