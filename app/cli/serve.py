@@ -205,17 +205,17 @@ def _room(secret: str | None, token: str | None, results: Path | None) -> Classr
 
     With the same secret, or the same results, it goes on where a server that was killed left it.
     """
-    from app.teach.class_file import ClassFile
+    from app.teach.class_file import record_of_secret
     from app.teach.classroom import Classroom
 
     _check_secret("--teach", secret)
     if secret is not None and secret == token:
         raise click.UsageError("--teach must differ from --token, which all visitors know.")
-    file = None if results is None else ClassFile.beside(results)
-    if file is None and secret is not None:
+    file = None
+    if results is None and secret is not None:
         with contextlib.suppress(OSError):  # then it ends with this server
-            file = ClassFile.of_secret(secret)
-    return Classroom(secret, file)
+            file = record_of_secret(secret)
+    return Classroom(secret, file, results)
 
 
 def _arguments(scene: str, **options: Any) -> list[str]:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import secrets
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import datetime
+from pathlib import Path
 
 from abi.obstacles.pose import Vec3
 from app.shared.shared_plans import SharedPlans
 from app.state.tab_state import TabState
-from app.teach.class_file import ClassFile
+from app.teach.class_file import read_record, record_beside, write_record
 from app.teach.class_table import table
 from app.teach.poll import ROUNDS, Answer, Poll, Record, poll_of
 
@@ -33,15 +35,25 @@ class Classroom:
         view: number of the view sent last, 0 for none, and the view.
     """
 
-    def __init__(self, secret: str | None = None, file: ClassFile | None = None) -> None:
-        """Begin without tabs, with the record of ``file``; by default the secret is generated."""
+    def __init__(
+        self, secret: str | None = None, file: Path | None = None, results: Path | None = None
+    ) -> None:
+        """Begin without tabs.
+
+        Args:
+            secret: the teacher's; by default it is generated.
+            file: of the record, with which it goes on; None to keep none, or the one beside the
+                results.
+            results: table to keep of the answers; without one the record is deleted at the end.
+        """
         self.secret = secret or secrets.token_urlsafe(16)
         self.plans = SharedPlans()
         self._lock = threading.Lock()
         self._wakes: dict[int, Callable[[], None]] = {}
         self.view: tuple[int, TabState | None] = (0, None)
-        self._file = file
-        self._record = Record() if file is None else file.read()
+        self._results = results
+        self._file = record_beside(results) if file is None and results is not None else file
+        self._record = Record() if self._file is None else read_record(self._file)
         self._students: dict[int, str] = {}
         self._teachers: set[int] = set()
 
@@ -93,8 +105,9 @@ class Classroom:
 
     def end(self) -> None:
         """Delete the answers, unless the results are kept."""
-        if self._file is not None:
-            self._file.end()
+        if self._file is not None and self._results is None:
+            with contextlib.suppress(OSError):
+                self._file.unlink()
 
     def show(self, view: TabState) -> None:
         """Show a view in all tabs; a tab that has not yet taken the last one gets only this."""
@@ -242,7 +255,7 @@ class Classroom:
         if self._file is None:
             return
         try:
-            self._file.write(self._record)
+            write_record(self._file, self._record, self._results)
         except OSError as error:
             _log.warning("the class cannot be kept", extra={"reason": str(error)})
 

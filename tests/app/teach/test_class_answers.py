@@ -17,7 +17,6 @@ from app.panels.teach.poll_text import question_text
 from app.server.server import start
 from app.state.appearance import PLAIN
 from app.tab.session import Session
-from app.teach.class_file import ClassFile
 from app.teach.class_table import table
 from app.teach.classroom import Classroom
 from app.teach.poll import Poll
@@ -40,7 +39,7 @@ def rows(text: str) -> list[dict[str, str]]:
 
 
 def test_votes_settings_and_words_outlast_a_server_that_is_killed(tmp_path: Path) -> None:
-    file = ClassFile(tmp_path / "record")
+    file = tmp_path / "record"
     before = Classroom("mine", file)
     before.join(1, print)
     before.recognise(1, "a")
@@ -52,7 +51,7 @@ def test_votes_settings_and_words_outlast_a_server_that_is_killed(tmp_path: Path
     before.ask_again()
     before.answer(1, 1, 0)
 
-    after = Classroom("mine", ClassFile(tmp_path / "record"))  # nothing was closed
+    after = Classroom("mine", tmp_path / "record")  # nothing was closed
     assert after.poll == before.poll
     assert after.counts() == (1, 0)
     assert (after.lead, after.draft) == (True, ("draft", "x", "y"))
@@ -65,12 +64,12 @@ def test_votes_settings_and_words_outlast_a_server_that_is_killed(tmp_path: Path
     assert after.poll.number == 2
     after.end()
     assert not (tmp_path / "record").exists()
-    assert Classroom("mine", ClassFile(tmp_path / "record")).poll is None
+    assert Classroom("mine", tmp_path / "record").poll is None
 
 
 def test_results_that_are_kept_are_a_table_for_spreadsheets(tmp_path: Path) -> None:
     target = tmp_path / "results.csv"
-    classroom = Classroom("mine", ClassFile.beside(target))
+    classroom = Classroom("mine", results=target)
     for tab, student in enumerate("ab"):
         classroom.join(tab, print)
         classroom.recognise(tab, student)
@@ -86,12 +85,12 @@ def test_results_that_are_kept_are_a_table_for_spreadsheets(tmp_path: Path) -> N
     assert [row["answer"] for row in found] == ["two", "one", "(1, 2, 3)"]
     assert [row["right"] for row in found] == ["yes", "no", "yes"]
     # and the class goes on with it
-    assert Classroom(None, ClassFile.beside(target)).poll == classroom.poll
+    assert Classroom(None, results=target).poll == classroom.poll
 
 
 def test_a_damaged_record_is_none(tmp_path: Path) -> None:
     (tmp_path / "record").write_bytes(b'{"asked": 3}')
-    assert Classroom("mine", ClassFile(tmp_path / "record")).poll is None
+    assert Classroom("mine", tmp_path / "record").poll is None
 
 
 @given(
