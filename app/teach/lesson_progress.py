@@ -70,6 +70,12 @@ class LessonProgress:
         return None if step is None else step.question
 
     @property
+    def exercises(self) -> tuple[str, ...]:
+        """Names of the exercises to which the page leads, once it was passed."""
+        step = self.step
+        return step.exercises if step is not None and self.is_passed else ()
+
+    @property
     def place(self) -> str:
         """Lesson and page where the student is, as a text; empty where no lesson is chosen."""
         if self.step is None:

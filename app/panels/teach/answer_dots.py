@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import viser
 
@@ -16,13 +15,8 @@ _SIZE = 0.022
 """Radius of the ball of one answer, as a part of the workspace's longest side."""
 
 
-class _AnswerBall(NamedTuple):
-    """The ball of a place: number of answers, whether it is right, the workspace's longest side."""
-
-    place: Vec3
-    answers: int
-    right: bool
-    side: float
+_Ball = tuple[Vec3, int, bool, float]
+"""A ball's place, number of answers, whether that is right, and the workspace's longest side."""
 
 
 class AnswerDots:
@@ -34,7 +28,7 @@ class AnswerDots:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene
-        self._balls: dict[_AnswerBall, viser.IcosphereHandle] = {}
+        self._balls: dict[_Ball, viser.IcosphereHandle] = {}
         self._made = 0
         self.places: tuple[Vec3, ...] = ()
 
@@ -47,23 +41,23 @@ class AnswerDots:
         counts = Counter(places)
         if not counts.keys() & set(right):
             counts.update(dict.fromkeys(right, 0))
-        wanted = [_AnswerBall(at, count, at in right, side) for at, count in counts.items()]
-        self.places = tuple(ball.place for ball in wanted)
+        wanted = [(at, count, at in right, side) for at, count in counts.items()]
+        self.places = tuple(counts)
         for ball in self._balls.keys() - set(wanted):
             self._balls.pop(ball).remove()
         for ball in wanted:
             if ball not in self._balls:
-                self._balls[ball] = self._drawn(ball)
+                self._balls[ball] = self._drawn(*ball)
 
-    def _drawn(self, ball: _AnswerBall) -> viser.IcosphereHandle:
+    def _drawn(self, place: Vec3, answers: int, right: bool, side: float) -> viser.IcosphereHandle:
         self._made += 1
         name = f"/answers/{self._made}"
         drawn = self._scene.add_icosphere(
             name,
-            radius=_SIZE * ball.side * max(ball.answers, 1.0) ** (1 / 3),
-            color=style.GOOD[0] if ball.right else style.MARK,
-            position=ball.place,
+            radius=_SIZE * side * max(answers, 1.0) ** (1 / 3),
+            color=style.GOOD[0] if right else style.MARK,
+            position=place,
         )
-        if ball.right or ball.answers > 1:
-            self._scene.add_label(f"{name}/count", f"{'✓ ' * ball.right}{ball.answers}")
+        if right or answers > 1:
+            self._scene.add_label(f"{name}/count", f"{'✓ ' * right}{answers}")
         return drawn

@@ -12,7 +12,7 @@ import viser
 from abi import assets
 from abi.errors import SceneError
 from abi.scene.scene import Scene
-from app.panels.teach.exercise_start import ExerciseStart
+from app.panels.teach.exercise_start import add_exercise_buttons, send_asked
 from app.panels.widgets import Wake
 from app.state.frame import Frame
 from app.teach.cue import Cue
@@ -78,7 +78,7 @@ class LessonPanel:
         self._stage = gui.add_html("", visible=False)
         self._reply = gui.add_markdown("", visible=False)
         self._after = gui.add_markdown("", visible=False)
-        self.exercise = ExerciseStart(client, wake)
+        self.exercises = add_exercise_buttons(gui, wake)
         self.show_me = gui.add_button(
             "Show me", visible=False, color="gray", hint="Does it for you."
         )
@@ -199,7 +199,7 @@ class LessonPanel:
 
     def _take_presses(self) -> None:
         """Do what the student pressed or chose since the last call."""
-        self.exercise.send_asked()
+        send_asked(self._client, self.exercises, self.progress.exercises)
         titles = self.progress.titles
         chosen = self.choice.value
         name = list(self.progress.lessons)[titles.index(chosen)] if chosen in titles else ""
@@ -257,8 +257,9 @@ class LessonPanel:
             widget.visible = step is not None
         self.next_lesson.visible = False
         self._intro.visible = step is None
+        for button in self.exercises.values():
+            button.visible = bool(progress.exercises)
         if step is None:
-            self.exercise.show(())
             for text in (self._question, self._stage, self._reply, self._after):
                 text.visible = False
             for button in (self.show_me, *self.answers):
@@ -299,7 +300,6 @@ class LessonPanel:
         # what it says is so once the page is done, and may not be when it is turned to again
         told = progress.done or (question is None and task is None)
         self._show(self._after, step.after if told else "", frame)
-        self.exercise.show(step.exercises if passed else ())
         self.show_me.visible = task is not None and not progress.done
         self.next.disabled = not passed
         self.next.visible = not progress.is_last

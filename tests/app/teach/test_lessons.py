@@ -21,6 +21,7 @@ from app.panels.teach.figures import _wrapped
 from app.state.frame import Frame
 from app.tab.session import Session
 from app.tab.view import SHOWN, SWITCHES
+from app.teach.exercise_files import NOTEBOOK, SCRIPT
 from app.teach.figures import figures
 from app.teach.lesson import Lesson, Step, scene_of
 from app.teach.lesson_check import check_pages
@@ -458,22 +459,22 @@ def test_a_lesson_gives_the_exercise_to_which_it_leads(
     until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
     fake.set(panel.choice, panel.progress.titles[list(LESSONS).index("03-search")])
     until(lambda: panel.progress.chosen and panel._text.visible)
-    assert not panel.exercise.file.visible
+    assert not panel.exercises[SCRIPT].visible
     last = len(LESSONS["03-search"][0].steps) - 1
     panel.restore(
         json.dumps({"lesson": "03-search", "step": last, "passed": [["03-search", last]]})
     )
     session.wake(None)
-    until(lambda: panel.exercise.file.visible and panel.exercise.notebook.visible)
-    fake.set(panel.exercise.file, True)
-    fake.set(panel.exercise.notebook, True)
+    until(lambda: panel.exercises[SCRIPT].visible and panel.exercises[NOTEBOOK].visible)
+    fake.set(panel.exercises[SCRIPT], True)
+    fake.set(panel.exercises[NOTEBOOK], True)
     until(lambda: len(files) == 2)
     file = tmp_path / "mine.py"
     file.write_bytes(files["mine.py"])
     assert {one.name for one in exercises_in(file)} == {"priority", "heuristic"}
     assert json.loads(files["mine.ipynb"]) == notebook(("priority", "heuristic"))
     fake.set(panel.leave, True)
-    until(lambda: not panel.progress.chosen and not panel.exercise.file.visible)
+    until(lambda: not panel.progress.chosen and not panel.exercises[SCRIPT].visible)
 
 
 def test_a_page_that_asks_gives_no_answer_away(tab: tuple[FakeTab, Session]) -> None:
