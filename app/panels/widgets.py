@@ -1,4 +1,4 @@
-"""Widgets that several panels share: buttons, vectors of numbers, and choices with labels."""
+"""Widgets that several panels share: buttons, vectors of numbers, and labels of choices."""
 
 from __future__ import annotations
 
@@ -86,26 +86,6 @@ class VectorBox:
         x, y, z = (round(float(number), _SHOWN_DIGITS) for number in value)
         self._shown = (x, y, z)
         self.handle.value = self._shown
-
-
-class Choice:
-    """Dropdown whose labels stand for a setting's values."""
-
-    def __init__(
-        self, gui: viser.GuiApi, label: str, options: Mapping[str, str], hint: str
-    ) -> None:
-        self._options, self.label = options, label
-        self.handle = gui.add_dropdown(label, tuple(options), hint=hint)
-        self.on_update = self.handle.on_update
-
-    @property
-    def value(self) -> str:
-        """The chosen value; a label that no option has, as it is, for the scene to refuse."""
-        return self._options.get(self.handle.value, self.handle.value)
-
-    @value.setter
-    def value(self, value: str) -> None:
-        self.handle.value = label_of(self._options, value)
 
 
 def label_of(options: Mapping[str, _Value], value: _Value) -> str:

@@ -12,7 +12,7 @@ from app.panels.length_step import fine_step, length_step
 from app.panels.stages.arm_model import ArmModelPanel
 from app.panels.stages.end_box import EndBox
 from app.panels.stages.fields import Fields
-from app.panels.widgets import Choice, Wake
+from app.panels.widgets import Wake
 from app.state.frame import Frame
 
 DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
@@ -53,12 +53,11 @@ class ArmPanel:
         self.base = gui.add_vector3(
             "base [{unit}]", arm.base, step=0.1, hint="Where the arm stands: x, y, z."
         )
-        self.search = Choice(
-            gui,
+        self.search = gui.add_dropdown(
             "motion is sought",
-            SEARCHES,
-            "On a mesh of places of the tool tip, or by two trees of joint positions that grow "
-            "towards each other; without a choice there if the mesh leads to none.",
+            tuple(SEARCHES),
+            hint="On a mesh of places of the tool tip, or by two trees of joint positions that "
+            "grow towards each other; without a choice there if the mesh leads to none.",
         )
         self.ends = {"start": EndBox(gui, "start", wake), "goal": EndBox(gui, "goal", wake)}
         self._add_papers(gui, arm)
@@ -76,10 +75,11 @@ class ArmPanel:
             "arm.masses": self.masses,
             "arm.radii": self.radii,
         }
-        self._fields = Fields(widgets, wake)
+        options = {"arm.search": SEARCHES, "arm.dynamics": DYNAMICS}
+        self._fields = Fields(widgets, wake, options)
         boxes = self.columns, self.links, self.extension, self.forces, self.masses, self.radii
         self._shows_papers: bool | None = None
-        self._papers = (self.elbow, self.dynamics.handle, *boxes)
+        self._papers = (self.elbow, self.dynamics, *boxes)
         self.write(scene)
 
     def _add_papers(self, gui: viser.GuiApi, arm: ArmSettings) -> None:
@@ -103,12 +103,11 @@ class ArmPanel:
             step=0.1,
             hint="How far the slide is extended at 0 s. 0 or more.",
         )
-        self.dynamics = Choice(
-            gui,
+        self.dynamics = gui.add_dropdown(
             "force law",
-            DYNAMICS,
-            "How a constant force Q moves wrist, slide and gripper from rest: by t²Q/(2I), where "
-            "the paper prints t²Q/I. The slide has its mass in place of the inertia I.",
+            tuple(DYNAMICS),
+            hint="How a constant force Q moves wrist, slide and gripper from rest: by t²Q/(2I), "
+            "where the paper prints t²Q/I. The slide has its mass in place of the inertia I.",
         )
         self.forces = gui.add_vector3(
             "drives [kg, {unit}, s]",
@@ -164,7 +163,7 @@ class ArmPanel:
         self._show_papers()
         self._fields.write(scene)
         is_urdf = scene.arm.model == "urdf"  # the paper's arm has no such fields
-        self.search.handle.visible = is_urdf
+        self.search.visible = is_urdf
         for end in self.ends.values():
             end.handle.visible = is_urdf
             if is_urdf:

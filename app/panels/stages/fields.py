@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from operator import attrgetter
+from types import MappingProxyType
 from typing import Any
 
 from abi.scene.scene import Scene
-from app.panels.widgets import DIGITS, Wake
+from app.panels.widgets import DIGITS, Wake, label_of
 
 
 class Fields:
@@ -16,20 +17,35 @@ class Fields:
     ``{unit}`` in a widget's label stands for the scene's unit of length.
     """
 
-    def __init__(self, widgets: Mapping[str, Any], wake: Wake) -> None:
+    def __init__(
+        self,
+        widgets: Mapping[str, Any],
+        wake: Wake,
+        options: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
+    ) -> None:
+        """Have every widget wake the tab.
+
+        Args:
+            widgets: by field.
+            wake: callback.
+            options: of a dropdown's field, the values that its labels stand for.
+        """
         self._rows = [(names.split(), widget, widget.label) for names, widget in widgets.items()]
+        self._options = options
         for _, widget, _ in self._rows:
             widget.on_update(wake)
             if isinstance(widget.value, float | tuple):
                 widget.precision = DIGITS
 
     def read(self) -> dict[str, Any]:
-        """Read the sections as typed."""
+        """Read the sections as typed; a label without a value as it is, for the scene to refuse."""
         sections: dict[str, Any] = {}
         for names, widget, _ in self._rows:
             values = widget.value if len(names) > 1 else (widget.value,)
             for name, value in zip(names, values, strict=True):
                 section, field = name.split(".")
+                if name in self._options:
+                    value = self._options[name].get(value, value)
                 sections.setdefault(section, {})[field] = value
         return sections
 
@@ -37,4 +53,6 @@ class Fields:
         """Show ``scene``."""
         for names, widget, label in self._rows:
             widget.label = label.replace("{unit}", scene.unit)
-            widget.value = attrgetter(*names)(scene)
+            value = attrgetter(*names)(scene)
+            options = self._options.get(names[0])
+            widget.value = value if options is None else label_of(options, value)

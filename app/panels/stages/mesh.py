@@ -9,7 +9,7 @@ import viser
 from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
 from app.panels.stages.fields import Fields
-from app.panels.widgets import Choice, Wake, clamp, range_hint
+from app.panels.widgets import Wake, clamp, range_hint
 from app.state.frame import Frame
 
 _LABELS = {kind.label: name for name, kind in LATTICES.items()}
@@ -21,8 +21,8 @@ class MeshPanel:
 
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         low, high, step = _pitch_range(scene)
-        self.lattice = Choice(
-            gui, "grid type", _LABELS, "How the workspace is cut into tetrahedra."
+        self.lattice = gui.add_dropdown(
+            "grid type", tuple(_LABELS), hint="How the workspace is cut into tetrahedra."
         )
         self.pitch = gui.add_slider(
             "spacing [{unit}]",
@@ -39,7 +39,8 @@ class MeshPanel:
             hint="Another number gives another irregular grid. A whole one, 0 or more.",
         )
         widgets = {"lattice": self.lattice, "pitch": self.pitch, "seed": self.seed}
-        self._fields = Fields({f"mesh.{name}": one for name, one in widgets.items()}, wake)
+        named = {f"mesh.{name}": one for name, one in widgets.items()}
+        self._fields = Fields(named, wake, {"mesh.lattice": _LABELS})
         self.read = self._fields.read
         self.write(scene)
 

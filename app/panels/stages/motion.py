@@ -10,7 +10,7 @@ from abi.arm_planning.motion_law import LAWS
 from abi.scene.scene import Scene
 from app.panels.length_step import length_step
 from app.panels.stages.fields import Fields
-from app.panels.widgets import Choice, Wake
+from app.panels.widgets import Wake
 
 FITS = {
     "paper's fit (may hit)": "least_squares",
@@ -22,6 +22,7 @@ FOLLOWED = {
     "quadratic": "quadratic",
     "B-spline": "bspline",
 }
+_LAWS = {one.label: name for name, one in LAWS.items()}
 _JERK_STEPS = 10
 """Steps of a length that are one of the jerk, which is a larger number."""
 
@@ -30,24 +31,22 @@ class MotionPanel:
     """The ``quadratic`` and ``motion`` sections of a scene."""
 
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
-        self.fit = Choice(
-            gui,
+        self.fit = gui.add_dropdown(
             "curve",
-            FITS,
-            "The paper's least-squares arc may enter an obstacle. The closest arc that does not, "
-            "or several joined smoothly, stay clear.",
+            tuple(FITS),
+            hint="The paper's least-squares arc may enter an obstacle. The closest arc that does "
+            "not, or several joined smoothly, stay clear.",
         )
-        self.curve = Choice(
-            gui,
+        self.curve = gui.add_dropdown(
             "arm follows",
-            FOLLOWED,
-            "The curve that the arm executes: the B-spline where the quadratic comes too close.",
+            tuple(FOLLOWED),
+            hint="The curve that the arm executes: the B-spline where the quadratic comes too "
+            "close.",
         )
-        self.law = Choice(
-            gui,
+        self.law = gui.add_dropdown(
             "motion",
-            {one.label: name for name, one in LAWS.items()},
-            "The paper's three phases heed only the tool tip. The others also keep the joints "
+            tuple(_LAWS),
+            hint="The paper's three phases heed only the tool tip. The others also keep the joints "
             "within their speeds and accelerations.",
         )
         self.speed = gui.add_number(
@@ -75,7 +74,8 @@ class MotionPanel:
             "motion.joint_acceleration": self.joint_acceleration,
             "motion.jerk": self.jerk,
         }
-        self._fields = Fields(widgets, wake)
+        options = {"quadratic.mode": FITS, "motion.curve": FOLLOWED, "motion.law": _LAWS}
+        self._fields = Fields(widgets, wake, options)
         self.write(scene)
 
     def read(self) -> dict[str, Any]:
@@ -96,7 +96,7 @@ class MotionPanel:
         if (law := self.law.value) == self._shown:
             return
         self._shown = law
-        uses = LAWS[law].uses if law in LAWS else frozenset()
+        uses = LAWS[_LAWS[law]].uses if law in _LAWS else frozenset()
         self.speed.visible, self.rates.visible = "speed" in uses, "acceleration" in uses
         self.joint_acceleration.visible = "joint_acceleration" in uses
         self.jerk.visible = "jerk" in uses

@@ -6,7 +6,7 @@ import viser
 
 from abi.scene.scene import Scene
 from app.panels.stages.fields import Fields
-from app.panels.widgets import Choice, Wake, clamp
+from app.panels.widgets import Wake, clamp
 from app.state.frame import Frame
 from app.ui import style
 
@@ -18,18 +18,16 @@ class SearchPanel:
     """The ``search`` section of a scene, and the part of the search to draw."""
 
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
-        self.algorithm = Choice(
-            gui,
+        self.algorithm = gui.add_dropdown(
             "path used",
-            ALGORITHMS,
-            "All searches run each time; this one's path becomes the curve.",
+            tuple(ALGORITHMS),
+            hint="All searches run each time; this one's path becomes the curve.",
         )
-        self.weight = Choice(
-            gui,
+        self.weight = gui.add_dropdown(
             "shortest by",
-            WEIGHTS,
-            "By number of edges, all searches find equally few edges, but of several such paths "
-            "each may find another, of another length (the paper's Table I).",
+            tuple(WEIGHTS),
+            hint="By number of edges, all searches find equally few edges, but of several such "
+            "paths each may find another, of another length (the paper's Table I).",
         )
         self.taut = gui.add_checkbox(
             "shortcut the corners",
@@ -46,7 +44,9 @@ class SearchPanel:
             "yellow, later blue, the latest magenta.",
         )
         widgets = {"algorithm": self.algorithm, "weight": self.weight, "taut": self.taut}
-        self._fields = Fields({f"search.{name}": one for name, one in widgets.items()}, wake)
+        named = {f"search.{name}": one for name, one in widgets.items()}
+        options = {"search.algorithm": ALGORITHMS, "search.weight": WEIGHTS}
+        self._fields = Fields(named, wake, options)
         self.read = self._fields.read
         self.shown.on_update(wake)
         self.write(scene)

@@ -118,7 +118,7 @@ def test_every_search_has_its_name_where_no_curve_is_shown(tab: tuple[FakeTab, S
     until(lambda: named() == labels)
     fake.set(boxes["dijkstra"], False)
     until(lambda: named() == labels - {"Dijkstra"})
-    fake.set(session.panels.stages.search.algorithm.handle, "Dijkstra")
+    fake.set(session.panels.stages.search.algorithm, "Dijkstra")
     until(lambda: named() == labels - {"Dijkstra"} and session.resting)
 
 
@@ -206,9 +206,9 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
 def test_the_seed_is_offered_where_it_counts(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     assert not session.panels.stages.mesh.seed.visible
-    fake.set(session.panels.stages.mesh.lattice.handle, "Delaunay (irregular)")
+    fake.set(session.panels.stages.mesh.lattice, "Delaunay (irregular)")
     until(lambda: session.panels.stages.mesh.seed.visible)
-    fake.set(session.panels.stages.mesh.lattice.handle, "Kuhn (cube cut in 6)")
+    fake.set(session.panels.stages.mesh.lattice, "Kuhn (cube cut in 6)")
     until(lambda: not session.panels.stages.mesh.seed.visible)
 
 

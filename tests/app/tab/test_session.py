@@ -285,10 +285,10 @@ def test_a_value_of_another_kind_never_ends_the_session(
     tab: tuple[FakeTab, Session], value: Any
 ) -> None:
     fake, session = tab
-    fake.set(session.panels.stages.motion.curve.handle, value)
+    fake.set(session.panels.stages.motion.curve, value)
     fake.set(session.panels.stages.arm.elbow, value)
     fake.set(session.panels.stages.spline.degree, 3)
-    fake.set(session.panels.stages.motion.curve.handle, "quadratic")
+    fake.set(session.panels.stages.motion.curve, "quadratic")
     fake.set(session.panels.stages.arm.elbow, "down")
     until(lambda: session.plan.scene.arm.elbow == "down")  # type: ignore[union-attr]
 

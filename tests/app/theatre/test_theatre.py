@@ -337,7 +337,7 @@ def test_a_search_opens_with_the_one_of_stage_three_at_its_first_step(
 ) -> None:
     fake, session = tab
     panel = session.panels.theatre
-    fake.set(session.panels.stages.search.algorithm.handle, "Dijkstra")
+    fake.set(session.panels.stages.search.algorithm, "Dijkstra")
     until(lambda: session.resting and session.frame.plan.scene.search.algorithm == "dijkstra")
     panel.set(on=True, algorithm="greedy_best_first", step=4)  # as a lesson does
     fake.set(panel.edges, "one")
