@@ -12,7 +12,7 @@ import viser
 from abi.arm_planning.motion_law import ROUNDING
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
-from app.layers.result.time_plot import Lines, TimePlots, new_plot, plotted_samples
+from app.layers.result.time_plot import Lines, new_plot, plotted_samples, show_lines
 from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame, Layer
 from app.ui import style
@@ -40,7 +40,6 @@ class JointRatesLayer(Layer):
         self._drawn: object = None
         self._made: tuple[object, ...] | None = None
         self._plots: dict[str, viser.GuiUplotHandle] = {}
-        self._shown = TimePlots()
         with layout.plots:
             self._peaks = layout.client.gui.add_html("", visible=False)
 
@@ -49,10 +48,8 @@ class JointRatesLayer(Layer):
         if frame.plots and not frame.interactive and frame.plan is not self._drawn:
             self._drawn = frame.plan
             self._replace(frame.plan)
-        self._shown.show(frame.interactive)
 
     def _replace(self, plan: Plan) -> None:
-        self._shown.clear()
         rates, motion = plan.joint_rates, plan.motion
         self._peaks.visible = rates is not None
         if rates is None or motion is None:
@@ -74,9 +71,9 @@ class JointRatesLayer(Layer):
             if values is None:
                 self._plots[name].visible = False
             else:
-                self._shown.add(self._plots[name], time, *values[samples].T)
+                show_lines(self._plots[name], time, *values[samples].T)
         used = [100 * share[samples] for share in _shares(plan)]
-        self._shown.add(self._plots["limits"], time, *used, np.full(len(time), 100.0))
+        show_lines(self._plots["limits"], time, *used, np.full(len(time), 100.0))
 
     def _uses(self) -> Lines:
         """Lines of the plot of the limits: none of torques where these are not known."""

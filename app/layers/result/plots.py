@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import time as clock
 
 import numpy as np
 import viser
 
 from abi.arm_planning.motion.trajectory import ArmMotion
+from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.robot.paper_arm.paper_arm import JOINTS
 from app.layers.result.motion_curves import (
@@ -16,7 +18,7 @@ from app.layers.result.motion_curves import (
     links_clearance,
     tool_clearance,
 )
-from app.layers.result.time_plot import Lines, TimePlots, new_plot, plotted_samples
+from app.layers.result.time_plot import Lines, new_plot, plotted_samples, show_lines
 from app.state.frame import Frame, Layer
 from app.ui import style
 from app.ui.layout import Layout
@@ -26,6 +28,8 @@ _NO_MOTION = (
     '<div style="box-sizing:border-box;height:{}px;padding:8px 10px;font-size:12.5px">'
     "No motion, nothing to plot.</div>"
 )
+_PERIOD = 0.25
+"""Seconds between two plots of changing motions while a hand drags: it looks elsewhere."""
 _SPEED_HEIGHT = 130
 _AROUND = 71
 """Height of a plot's title and legend with the space around them, [px]."""
@@ -69,7 +73,8 @@ class PlotsLayer(Layer):
         self._motion: object = self  # not that of the first plan, which may be None
         self._plotted: object = None
         self._resting: object = None
-        self._shown = TimePlots()
+        self._waiting: list[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]]] = []
+        self._next = 0.0
 
     def _new_plot(self, name: str) -> viser.GuiUplotHandle:
         title, lines, height = _PLOTS[name]
@@ -85,14 +90,27 @@ class PlotsLayer(Layer):
                 self._add_joints(plan, plan.motion)
             if not frame.interactive and self._resting is not plan.motion:
                 self._add_slow(plan, plan.motion)
-        self._shown.show(frame.interactive)
+        self._send(frame.interactive)
+
+    def _add(self, handle: viser.GuiUplotHandle, *lines: FloatArray) -> None:
+        """Show times and lines, (m,) each, from the next time on that something is sent."""
+        self._waiting.append((handle, lines))
+
+    def _send(self, interactive: bool) -> None:
+        """Send what is new; ``interactive``: while a hand drags, not at every frame."""
+        now = clock.monotonic()
+        if self._waiting and not (interactive and now < self._next):
+            for handle, lines in self._waiting:
+                show_lines(handle, *lines)
+            self._waiting.clear()
+            self._next = now + _PERIOD
 
     def _replace(self, plan: Plan) -> None:
         """Keep the plan's motion, to be plotted, and plot its speed."""
         motion = self._motion = plan.motion
         if self._other is not None and (motion is None or motion.joints == JOINTS):
             self._other.visible = False
-        self._shown.clear()
+        self._waiting.clear()
         for note in self._no_motion:
             note.visible = motion is None
         if motion is None:
@@ -107,7 +125,7 @@ class PlotsLayer(Layer):
         samples = plotted_samples(motion)
         velocity = motion.tool_velocity[samples]
         speed = np.linalg.norm(velocity, axis=1)
-        self._shown.add(self._plots["speed"], motion.time[samples], speed, *velocity.T)
+        self._add(self._plots["speed"], motion.time[samples], speed, *velocity.T)
 
     def _add_joints(self, plan: Plan, motion: ArmMotion) -> None:
         """Add what is plotted in the plots' tab, except for what is slow."""
@@ -115,12 +133,12 @@ class PlotsLayer(Layer):
         samples = plotted_samples(motion)
         time, positions = motion.time[samples], motion.positions[samples]
         if motion.joints == JOINTS:
-            self._shown.add(self._plots["angles"], time, *positions[:, [0, 1, 2, 3, 5]].T)
-            self._shown.add(self._plots["slide"], time, positions[:, 4])
+            self._add(self._plots["angles"], time, *positions[:, [0, 1, 2, 3, 5]].T)
+            self._add(self._plots["slide"], time, positions[:, 4])
         else:
             self._plots["angles"].visible = self._plots["slide"].visible = False
             others = self._others(motion, plan.scene.unit)
-            self._shown.add(others, time, *positions.T)
+            self._add(others, time, *positions.T)
         if plan.arm_clearance is None or plan.arm_clearance.obstacle < 0:
             self._plots["clearance"].visible = False
         elif not has_meshes(plan):
@@ -131,21 +149,21 @@ class PlotsLayer(Layer):
         self._resting = motion
         samples = plotted_samples(motion)
         time = motion.time[samples]
-        self._shown.add(self._plots["acceleration"], time, *acceleration(plan)[samples].T)
+        self._add(self._plots["acceleration"], time, *acceleration(plan)[samples].T)
         if has_meshes(plan):
             self._add_clearance(plan, motion)
         distances = tool_clearance(plan)
         if distances is None:
             self._plots["tool"].visible = False
         else:
-            self._shown.add(self._plots["tool"], time, distances[samples])
+            self._add(self._plots["tool"], time, distances[samples])
 
     def _add_clearance(self, plan: Plan, motion: ArmMotion) -> None:
         """Add the clearance of the arm, which takes a while where there are meshes."""
         samples = plotted_samples(motion)
         distances = links_clearance(plan, samples.step)
         if distances is not None:
-            self._shown.add(self._plots["clearance"], motion.time[samples], distances)
+            self._add(self._plots["clearance"], motion.time[samples], distances)
 
     def _others(self, motion: ArmMotion, unit: str) -> viser.GuiUplotHandle:
         """The plot of a motion's joints, made anew where names or units are others."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time as clock
 
 import numpy as np
 import viser
@@ -16,8 +15,6 @@ from app.ui import page, style
 _GREY = "rgba(128,128,128,0.25)"
 _FONT = "11px sans-serif"
 _FLAT = 1e-9
-PERIOD = 0.25
-"""Seconds between two plots of changing motions while a hand drags: it looks elsewhere."""
 _DASHES: tuple[tuple[float, ...], ...] = ((), (8, 4), (2, 3), (12, 4, 2, 4), (5, 3, 1, 3))
 """Of the lines of a plot, in turn: none is told from another by its colour alone. The legend's are
 in ``assets/page/page.js``."""
@@ -28,31 +25,6 @@ _PADDING = (9, 14, 0, 0)
 
 Lines = tuple[tuple[str, style.Colour], ...]
 """Name and colour of each line of a plot."""
-
-
-class TimePlots:
-    """Plots of curves over time, and the lines that are still to be sent to them."""
-
-    def __init__(self) -> None:
-        self._next = 0.0
-        self._waiting: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
-
-    def clear(self) -> None:
-        """Drop lines that were added and not sent yet."""
-        self._waiting = ()
-
-    def add(self, handle: viser.GuiUplotHandle, times: FloatArray, *lines: FloatArray) -> None:
-        """Show lines (m,) over times (m,) from the next :meth:`show` on."""
-        self._waiting += ((handle, (times, *lines)),)
-
-    def show(self, interactive: bool) -> None:
-        """Send what is new; ``interactive``: while a hand drags, not at every frame."""
-        now = clock.monotonic()
-        if not self._waiting or (interactive and now < self._next):
-            return
-        for handle, (times, *series) in self._waiting:
-            _show(handle, times, series)
-        self._next, self._waiting = now + PERIOD, ()
 
 
 def plotted_samples(motion: ArmMotion) -> slice:
@@ -88,8 +60,8 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
     )
 
 
-def _show(handle: viser.GuiUplotHandle, times: FloatArray, series: list[FloatArray]) -> None:
-    """Send lines over times."""
+def show_lines(handle: viser.GuiUplotHandle, times: FloatArray, *series: FloatArray) -> None:
+    """Show lines (m,) over times (m,) in a plot."""
     shown = [line.astype(np.float32) for line in (times, *series)]
     low = min(float(line.min()) for line in shown[1:])
     high = max(float(line.max()) for line in shown[1:])

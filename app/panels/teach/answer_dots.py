@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Sequence
 
@@ -15,49 +16,47 @@ _SIZE = 0.022
 """Radius of the ball of one answer, as a part of the workspace's longest side."""
 
 
-_Ball = tuple[Vec3, int, bool, float]
-"""A ball's place, number of answers, whether that is right, and the workspace's longest side."""
+Balls = dict[tuple[Vec3, int, bool, float], viser.IcosphereHandle]
+"""Balls by place, number of answers, whether that is right, and the workspace's longest side."""
+_NUMBERS = itertools.count()
+"""Of the balls' nodes."""
 
 
-class AnswerDots:
-    """The balls of one tab; those that stay are not drawn again when an answer comes.
+def draw_answers(
+    nodes: viser.SceneApi, balls: Balls, places: Sequence[Vec3], right: Sequence[Vec3], scene: Scene
+) -> None:
+    """Draw the places answered; none takes all balls away, and those that stay are not sent again.
 
-    Attributes:
-        places: at which there is one, [unit], world.
+    Of the right places, in green, those that nobody has answered are drawn where nobody was right.
+
+    Args:
+        nodes: where to draw.
+        balls: that there are, which this changes.
+        places: one for each answer, [unit], world.
+        right: places that are right.
+        scene: whose workspace sets the balls' size.
     """
+    counts, side = Counter(places), max(scene.workspace.size)
+    if not counts.keys() & set(right):
+        counts.update(dict.fromkeys(right, 0))
+    wanted = [(place, count, place in right, side) for place, count in counts.items()]
+    for ball in balls.keys() - set(wanted):
+        balls.pop(ball).remove()
+    for ball in wanted:
+        if ball not in balls:
+            balls[ball] = _drawn(nodes, *ball)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
-        self._scene = scene
-        self._balls: dict[_Ball, viser.IcosphereHandle] = {}
-        self._made = 0
-        self.places: tuple[Vec3, ...] = ()
 
-    def draw(self, places: Sequence[Vec3], right: Sequence[Vec3], scene: Scene) -> None:
-        """Draw the answers, the right places among them in green; none takes all away.
-
-        Of the right places those that nobody has answered are drawn where nobody was right.
-        """
-        side = max(scene.workspace.size)
-        counts = Counter(places)
-        if not counts.keys() & set(right):
-            counts.update(dict.fromkeys(right, 0))
-        wanted = [(at, count, at in right, side) for at, count in counts.items()]
-        self.places = tuple(counts)
-        for ball in self._balls.keys() - set(wanted):
-            self._balls.pop(ball).remove()
-        for ball in wanted:
-            if ball not in self._balls:
-                self._balls[ball] = self._drawn(*ball)
-
-    def _drawn(self, place: Vec3, answers: int, right: bool, side: float) -> viser.IcosphereHandle:
-        self._made += 1
-        name = f"/answers/{self._made}"
-        drawn = self._scene.add_icosphere(
-            name,
-            radius=_SIZE * side * max(answers, 1.0) ** (1 / 3),
-            color=style.GOOD[0] if right else style.MARK,
-            position=place,
-        )
-        if right or answers > 1:
-            self._scene.add_label(f"{name}/count", f"{'✓ ' * right}{answers}")
-        return drawn
+def _drawn(
+    nodes: viser.SceneApi, place: Vec3, answers: int, right: bool, side: float
+) -> viser.IcosphereHandle:
+    name = f"/answers/{next(_NUMBERS)}"
+    drawn = nodes.add_icosphere(
+        name,
+        radius=_SIZE * side * max(answers, 1.0) ** (1 / 3),
+        color=style.GOOD[0] if right else style.MARK,
+        position=place,
+    )
+    if right or answers > 1:
+        nodes.add_label(f"{name}/count", f"{'✓ ' * right}{answers}")
+    return drawn

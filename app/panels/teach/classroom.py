@@ -13,7 +13,7 @@ import viser
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene
-from app.panels.teach.answer_dots import AnswerDots
+from app.panels.teach.answer_dots import Balls, draw_answers
 from app.panels.teach.lessons import LessonPanel
 from app.panels.teach.poll_text import question_text
 from app.panels.teach.question_controls import QuestionControls, place_of
@@ -56,7 +56,7 @@ class ClassroomPanel:
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._published: TabState | None = None
         self._frame: Frame | None = None
-        self._dots = AnswerDots(client.scene)
+        self._balls: Balls = {}
         # above the lessons, whose text is long
         self._folder = gui.add_folder("Class", order=_FIRST)
         with self._folder:
@@ -219,7 +219,7 @@ class ClassroomPanel:
             if poll.revealed:
                 given, right = list(poll.answers.values()), poll.places
         places = [answer for answer in given if not isinstance(answer, int)]
-        self._dots.draw(places, right, frame.plan.scene)
+        draw_answers(self._client.scene, self._balls, places, right, frame.plan.scene)
 
     def _card(self, poll: Poll, text: str) -> str:
         """The question over the scene, as HTML, with the answers to press or their bars."""

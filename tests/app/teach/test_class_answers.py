@@ -293,4 +293,4 @@ def click(fake: FakeTab, target: object) -> None:
 
 
 def balls(session: Session) -> list[tuple[float, ...]]:
-    return list(panel(session)._dots.places)
+    return [place for place, *_ in panel(session)._balls]
