@@ -10,7 +10,6 @@ from app.layers.arm.arm_ghosts import ArmGhostsLayer
 from app.layers.arm.arm_regions import ArmRegionsLayer
 from app.layers.arm.joint_trees import JointTreesLayer
 from app.layers.base_map import BaseMapLayer
-from app.layers.drop_line import DropLineLayer
 from app.layers.marks import MarksLayer
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
@@ -28,7 +27,6 @@ LAYERS: tuple[type[Layer], ...] = (
     PlotsLayer,
     JointRatesLayer,
     WorkspaceLayer,
-    DropLineLayer,
     MeshLayer,
     PlanLinesLayer,
     MarksLayer,

@@ -6,34 +6,15 @@ import numpy as np
 
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene
-from app.drawing.lines import Segments, add_line
-from app.state.frame import Frame, Layer
-from app.ui import style
-from app.ui.layout import Layout
+from app.drawing.lines import Segments
 
 _MARK = 0.06
 """Half width of the cross on the floor, as a part of the workspace's longest side."""
 
 
-class DropLineLayer(Layer):
-    """The line and a cross at its foot, from when one obstacle or end is moved until another is."""
-
-    def __init__(self, layout: Layout) -> None:
-        self._line = add_line(layout.client.scene, "/drop_line", style.POINT, 2.5)
-        self._line.visible = False
-        self._places: tuple[Vec3, ...] = ()
-
-    def draw(self, frame: Frame) -> None:
-        """Draw the line below what a hand moves; whatever else moves takes it away."""
-        scene = frame.plan.scene
-        places = (scene.start, scene.goal, *(one.position for one in scene.obstacles))
-        if places == self._places:
-            return
-        place = moved_place(self._places, places) if frame.interactive else None
-        self._places = places
-        self._line.visible = place is not None
-        if place is not None:
-            self._line.points = _to_floor(place, scene)
+def places_of(scene: Scene) -> tuple[Vec3, ...]:
+    """Places of all that a hand can move in a scene: its ends and obstacles."""
+    return (scene.start, scene.goal, *(one.position for one in scene.obstacles))
 
 
 def moved_place(before: tuple[Vec3, ...], now: tuple[Vec3, ...]) -> Vec3 | None:
@@ -44,7 +25,7 @@ def moved_place(before: tuple[Vec3, ...], now: tuple[Vec3, ...]) -> Vec3 | None:
     return moved[0] if len(moved) == 1 else None
 
 
-def _to_floor(place: Vec3, scene: Scene) -> Segments:
+def to_floor(place: Vec3, scene: Scene) -> Segments:
     """Segments (3, 2, 3) from a place straight down, and of the cross there."""
     foot = np.array([place[0], place[1], scene.workspace.min[2]])
     arm = _MARK * max(scene.workspace.size)

@@ -1,6 +1,7 @@
-"""The workspace box, the ground, and three short arrows beside a corner of the box.
+"""What shows where things are: the workspace box, the ground, arrows, and a line to the floor.
 
-The arrows say where x, y and z lead, and in which unit.
+The arrows, beside a corner of the box, say where x, y and z lead, and in which unit. The line, with
+a cross at its foot, is below what is dragged: where that is in depth.
 """
 
 from __future__ import annotations
@@ -11,9 +12,12 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
+from abi.obstacles.pose import Vec3
+from abi.scene.scene import Scene
 from abi.scene.settings import Workspace
 from app.drawing.box import box_edges
 from app.drawing.lines import Segments, add_line
+from app.layers.drop_line import moved_place, places_of, to_floor
 from app.state.frame import Frame, Layer, Switch
 from app.ui import style
 from app.ui.layout import Layout
@@ -31,7 +35,8 @@ _LETTERS = 0.85
 class WorkspaceLayer(Layer):
     """Edges of the meshed box, a grid below it, and arrows in the plots' colours of the axes.
 
-    Neither arrows nor their labels take the mouse.
+    Neither arrows nor their labels take the mouse. Below an obstacle or end that is moved there is
+    a line, until another one is.
     """
 
     switches: ClassVar[tuple[Switch, ...]] = (
@@ -53,6 +58,9 @@ class WorkspaceLayer(Layer):
             for name in "xyz"
         ]
         self._drawn: tuple[Workspace, float, str] | None = None
+        self._drop_line = add_line(self._scene, "/drop_line", style.POINT, 2.5)
+        self._drop_line.visible = False
+        self._places: tuple[Vec3, ...] = ()
 
     def draw(self, frame: Frame) -> None:
         """Draw the box, the ground below it and the arm's base, and the arrows."""
@@ -66,6 +74,18 @@ class WorkspaceLayer(Layer):
             self._drawn = state
             self._draw_box(scene.workspace, scene.arm.base[2])
             self._place_axes(scene.workspace, scene.unit)
+        self._draw_drop_line(scene, frame.interactive)
+
+    def _draw_drop_line(self, scene: Scene, interactive: bool) -> None:
+        """Draw the line below what a hand moves; whatever else moves takes it away."""
+        places = places_of(scene)
+        if places == self._places:
+            return
+        place = moved_place(self._places, places) if interactive else None
+        self._places = places
+        self._drop_line.visible = place is not None
+        if place is not None:
+            self._drop_line.points = to_floor(place, scene)
 
     def _draw_box(self, workspace: Workspace, base: float) -> None:
         self._box.points = box_edges(workspace.min, workspace.max).astype(np.float32)
