@@ -258,8 +258,18 @@ def _random_rows(chain: ExactChain) -> Iterator[list[Fraction]]:
 
 
 def _usual_range(chain: ExactChain) -> tuple[list[float], list[float]]:
-    """Lowest and highest positions of random poses: of a turning joint at most one turn about 0."""
-    low, high = (np.array([float(one[side]) for one in chain.limits]) for side in (0, 1))
-    turns = ~np.array(chain.slides) & (low <= 0) & (high >= 0)
-    turn = np.where(turns, np.pi, np.inf)
-    return np.maximum(low, -turn).tolist(), np.minimum(high, turn).tolist()
+    """Lowest and highest positions of random poses: of a turning joint one turn near that about 0.
+
+    It is all of its limits where what follows it is not as before after a turn.
+    """
+    found = []
+    for number, (name, ends) in enumerate(zip(chain.coordinates, chain.limits, strict=True)):
+        low, high = map(float, ends)
+        moved = [joint for joint in chain.joints if joint.coordinate == name]
+        whole = all(joint.mimic is None or joint.mimic.factor % 1 == 0 for joint in moved)
+        slides = chain.slides[number] or any(joint.kind == "prismatic" for joint in moved)
+        if whole and not slides and low <= 0 <= high:
+            low = max(low, min(-np.pi, high - 2 * np.pi))
+            high = min(high, low + 2 * np.pi)
+        found.append((low, high))
+    return [low for low, _ in found], [high for _, high in found]

@@ -249,11 +249,17 @@ class Chain(ShortRepr):
     def usual_range(self) -> FloatArray:
         """Positions that random poses are drawn from, (n, 2): of a turning joint one turn.
 
-        That is the turn about 0, where its limits contain 0.
+        That is the turn within its limits that is nearest to the one about 0. It is all of its
+        limits where these do not contain 0, or where what follows the joint is not as before after
+        a turn: a joint that slides, or turns by no whole number of turns.
         """
-        clipped = np.clip(self.limits, -np.pi, np.pi)
-        has_zero = (self.limits[:, 0] <= 0) & (self.limits[:, 1] >= 0)
-        return np.where((has_zero & ~np.array(self.slides))[:, None], clipped, self.limits)
+        low, high = self.limits.T
+        begin = np.maximum(low, np.minimum(-np.pi, high - 2 * np.pi))
+        turn = np.stack([begin, np.minimum(high, begin + 2 * np.pi)], axis=1)
+        recurs = np.full(len(self.names), True)
+        again = ~self.table.slides & (self.table.factor % 1 == 0)
+        recurs[self.table.source[~again]] = False
+        return np.where((recurs & (low <= 0) & (high >= 0))[:, None], turn, self.limits)
 
     def poses(self, positions: FloatArray) -> FloatArray:
         """World from frame behind each joint and of the tip.

@@ -33,7 +33,7 @@ from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
-from abi.verify.allowed_contacts import are_joined, may_touch_floor
+from abi.verify.allowed_contacts import _usual_range, are_joined, may_touch_floor
 from abi.verify.exact.link_corners import LinkPiece
 from abi.verify.exact.robot_chain import exact_chain, exact_joints
 from abi.verify.plan_obstacles import obstacles_of
@@ -250,6 +250,25 @@ def test_links_that_part_only_at_the_end_of_a_range_overlap_not_always(
     arm = urdf_arm(robot_from_archive(packed({"a.urdf": text})), "pin", (0.0, 0.0, 0.0))
     reasons = [one.reason for one in arm.allowed if {one.link, one.other} == {"slab", "pin"}]
     assert reasons == (["always"] if always else [])
+
+
+@given(low=st.floats(-15, 15), long=st.floats(0.1, 20), factor=st.sampled_from([None, 2.0, 0.5]))
+def test_random_poses_are_of_a_whole_turn_or_all_that_there_is(
+    low: float, long: float, factor: float | None
+) -> None:
+    limit = f'<limit lower="{low!r}" upper="{low + long!r}" velocity="1" effort="9"/>'
+    parts = [link("a"), link("b"), joint("p", "a", "b", extra=limit)]
+    if factor is not None:
+        wide = '<limit lower="-99" upper="99" velocity="1" effort="9"/>'
+        follows = f'<mimic joint="p" multiplier="{factor}"/>{wide}'
+        parts += [link("c"), joint("f", "b", "c", extra=follows)]
+    chain = Chain.of(robot_from_archive(packed({"a.urdf": urdf(*parts)})), "b")
+    ((begin, end),), ((lowest, highest),) = chain.usual_range(), chain.limits
+    assert lowest <= begin < end <= highest
+    turned = end - begin if factor is None else min(1.0, factor) * (end - begin)
+    assert turned >= 2 * np.pi - 1e-9 or (begin, end) == (lowest, highest)
+    exact = exact_chain(chain.robot, "b", (0, 0, 0), 1, (1, 0, 0, 0), {})
+    assert [*zip(*_usual_range(exact), strict=True)] == [pytest.approx((begin, end))]
 
 
 def pin_in_tube(radius: float, name: str = "r") -> dict[str, str | bytes]:
