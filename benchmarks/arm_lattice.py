@@ -19,7 +19,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Capsule
 from abi.robot.paper_arm.link_capsules import COLUMN
-from abi.robot.paper_arm.paper_arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 
 NODES = 100_000
@@ -65,7 +65,7 @@ class Poses:
         joints, reached = self.joints(points, sides)
         free = reached & self._tool_is_free(points)
         rows = np.flatnonzero(free)
-        ends = place(self.arm, joints[rows])
+        ends = self.arm.place(joints[rows])
         floor = min(float(self.arm.base[2]), self.scene.workspace.min[2])
         for k, capsule in enumerate(self.arm.capsules):
             low, high = (np.ascontiguousarray(ends[:, k, side]) for side in (0, 1))

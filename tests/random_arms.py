@@ -13,7 +13,7 @@ from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.robot.paper_arm.paper_arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from tests.random_scenes import mesh_source
 
@@ -72,7 +72,7 @@ def free_branches(scene: Scene, ends: FloatArray) -> Sequence[str]:
 
 def dense_clearance(arm: PaperArm, motion: ArmMotion, obstacles: ObstacleSet) -> float:
     """Least distance of the capsules to an obstacle, at samples along them, measured singly."""
-    ends = place(arm, motion.positions)
+    ends = arm.place(motion.positions)
     shares = np.linspace(0, 1, 15)[:, None, None, None]
     points = (ends[:, :, 0] + shares * (ends[:, :, 1] - ends[:, :, 0])).reshape(-1, 3)
     radii = np.array([capsule.radius for capsule in arm.capsules])

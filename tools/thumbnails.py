@@ -157,10 +157,9 @@ def _add_arm(drawing: Drawing, plan: Plan) -> None:
         return
     time = UNDERWAY * plan.motion.time[-1]
     pose = rows_at(time, plan.motion.time, plan.motion.positions)
-    for capsule in plan.arm.placed(pose[None]):
-        ends = capsule.ends[0]
+    for ends, radius in zip(plan.arm.place(pose[None])[0], plan.arm.radii.tolist(), strict=True):
         line = ends[0] + np.linspace(0, 1, 9)[:, None] * (ends[1] - ends[0])
-        drawing.line(line, ARM, 2 * capsule.radius * drawing.scale)
+        drawing.line(line, ARM, 2 * radius * drawing.scale)
 
 
 def _add_search(drawing: Drawing, plan: Plan, step: int, algorithm: str) -> None:

@@ -114,10 +114,10 @@ def _shifts(scene: Scene, plan: Plan) -> list[tuple[int, list[float]]]:
     shifts = []
     for number, contact in list(deepest.items())[:_MOVED]:
         row = int(np.searchsorted(motion.time, contact.time))
-        placed = arm.placed(motion.positions[row : row + 1])
-        ends = [one.ends[0] for one in placed if one.link == contact.link]
+        ends = arm.place(motion.positions[row : row + 1])[0]
+        of_link = [link == contact.link for link in arm.capsule_links]
         obstacle = scene.obstacles[number]
-        way = _way_out(obstacle, np.stack(ends), step)
+        way = _way_out(obstacle, ends[of_link], step)
         for times in _SHIFTS:
             to = np.add(obstacle.position, times * (contact.depth + step) * way)
             shifts.append((number, [float(f"{coordinate:.3g}") for coordinate in to]))
@@ -135,9 +135,9 @@ def _past(
         if plan is None or plan.motion is None or plan.arm is None:
             continue
         without[number] = plan
-        placed = plan.arm.placed(plan.motion.positions)
-        low = np.min([one.ends.min(axis=(0, 1)) - one.radius for one in placed], axis=0)
-        high = np.max([one.ends.max(axis=(0, 1)) + one.radius for one in placed], axis=0)
+        ends, radii = plan.arm.place(plan.motion.positions), plan.arm.radii[:, None]
+        low = (ends.min(axis=(0, 2)) - radii).min(axis=0)
+        high = (ends.max(axis=(0, 2)) + radii).max(axis=0)
         bottom, top = map(np.ravel, ObstacleSet((obstacle,)).bounds)
         room = plan.arm.reach * _LEAST + scene.arm.clearance + scene.spline.clearance
         ways = np.concatenate([np.diag(high - bottom + room), np.diag(low - top - room)])

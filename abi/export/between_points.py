@@ -117,11 +117,8 @@ def _from_curve(plan: Plan) -> float:
     if arm is None or motion is None or len(motion.positions) < 3:
         return 0.0
     chords = (motion.positions[:-2] + motion.positions[2:]) / 2
-    there, straight = arm.placed(motion.positions[1:-1]), arm.placed(chords)
-    return max(
-        float(np.linalg.norm(one.ends - other.ends, axis=-1).max())
-        for one, other in zip(there, straight, strict=True)
-    )
+    away = arm.place(motion.positions[1:-1]) - arm.place(chords)
+    return float(np.linalg.norm(away, axis=-1).max())
 
 
 def _own_distance(plan: Plan, arm: PaperArm) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from abi import assets
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray
 from abi.curves.curve import Curve
 from abi.errors import ExportError
 from abi.explain.arm_faults import arm_faults, limits_warning
@@ -22,7 +22,6 @@ from abi.obstacles.obstacle_set import Obstacles
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.own_search import OWN, expanded_by_a_star
 from abi.planner.plan import Plan
-from abi.robot.any_arm import PlacedCapsule
 from abi.search.compare import COMPARED
 from abi.search.search import search
 from abi.search.subset import evenly, subset
@@ -191,17 +190,23 @@ def _arm(plan: Plan) -> dict[str, Any]:
     evenly = np.linspace(0, last, min(_POSES, last + 1)).round().astype(int)
     chosen = np.unique(np.concatenate([evenly, np.minimum(deepest, last)]))
     time = plan.motion.time[chosen]
-    capsules = [*plan.arm.placed(plan.motion.positions[chosen]), *_carried(plan, chosen)]
-    poses = np.stack([capsule.ends for capsule in capsules], axis=1)
+    names, radii = list(plan.arm.capsule_links), plan.arm.radii.tolist()
+    poses = [plan.arm.place(plan.motion.positions[chosen])]
+    for one in carried_objects(plan):
+        if one.is_taken:  # what is held from the start is a body of the arm
+            samples = np.clip(chosen, one.first, one.last)
+            of_it = [k for k, link in enumerate(one.arm.capsule_links) if link == one.link]
+            names += [one.link] * len(of_it)
+            radii += one.arm.radii[of_it].tolist()
+            poses.append(one.arm.place(plan.motion.positions[samples])[:, of_it])
     touching = [frozenset() if clearance is None else clearance.touching(one) for one in time]
     return {
         "time": rounded(time),
-        "links": rounded(poses),
-        "radii": [_round(capsule.radius) for capsule in capsules],
+        "links": rounded(np.concatenate(poses, axis=1)),
+        "radii": list(map(_round, radii)),
         "tool": rounded(plan.motion.tool[chosen]),
         "touching": [
-            [row for row, capsule in enumerate(capsules) if capsule.link in links]
-            for links in touching
+            [row for row, name in enumerate(names) if name in links] for links in touching
         ],
     }
 
@@ -210,18 +215,6 @@ def _standing(plan: Plan) -> Obstacles:
     """The obstacles that are never carried."""
     carried = {one.number for one in carried_objects(plan)}
     return tuple(one for k, one in enumerate(plan.scene.obstacles) if k not in carried)
-
-
-def _carried(plan: Plan, chosen: IntArray) -> list[PlacedCapsule]:
-    """Capsules of carried objects at some samples of the motion, wherever they then are."""
-    assert plan.motion is not None
-    found = []
-    for one in carried_objects(plan):
-        if one.is_taken:  # what is held from the start is a body of the arm
-            samples = np.clip(chosen, one.first, one.last)
-            placed = one.arm.placed(plan.motion.positions[samples])
-            found += [capsule for capsule in placed if capsule.link == one.link]
-    return found
 
 
 def _sampled(curve: Curve) -> Any:

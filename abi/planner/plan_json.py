@@ -269,14 +269,17 @@ def arm(
         "ms": ms["arm"],
     }
     if full:
+        ends = model.place(motion.positions[keep])
         section["capsules"] = [
             {
                 "link": link,
                 "radius": radius,
-                "from": ends[:, 0].tolist(),
-                "to": ends[:, 1].tolist(),
+                "from": ends[:, k, 0].tolist(),
+                "to": ends[:, k, 1].tolist(),
             }
-            for link, radius, ends in model.placed(motion.positions[keep])
+            for k, (link, radius) in enumerate(
+                zip(model.capsule_links, model.radii.tolist(), strict=True)
+            )
         ]
     return section
 

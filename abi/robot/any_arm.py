@@ -9,20 +9,6 @@ from abi.obstacles.pose import Quaternion
 from abi.robot.kinematics.chain import Chain
 
 
-class PlacedCapsule(NamedTuple):
-    """A capsule of a link at joint positions.
-
-    Attributes:
-        link: name of the link.
-        radius: [unit].
-        ends: of its segment at each of the positions, shape (k, 2, 3), [unit], world.
-    """
-
-    link: str
-    radius: float
-    ends: FloatArray
-
-
 class RateLimits(NamedTuple):
     """Largest rates of an arm's joints, (n,) each, inf where there is no limit.
 
@@ -83,6 +69,10 @@ class AnyArm(Protocol):
         """Name of the link of each capsule, those that stand still first."""
 
     @property
+    def radii(self) -> FloatArray:
+        """Radius of each capsule, (c,), [unit]."""
+
+    @property
     def has_elbow(self) -> bool:
         """Whether its branches are the two sides of its elbow."""
 
@@ -101,8 +91,8 @@ class AnyArm(Protocol):
     def tool(self, positions: FloatArray) -> FloatArray:
         """Positions (k, 3) of the tool at joint positions (k, n), [unit], world."""
 
-    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
-        """Capsules of all links at joint positions (k, n)."""
+    def place(self, positions: FloatArray) -> FloatArray:
+        """Ends of the capsules' segments at joint positions (k, n), (k, c, 2, 3), [unit], world."""
 
     def description(self) -> str:
         """URDF of the arm, in metres, standing at the origin of its root link."""

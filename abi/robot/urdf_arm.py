@@ -12,7 +12,7 @@ import numpy as np
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
-from abi.robot.any_arm import PlacedCapsule, RateLimits
+from abi.robot.any_arm import RateLimits
 from abi.robot.bodies.allowed_contacts import AllowedContact, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
@@ -264,14 +264,6 @@ class UrdfArm(ShortRepr):
             return None
         moving = (values / self.scales for values in (positions, speeds, accelerations))
         return joint_torques(self.chain, *moving)
-
-    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
-        """Capsules of all links at joint positions (k, n)."""
-        ends = self.place(positions).swapaxes(0, 1)
-        return [
-            PlacedCapsule(one.link, radius, of_one)
-            for one, radius, of_one in zip(self.capsules, self.radii.tolist(), ends, strict=True)
-        ]
 
     def description(self) -> str:
         """URDF of the arm, in metres, standing at the origin of its root link."""

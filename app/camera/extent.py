@@ -28,9 +28,8 @@ def extent(plan: Plan) -> FloatArray:
         parts.append(curve(np.linspace(*curve.interval, _CURVE_POINTS)))
     positions = _positions(plan)
     if plan.arm is not None and len(positions):
-        for capsule in plan.arm.placed(positions):
-            steps = capsule.radius * np.vstack([np.eye(3), -np.eye(3)])
-            parts.append((capsule.ends.reshape(-1, 1, 3) + steps).reshape(-1, 3))
+        steps = plan.arm.radii[:, None, None, None] * np.vstack([np.eye(3), -np.eye(3)])
+        parts.append((plan.arm.place(positions)[..., None, :] + steps).reshape(-1, 3))
     return np.vstack(parts)
 
 

@@ -76,10 +76,10 @@ def in_view(plan: Plan, curve: FloatArray, eyes: FloatArray, size: float) -> Boo
         return np.asarray(are_open)
     positions = plan.motion.positions
     rows = np.linspace(0, len(positions) - 1, _POSES).astype(int)
-    placed = plan.arm.placed(positions[rows])
     foot = np.array([plan.arm.base, np.add(plan.arm.base, (0.0, 0.0, _FOOT[1] * size))])
-    ends = np.stack([*(one.ends for one in placed), np.tile(foot, (len(rows), 1, 1))], axis=1)
-    radii = np.array([*(one.radius for one in placed), _FOOT[0] * size])
+    feet = np.tile(foot, (len(rows), 1, 1, 1))
+    ends = np.concatenate([plan.arm.place(positions[rows]), feet], axis=1)
+    radii = np.append(plan.arm.radii, _FOOT[0] * size)
     middles = np.array([one.position for one in plan.scene.obstacles], float).reshape(-1, 3)
     if len(middles) > _OBSTACLES:
         middles = middles[:0]  # of a crowd there is always one behind the arm

@@ -36,7 +36,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bodies.chain_capsules import segment_distances
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import joint_torques
-from abi.robot.paper_arm.paper_arm import PaperArm, forward, place
+from abi.robot.paper_arm.paper_arm import PaperArm, forward
 from abi.robot.urdf.link import Link, LinkShape
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.arm_settings import ArmSettings
@@ -328,7 +328,7 @@ def entries() -> dict[str, Entry]:
         "ChainCapsule: ends": of_capsule("ends"),
         "ChainCapsule: points": of_capsule("points"),
         "forward": Entry(lambda at: forward(usual_arm(), at), ANGLES),
-        "place": Entry(lambda at: place(usual_arm(), at), ANGLES),
+        "place": Entry(lambda at: usual_arm().place(at), ANGLES),
         "joint_torques: positions": Entry(
             lambda at: joint_torques(chain(), at, ANGLES, ANGLES), ANGLES
         ),

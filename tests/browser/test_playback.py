@@ -151,8 +151,8 @@ def test_the_page_plays_any_arm_and_tells_when_nobody_looks(tabs: Tabs, server: 
             lambda expected=expected: bool(np.allclose(page.position(joint), expected, atol=0.002)),  # type: ignore[misc]
             f"the wrist at {time:g} s",
         )
-        placed = made.placed(other_poses(session.plan, made, time))
-        middles = np.stack([one.ends.mean(axis=1) for one in placed], axis=1).reshape(-1, 3)
+        ends = made.place(other_poses(session.plan, made, time))
+        middles = ends.mean(axis=2).reshape(-1, 3)
         names = page.tab.evaluate("abi.bodies.names")
         held = np.array([page.position(name) for name in names])
         held = held[np.abs(held).max(axis=1) < 1e6]  # the others are not there at this time

@@ -25,7 +25,7 @@ from abi.curves.clearance.certificate import Refutation
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact
-from abi.robot.paper_arm.paper_arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 """Fractions of the measured distance that are tried to prove, before the required one."""
@@ -139,7 +139,7 @@ def arm_clearance(
         collision_world: obstacles, floor and the arm's column.
         required: distance to keep from obstacles, at least 0, [unit].
     """
-    ends = place(arm, motion.positions)
+    ends = arm.place(motion.positions)
     own = _distances(ends, arm, collision_world.only(collision_world.numbers < 0), _TOUCH)
     measured = _distances(
         ends,
@@ -193,7 +193,7 @@ def distance_from_itself(motion: ArmMotion, arm: PaperArm, lowest: float) -> flo
         lowest: height of the workspace's bottom, [unit].
     """
     own = paper_arm_world(arm, ObstacleSet(()), lowest)
-    return float(_distances(place(arm, motion.positions), arm, own)[0].min())
+    return float(_distances(arm.place(motion.positions), arm, own)[0].min())
 
 
 def proven_clearance(

@@ -39,11 +39,9 @@ def links_clearance(
         return None
     least = clearance.distances[samples].copy()
     if arm.has_exact_bodies:
-        placed = arm.placed(motion.positions[samples])
-        ends = np.stack([capsule.ends for capsule in placed], axis=1)
-        radii = [capsule.radius for capsule in placed]
+        ends = arm.place(motion.positions[samples])
         p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
         for mesh in ObstacleSet(tuple(obstacles)).meshes:
-            gaps = mesh.segment_distance(p, q).reshape(ends.shape[:2]) - radii
+            gaps = mesh.segment_distance(p, q).reshape(ends.shape[:2]) - arm.radii
             np.minimum(least, gaps.min(axis=1), out=least)
     return least

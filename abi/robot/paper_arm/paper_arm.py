@@ -22,7 +22,7 @@ from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.errors import ExportError, SceneError
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
-from abi.robot.any_arm import PlacedCapsule, RateLimits
+from abi.robot.any_arm import RateLimits
 from abi.robot.bodies.urdf_writer import joint, write
 from abi.robot.kinematics.chain import Chain
 from abi.robot.paper_arm import arm_links
@@ -156,6 +156,11 @@ class PaperArm(ShortRepr):
         return tuple(one.link for one in self.capsules)
 
     @cached_property
+    def radii(self) -> FloatArray:
+        """Radius of each capsule, (c,), [unit]."""
+        return read_only(np.array([one.radius for one in self.capsules]))
+
+    @cached_property
     def capsule_rows(self) -> FloatArray:
         """Body, ends and radius of each capsule, flat (4 c,), as the kernels take them."""
         rows = [(c.body, c.low, c.high, c.radius) for c in self.capsules]
@@ -222,13 +227,12 @@ class PaperArm(ShortRepr):
         """Positions (k, 3) of the tool at joint positions (k, 6), [unit], world."""
         return forward(self, positions)
 
-    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
-        """Capsules of all links at joint positions (k, 6)."""
-        ends = place(self, positions).swapaxes(0, 1)
-        return [
-            PlacedCapsule(one.link, one.radius, of_one)
-            for one, of_one in zip(self.capsules, ends, strict=True)
-        ]
+    def place(self, positions: FloatArray) -> FloatArray:
+        """Ends of the capsules' segments at joint positions (k, 6), (k, c, 2, 3), [unit], world."""
+        positions = arguments.numbers("positions", positions, (-1, 6))
+        ends = np.empty((len(positions), len(self.capsules), 2, 3))
+        place_capsules(flat(positions), self.numbers(), self.capsule_rows, ends.reshape(-1))
+        return ends
 
     def description(self) -> str:
         """URDF of the arm, in metres, standing at the origin of its root link."""
@@ -271,22 +275,6 @@ def forward(arm: PaperArm, positions: FloatArray) -> FloatArray:
     r = arm.a3 * np.sin(q2) + a6 * np.sin(q2 + q3)
     z = arm.a1 + arm.a2 + arm.a3 * np.cos(q2) + a6 * np.cos(q2 + q3)
     return np.asarray(arm.base + np.stack([np.sin(q1) * r, -np.cos(q1) * r, z], axis=1))
-
-
-def place(arm: PaperArm, positions: FloatArray) -> FloatArray:
-    """Ends of the capsules' segments.
-
-    Args:
-        arm: the arm.
-        positions: joint positions, shape (n, 6), [rad], q5 [unit].
-
-    Returns:
-        Shape (n, c, 2, 3), [unit], world; capsules in the order of ``arm.capsules``.
-    """
-    positions = arguments.numbers("positions", positions, (-1, 6))
-    ends = np.empty((len(positions), len(arm.capsules), 2, 3))
-    place_capsules(flat(positions), arm.numbers(), arm.capsule_rows, ends.reshape(-1))
-    return ends
 
 
 def urdf(arm: PaperArm, scale: float | None = None) -> str:

@@ -85,9 +85,8 @@ class ArmGhostsLayer(Layer):
         if arm is None or not len(positions):
             bodies.hide()
             return
-        placed = arm.placed(positions)
-        ends = np.stack([capsule.ends for capsule in placed], axis=1).reshape(-1, 2, 3)
-        radii = np.tile([capsule.radius for capsule in placed], len(positions))
+        ends = arm.place(positions).reshape(-1, 2, 3)
+        radii = np.tile(arm.radii, len(positions))
         if playing:
             bodies.follow(ends, radii, _places(plan))
         else:
@@ -114,8 +113,7 @@ def _places(plan: Plan) -> FloatArray:
     assert motion is not None
     found = []
     for other in _joint_paths(plan):
-        ends = np.stack([capsule.ends for capsule in arm.placed(other.joints)], axis=1)
-        places = places_of(ends)
+        places = places_of(arm.place(other.joints))
         places[other.missed > REACHED * arm.reach] = np.nan
         found.append(places)
     return read_only(np.concatenate(found, axis=1)) if found else np.empty((0, 0, 7))

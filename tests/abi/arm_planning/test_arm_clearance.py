@@ -26,7 +26,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.robot.paper_arm.paper_arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
@@ -47,7 +47,7 @@ class Case:
     @property
     def distances(self) -> FloatArray:
         """Densely sampled distances (m, c, k) of the capsules to each obstacle, at finer times."""
-        ends = place(self.arm, self.motion.positions)
+        ends = self.arm.place(self.motion.positions)
         shares = np.linspace(0, 1, 25)[:, None, None, None]
         points = ends[:, :, 0] + shares * (ends[:, :, 1] - ends[:, :, 0])
         radii = np.array([capsule.radius for capsule in self.arm.capsules])
@@ -107,7 +107,7 @@ def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
     assert not clearance.contacts
     if len(found.obstacles):
         assert found.distances.min() > clearance.distance - 1e-9
-    ends = place(found.arm, found.motion.positions)
+    ends = found.arm.place(found.motion.positions)
     column = found.arm.base + np.array([0.0, 0.0, 1.0]) * np.linspace(0, 3, 40)[:, None]
     for c, capsule in enumerate(found.arm.capsules):
         if capsule.body == 0:
@@ -175,7 +175,7 @@ def test_a_link_in_an_obstacle_is_named_with_its_time_and_depth() -> None:
     assert free.clearance.certified
     assert free.clearance.obstacle == -1
     # in the forearm at the middle of the motion
-    ends = place(free.arm, free.motion.positions[[50]])[0]
+    ends = free.arm.place(free.motion.positions[[50]])[0]
     c = next(k for k, one in enumerate(free.arm.capsules) if one.link == "forearm")
     x, y, z = ends[c].mean(axis=0).tolist()
     ball = Sphere(radius=0.05, position=(x, y, z))
@@ -218,7 +218,7 @@ def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 60)
-    ends, rows = place(arm, positions), collision_world.beyond(0.0)
+    ends, rows = arm.place(positions), collision_world.beyond(0.0)
     count = len(arm.capsules)
     together, one_by_one = np.empty((60, count)), np.empty((60, count))
     rows_of = np.empty(count, dtype=np.int32)
@@ -260,7 +260,7 @@ def test_the_nearest_capsule_and_those_that_touch_a_mesh_are_measured(seed: int)
     positions = np.zeros((40, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 40)
-    ends = place(arm, positions)
+    ends = arm.place(positions)
     count = ends.shape[0] * ends.shape[1]
     found, nearest = np.full(count, np.inf), np.empty(count, dtype=np.int32)
     capsules_near_meshes(flat(ends), arm.capsule_rows, obstacles.surfaces, found, nearest)
@@ -290,7 +290,7 @@ def test_what_is_told_of_a_contact_with_a_mesh_is_the_deepest_of_all_its_poses(s
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 60)
-    ends, moving = place(arm, positions), len(arm.capsules)
+    ends, moving = arm.place(positions), len(arm.capsules)
     beside = np.where(random.random((60, moving)) < 0.05, random.uniform(-0.2, 0), np.inf)
     found, nearest = beside.copy(), np.empty((60, moving), dtype=np.int32)
     capsules_near_meshes(

@@ -11,7 +11,6 @@ from abi.arm_planning.world.arm_worlds import paper_arm_world
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.inverse_kinematics import solve
 from abi.robot.paper_arm.link_capsules import COLUMN
-from abi.robot.paper_arm.paper_arm import place
 from abi.scene.arm_settings import Elbow
 from tests.random_arms import arm_scene
 
@@ -32,7 +31,7 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
     points = points[branch.reached(points)]
     joints = np.zeros((len(points), 6))
     joints[:, :3], _ = solve(arm, points, np.zeros(len(points)), elbow, np.zeros_like(points))
-    ends = place(arm, joints)
+    ends = arm.place(joints)
     moving = [k for k, capsule in enumerate(arm.capsules) if capsule.body != COLUMN]
     shares = np.linspace(0, 1, _SAMPLES)
     for number, obstacle in enumerate(obstacles):

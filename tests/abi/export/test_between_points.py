@@ -198,8 +198,8 @@ def test_poses_of_the_papers_arm_are_marked_where_straight_ways_between_them_lea
     straight = np.stack(
         [np.interp(fine.motion.time, plan.motion.time, q) for q in plan.motion.positions.T], axis=1
     )
-    both = zip(plan.arm.placed(straight), plan.arm.placed(fine.motion.positions), strict=True)
-    away = max(np.linalg.norm(one.ends - other.ends, axis=-1).max() for one, other in both)
+    apart = plan.arm.place(straight) - plan.arm.place(fine.motion.positions)
+    away = np.linalg.norm(apart, axis=-1).max()
     marked = joint_trajectory.is_marked(plan)
     assert marked == (samples is not None)
     assert marked or away < plan.arm_clearance.distance
@@ -228,13 +228,9 @@ def test_of_the_papers_arm_what_is_left_out_between_poses_counts_too(
         scipy.interpolate.BPoly.from_derivatives(motion.time, values),
         scipy.interpolate.make_interp_spline(motion.time, motion.positions, 1),
     )
-    there = arm.placed(true.positions)
+    there = arm.place(true.positions)
     moves = between_points._polynomials(plan, plan, slice(None))
     bound = between_points._from_curve(plan) + between_points._departure(arm, moves)
     for way in ways:
-        straight = arm.placed(way(true.time))
-        away = max(
-            float(np.linalg.norm(one.ends - other.ends, axis=-1).max())
-            for one, other in zip(there, straight, strict=True)
-        )
+        away = float(np.linalg.norm(there - arm.place(way(true.time)), axis=-1).max())
         assert 0 < away <= bound

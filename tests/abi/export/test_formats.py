@@ -332,7 +332,7 @@ def test_the_recording_has_all_of_the_arm_and_moves_it(
     (drawn,) = found["/arm"]
     entities = {entity["frame_id"]: entity for entity in drawn["entities"]}
     assert entities.keys() == {link for link, one in robot.link_map.items() if one.visuals}
-    capsules = arm.placed(motion.positions)
+    ends = arm.place(motion.positions)
     for sample in (0, 100, len(motion.time) - 1):
         state = found["/joint_states"][sample]
         robot.update_cfg(dict(zip(state["name"], state["position"], strict=True)))
@@ -346,12 +346,12 @@ def test_the_recording_has_all_of_the_arm_and_moves_it(
             expected = base @ robot.get_transform(link)
             np.testing.assert_allclose(place_of(frames, link), expected, atol=1e-9)
         for link, entity in entities.items():
-            own = [one for one in capsules if one.link == link]
+            own = [k for k, name in enumerate(arm.capsule_links) if name == link]
             for part in (*entity["cubes"], *entity["spheres"], *entity["cylinders"]):
                 pose = place_of(frames, link) @ matrix_of(part["pose"], "position", "orientation")
                 gaps = [
-                    segment_gap(pose[:3, 3] / arm.metres, one.ends[sample]) - one.radius
-                    for one in own
+                    segment_gap(pose[:3, 3] / arm.metres, ends[sample, k]) - arm.radii[k]
+                    for k in own
                 ]
                 assert min(gaps) < 1e-6 * arm.reach
     for link, entity in entities.items():

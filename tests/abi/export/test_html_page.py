@@ -117,7 +117,7 @@ def test_an_arm_that_touches_something_is_told_and_red() -> None:
     assert contact_sentence(contacts[0], "cm") in arm["text"]
     assert f"{len(contacts)} contacts" in arm["text"]
     assert "by the tool tip alone" in "".join(step["text"] for step in (curve, data["steps"][-3]))
-    links = [capsule.link for capsule in planned.arm.placed(planned.motion.positions[:1])]
+    links = planned.arm.capsule_links
     for contact in contacts:
         row = min(
             range(len(data["arm"]["time"])),

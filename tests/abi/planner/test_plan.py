@@ -19,7 +19,6 @@ from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm, forward
-from abi.robot.paper_arm.paper_arm import place as place_capsules
 from abi.scene.lattices import LATTICES
 from abi.tet_mesh.lattice import REGULAR
 from tests.abi.scene.test_scene import obstacles, points
@@ -462,7 +461,7 @@ def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
         return
     assert 0 <= arm["clearance_obstacle"] < len(made.scene.obstacles)
     assert 0 <= arm["clearance_time"] <= time[-1]
-    ends = place_capsules(made.arm, positions)
+    ends = made.arm.place(positions)
     shares = np.linspace(0, 1, 60)[:, None, None, None]
     links = ends[:, :, 0] + shares * (ends[:, :, 1] - ends[:, :, 0])
     radii = np.array([capsule.radius for capsule in made.arm.capsules])
@@ -479,7 +478,7 @@ def test_the_json_has_the_clearance_of_the_arm_at_every_time(name: str) -> None:
         arm = json.loads(json.dumps(made.to_dict(full=full), allow_nan=False))["arm"]
         found = np.array(arm["clearances"])
         assert found.shape == (len(arm["time"]),)
-        ends = place_capsules(made.arm, np.array(arm["positions"])[::20])
+        ends = made.arm.place(np.array(arm["positions"])[::20])
         shares = np.linspace(0, 1, 200)[:, None, None, None]
         links = ends[:, :, 0] + shares * (ends[:, :, 1] - ends[:, :, 0])
         radii = np.array([capsule.radius for capsule in made.arm.capsules])

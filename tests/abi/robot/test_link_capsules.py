@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arrays import FloatArray
 from abi.robot.paper_arm.link_capsules import FOREARM, SLIDE, UPPER_ARM
-from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm, forward, place, urdf
+from abi.robot.paper_arm.paper_arm import JOINTS, PaperArm, forward, urdf
 from abi.scene.arm_settings import ArmSettings
 
 LENGTH = st.floats(-0.7, 0.7).map(lambda power: 3 * 10.0**power)
@@ -43,7 +43,7 @@ def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: PaperArm, seed: int)
     # one metre of the text is one unit of the scene
     robot = yourdfpy.URDF.load(io.BytesIO(urdf(arm, 1.0).encode()), load_meshes=False)
     robot.update_cfg(dict(zip(JOINTS, positions, strict=True)))
-    ends = place(arm, positions[None])[0] - arm.base
+    ends = arm.place(positions[None])[0] - arm.base
     segments = defaultdict(list)
     for capsule, (a, b) in zip(arm.capsules, ends, strict=True):
         segments[capsule.link].append((a, b, capsule.radius))
@@ -68,7 +68,7 @@ def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: PaperArm, seed: int)
 def test_capsules_lie_along_the_links(arm: PaperArm, seed: int) -> None:
     low, high = arm.limits.T
     positions = low + np.random.default_rng(seed).random((3, 6)) * (high - low)
-    ends, tools = place(arm, positions), forward(arm, positions)
+    ends, tools = arm.place(positions), forward(arm, positions)
     for c, capsule in enumerate(arm.capsules):
         lengths = np.linalg.norm(ends[:, c, 1] - ends[:, c, 0], axis=1)
         np.testing.assert_allclose(lengths, capsule.high - capsule.low, rtol=0, atol=1e-9)
@@ -85,7 +85,7 @@ def test_at_the_limit_of_q3_the_forearms_end_keeps_off_the_upper_arm(
 ) -> None:
     extension = share * arm.limits[4, 1]
     positions = np.array([[0.3, 0.4, arm.limits[2, 1], 0.0, extension, 0.0]])
-    ends = place(arm, positions)[0]
+    ends = arm.place(positions)[0]
     upper = [c for c, capsule in enumerate(arm.capsules) if capsule.body == UPPER_ARM]
     a, b = ends[upper[0], 0], ends[upper[-1], 1]
     radius = arm.capsules[upper[0]].radius

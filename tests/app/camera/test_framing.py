@@ -84,7 +84,7 @@ def test_the_extent_holds_workspace_curve_and_arm(name: str) -> None:
     held = [np.array([plan.scene.workspace.min, plan.scene.workspace.max])]
     if plan.motion is not None and plan.arm is not None:
         held.append(plan.motion.tool[[0, -1]])
-        held += [one.ends.reshape(-1, 3) for one in plan.arm.placed(plan.motion.positions[:1])]
+        held.append(plan.arm.place(plan.motion.positions[:1]).reshape(-1, 3))
     for part in held:
         assert (part >= low).all()
         assert (part <= high).all()

@@ -395,7 +395,7 @@ def test_the_page_plays_the_other_poses_by_itself(
         shown = replace(frame, time=float(plan.motion.time[rows[number]]), playing=False)
         positions = _poses_of("now", shown)
         own = places[number][~np.isnan(places[number]).any(axis=1)]
-        ends = np.stack([one.ends for one in plan.arm.placed(positions)], axis=1).reshape(-1, 2, 3)
+        ends = plan.arm.place(positions).reshape(-1, 2, 3)
         assert len(own) == len(ends)
         ways = (ends[:, 1] - ends[:, 0]) / 2
         size = np.linalg.norm(ways, axis=1)
@@ -409,7 +409,7 @@ def test_the_page_plays_the_other_poses_by_itself(
     until(lambda: not session.frame.playing and sent[-1] is None)
     assert len(sent) == count + 1
     positions = _poses_of("now", session.frame)
-    ends = np.stack([one.ends for one in plan.arm.placed(positions)], axis=1).reshape(-1, 2, 3)
+    ends = plan.arm.place(positions).reshape(-1, 2, 3)
     until(lambda: len(nodes._nodes) == len(ends))
     for node, end in zip(nodes._nodes, ends, strict=True):
         np.testing.assert_allclose(node.position, end.mean(axis=0), atol=1e-6 * plan.arm.reach)

@@ -10,7 +10,7 @@ from PIL import Image
 from abi import load_scene, plan
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.paper_arm.paper_arm import PaperArm, place
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from app.layers.result.motion_curves import acceleration, links_clearance, tool_clearance
 from app.panels.files.share import png
@@ -262,7 +262,7 @@ def test_the_clearance_of_the_links_is_measured_at_all_times_beside_a_mesh() -> 
     stride = 20
     distances = links_clearance(result, stride)
     assert distances is not None
-    ends = place(arm, motion.positions[::stride])
+    ends = arm.place(motion.positions[::stride])
     parts = np.linspace(0, 1, 400)[:, None]
     points = ends[:, :, None, 0] * (1 - parts) + ends[:, :, None, 1] * parts
     gaps = ObstacleSet(result.scene.obstacles).nearest(points.reshape(-1, 3))[0]
