@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import abi
-from app.process.scratch import ScratchFolder, remove_abandoned
+from app.process.scratch import remove_abandoned, scratch_folder
 from tests.thorough import EXAMPLES
 from tests.workers import BROWSERS, ByFile, in_order
 
@@ -74,9 +74,9 @@ def pytest_configure(config: pytest.Config) -> None:
     # what is uploaded goes into no user's cache
     if "ABI_STORE" not in os.environ:
         remove_abandoned()
-        folder = ScratchFolder()
-        os.environ["ABI_STORE"] = str(folder.path / "uploads")
-        config.add_cleanup(folder.close)
+        folder = scratch_folder()
+        os.environ["ABI_STORE"] = f"{folder.name}/uploads"
+        config.add_cleanup(folder.cleanup)
     # once, before the workers start, which then load what was kept
     if not config.option.collectonly:
         abi.compile()

@@ -17,25 +17,14 @@ PREFIX = "abi-run-"
 _LOCK = "lock"
 
 
-class ScratchFolder:
-    """A new folder in the system's temporary folder.
-
-    Attributes:
-        path: of the folder.
-    """
-
-    def __init__(self) -> None:
-        self.path = Path(tempfile.mkdtemp(prefix=PREFIX))
-        # named once it is locked: what has no lock of that name yet is left alone
-        unnamed = self.path / f"new-{_LOCK}"
-        self._file = unnamed.open("wb")
-        _lock(self._file.fileno())
-        unnamed.rename(self.path / _LOCK)
-
-    def close(self) -> None:
-        """Remove the folder."""
-        shutil.rmtree(self.path, ignore_errors=True)
-        self._file.close()
+def scratch_folder() -> tempfile.TemporaryDirectory[str]:
+    """Make a new folder in the system's temporary folder, locked until this process ends."""
+    folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
+    # named once it is locked: what has no lock of that name yet is left alone
+    unnamed = Path(folder.name, f"new-{_LOCK}")
+    _lock(os.open(unnamed, os.O_CREAT | os.O_WRONLY))
+    unnamed.rename(Path(folder.name, _LOCK))
+    return folder
 
 
 def are_possible() -> bool:

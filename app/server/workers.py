@@ -16,9 +16,10 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from tempfile import TemporaryDirectory
 
 from app.guard.porter import Porter
-from app.process.scratch import ScratchFolder
+from app.process.scratch import scratch_folder
 
 Meet = Callable[[socket.socket], None]
 """Callback that introduces a process, by its socket, to the porter."""
@@ -53,10 +54,10 @@ class Workers:
         self._lock = threading.Lock()
         self._ending = threading.Event()
         self.porter: Porter | None = None
-        self._folder: ScratchFolder | None = None
+        self._folder: TemporaryDirectory[str] | None = None
         if count:
-            self._folder = ScratchFolder()
-            os.environ[_METRICS] = str(self._folder.path)
+            self._folder = scratch_folder()
+            os.environ[_METRICS] = self._folder.name
             self.porter = Porter(count + 1)
 
     def start(self, arguments: Sequence[str], token: str | None, meet: Meet) -> None:
@@ -108,7 +109,7 @@ class Workers:
         if self._folder is not None:
             # who is started from now on has no folder to keep its figures in
             os.environ.pop(_METRICS, None)
-            self._folder.close()
+            self._folder.cleanup()
 
     def _keep(self, arguments: Sequence[str], environment: dict[str, str], meet: Meet) -> None:
         """Thread that restarts one process until the server stops.
@@ -139,7 +140,7 @@ class Workers:
             from prometheus_client import multiprocess
 
             assert self._folder is not None
-            folder = str(self._folder.path)
+            folder = self._folder.name
             multiprocess.mark_process_dead(process.pid, folder)  # type: ignore[no-untyped-call]
             lived = time.monotonic() - begin
             pause = 0.0 if lived > _START else min(2 * pause + 1, _LONGEST)

@@ -13,7 +13,7 @@ from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.all_panels import AllPanels
 from app.process import unused_memory
-from app.shared.diagnoses import DIAGNOSES
+from app.shared.diagnoses import diagnose, reason_of
 from app.state.frame import Frame
 from app.tab.demo import FRAME, Demo
 from app.tab.planner import TabPlanner
@@ -101,10 +101,10 @@ class Pause:
 
     def _diagnose(self, frame: Frame) -> Frame:
         """The frame with the reason why there is no plan; without it if that has to wait."""
-        if not DIAGNOSES.make(frame.plan, self._interrupted):
+        if not diagnose(frame.plan, self._interrupted):
             return frame
         self._diagnosed = frame.plan
-        return replace(frame, reason=DIAGNOSES.reason(frame.plan))
+        return replace(frame, reason=reason_of(frame.plan))
 
     def _add_lights(self) -> None:
         """Add lights and an environment map, which weak graphics take seconds to draw."""

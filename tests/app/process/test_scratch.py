@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from app.process import scratch
-from app.process.scratch import PREFIX, ScratchFolder, remove_abandoned
+from app.process.scratch import PREFIX, remove_abandoned, scratch_folder
 
 needs_locks = pytest.mark.skipif(not scratch.are_possible(), reason="no such locks")
 _HOLD = (
-    "from app.process.scratch import ScratchFolder as S; f = S(); "
-    "print(f.path, flush=True); input()"
+    "from app.process.scratch import scratch_folder; f = scratch_folder(); "
+    "print(f.name, flush=True); input()"
 )
 
 
@@ -52,11 +52,11 @@ def test_the_folder_of_a_killed_process_is_removed_and_that_of_a_living_one_kept
 
 
 def test_a_folder_goes_with_its_owner() -> None:
-    folder = ScratchFolder()
+    folder = scratch_folder()
     assert remove_abandoned() == 0
-    assert folder.path.is_dir()
-    folder.close()
-    assert not folder.path.exists()
+    assert Path(folder.name).is_dir()
+    folder.cleanup()
+    assert not Path(folder.name).exists()
 
 
 @needs_locks

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,38 +13,43 @@ from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene, load_scene
 from app.shared import diagnoses
-from app.shared.diagnoses import Diagnoses
+from app.shared.diagnoses import diagnose, reason_of
 
 BECAUSE = Reason("because", "do that", None, np.zeros((0, 3)))
 
 
 @pytest.fixture(scope="module")
-def failed() -> Plan:
+def made() -> Plan:
     return Planner(compile=False)(load_scene("no-way"))
+
+
+@pytest.fixture
+def failed(made: Plan) -> Plan:
+    """A plan that failed, of which nothing is known yet."""
+    return replace(made)
 
 
 def test_all_tabs_are_told_what_one_has_found(
     failed: Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made: list[Plan] = []
+    explained: list[Plan] = []
 
     def explain(scene: Scene, plan: Plan, cancelled: object) -> Reason:
-        made.append(plan)
+        explained.append(plan)
         return BECAUSE
 
     monkeypatch.setattr(diagnoses, "explain", explain)
-    kept = Diagnoses()
-    assert kept.reason(failed) is None
+    assert reason_of(failed) is None
     for _ in range(5):
-        assert kept.make(failed, lambda: False)
-        assert kept.reason(failed) is BECAUSE
-    assert made == [failed]
+        assert diagnose(failed, lambda: False)
+        assert reason_of(failed) is BECAUSE
+    assert explained == [failed]
 
 
 def test_one_tab_is_at_it_and_another_after_it_was_interrupted(
     failed: Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kept, asked, go_on = Diagnoses(), threading.Event(), threading.Event()
+    asked, go_on = threading.Event(), threading.Event()
 
     def explain(scene: Scene, plan: Plan, cancelled: object) -> Reason:
         asked.set()
@@ -52,24 +58,23 @@ def test_one_tab_is_at_it_and_another_after_it_was_interrupted(
 
     monkeypatch.setattr(diagnoses, "explain", explain)
     answers: list[bool] = []
-    first = threading.Thread(target=lambda: answers.append(kept.make(failed, lambda: True)))
+    first = threading.Thread(target=lambda: answers.append(diagnose(failed, lambda: True)))
     first.start()
     assert asked.wait(30.0)
-    assert not kept.make(failed, lambda: False)
+    assert not diagnose(failed, lambda: False)
     go_on.set()
     first.join()
     assert answers == [False]
-    assert kept.make(failed, lambda: False)
-    assert kept.reason(failed) is BECAUSE
+    assert diagnose(failed, lambda: False)
+    assert reason_of(failed) is BECAUSE
 
 
 def test_a_fault_leaves_it_to_others(failed: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
-    kept = Diagnoses()
     with monkeypatch.context() as patch:
         patch.setattr(diagnoses, "explain", lambda *_: [][0])
         with pytest.raises(IndexError):
-            kept.make(failed, lambda: False)
-    assert kept.make(failed, lambda: False)
-    reason = kept.reason(failed)
+            diagnose(failed, lambda: False)
+    assert diagnose(failed, lambda: False)
+    reason = reason_of(failed)
     assert reason is not None
     assert reason.message
