@@ -67,7 +67,7 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
     Raises:
         MotionError: it is none of the known forms, or a part of it is missing or wrong.
     """
-    found, start, notes = data, RobotState({}), list[str]()
+    found, starts, notes = data, list[RobotState](), list[str]()
     for _ in range(_DEEPEST):
         if isinstance(found, list) and len(found) == 1:
             found = found[0]
@@ -76,15 +76,15 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
         _check_base(found)
         _check_single(found)
         notes += told(found.get(_STATE))
-        start = next((_state(found[name]) for name in _STATES if name in found), start)
+        starts += [_state(found[name]) for name in _STATES if found.get(name) is not None]
         if "joint_names" in found and "points" in found:
             motion = _trajectory(found)
             notes += _unused(found, _MESSAGE)
-            return replace(motion, start=start, notes=(*motion.notes, *notes))
+            return replace(motion, start=_only(starts), notes=(*motion.notes, *notes))
         if "joints" in found and "positions" in found:
             motion, used = _plain(found), {"times" if "times" in found else "time"}
             notes += _unused(found, _PLAIN | used)
-            return replace(motion, start=start, notes=(*motion.notes, *notes))
+            return replace(motion, start=_only(starts), notes=(*motion.notes, *notes))
         if isinstance(found.get("scene"), dict):
             planned = found.get("arm")
             if "legs" in found:
@@ -92,7 +92,9 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
                 planned = found.get("trajectory")
             if isinstance(planned, dict):
                 return _planned(planned, found["scene"], slides)
-        notes += _unused(found, _MESSAGE)
+            # a verdict, or a motion beside the scene that it was made in
+            starts.append(_state_of_scene(found["scene"], slides))
+        notes += _unused(found, _MESSAGE | {"scene"})
         found = next((found[name] for name in _INSIDE if name in found), None)
     if isinstance(found, list) and len(found) > 1:
         raise MotionError(f"The file holds {len(found)} motions.", "Give one of them.")
@@ -100,6 +102,17 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
         "The file holds no motion.",
         "Give a JointTrajectory with joint_names and points, a plan, or joints and positions.",
     )
+
+
+def _only(starts: Sequence[RobotState]) -> RobotState:
+    """The start state of a motion, of all that its file has.
+
+    Raises:
+        MotionError: they differ.
+    """
+    if any(one != starts[0] for one in starts[1:]):
+        raise MotionError("The file has several start states, which differ.", "Keep one of them.")
+    return starts[0] if starts else RobotState({})
 
 
 def told(state: object) -> list[str]:
@@ -237,18 +250,18 @@ def _is_set(value: object) -> bool:
 
 def _planned(motion: dict[str, Any], scene: dict[str, Any], slides: Sequence[str]) -> Motion:
     """Motion of a plan, whose slides are in its scene's unit; straight between its samples."""
-    unit = scene.get("unit", "cm")
-    if not isinstance(unit, str) or unit not in METRES:
-        raise MotionError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
+    state, metres = _state_of_scene(scene, slides), METRES[scene.get("unit", "cm")]
     plain = _plain({name: motion.get(name, []) for name in ("joints", "time", "positions")})
-    scale = [METRES[unit] if name in slides else 1.0 for name in plain.joints]
+    scale = [metres if name in slides else 1.0 for name in plain.joints]
     positions = plain.positions * np.array(scale)
-    state = _state_of_arm(scene.get("arm"), unit, slides)
     return Motion(plain.joints, plain.times, positions, start=state)
 
 
-def _state_of_arm(arm: object, unit: str, slides: Sequence[str]) -> RobotState:
+def _state_of_scene(scene: dict[str, Any], slides: Sequence[str]) -> RobotState:
     """Where the scene of a plan has its robot, what this holds, and its joints beside the arm."""
+    unit, arm = scene.get("unit", "cm"), scene.get("arm")
+    if not isinstance(unit, str) or unit not in METRES:
+        raise MotionError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
     if arm is None:
         return RobotState({})
     if not isinstance(arm, dict):

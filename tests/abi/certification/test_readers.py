@@ -294,6 +294,17 @@ def test_a_message_may_say_where_the_robot_stands_as_the_scene_does() -> None:
     assert robot_motion(motion, SCENE).motion.joints == JOINTS
 
 
+def test_start_states_of_one_file_must_be_the_same() -> None:
+    for other, fits in ((standing(0.0), True), (standing(0.5), False), (None, True)):
+        inner = {"joint_trajectory": message(), "start_state": other}
+        whole = {"trajectory": [inner], "trajectory_start": standing(0.0)}
+        if fits:
+            assert read_message(whole, []).start.base == (0, 0, 0, 0, 0, 0, 0.8)
+        else:
+            with pytest.raises(MotionError, match="several start states"):
+                read_message(whole, [])
+
+
 @pytest.mark.parametrize(
     "row", ["1,0.5,0.1,0.2,0.3,0.4,0.5,0.6", "0,1,5,0,1,0,2,0,3,0,4,0,5", "0,1_0,1,1,1,1,1"]
 )
@@ -547,6 +558,9 @@ def test_a_plan_is_certified_only_where_its_robot_stands_and_holds_the_same(
     ]
     table = {"joints": ["p", "q"], "time": [0.0, 1.0], "positions": [[0.0, 0.0], [0.1, 0.1]]}
     motion = read_message({"scene": scenes[1].to_dict(), "arm": table}, ["s"])
+    # as a verdict has it
+    beside = read_message({"scene": scenes[1].to_dict(), "motion": table}, ["s"])
+    assert beside.start == motion.start
     if "base_link" not in changed:  # from which p does not move anything
         assert not any("as it is here" in one for one in robot_motion(motion, scenes[1]).notes)
     if why is None or " by " in why:
