@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import base64
+import functools
 import json
 import math
 import zlib
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -82,7 +83,7 @@ class TabState:
 
     def encode(self) -> str:
         """Encode the state in URL-safe characters."""
-        return StateEncoder().encode(self)
+        return _encode(_scene_part, _tasks_part, _before_part, self)
 
     def settings(self) -> dict[str, Any]:
         """Everything but the scene and the previous state, as plain data."""
@@ -120,33 +121,40 @@ class TabState:
         return state if before is None else replace(state, before=before, figure=_figure(data))
 
 
-class StateEncoder:
-    """Encoder of one tab's states that compresses an unchanged scene object once.
+def encoder() -> Callable[[TabState], str]:
+    """A function that encodes a tab's states as :meth:`TabState.encode` does, each after another.
 
-    A scene of thousands of obstacles takes tens of milliseconds, and the camera moves more often
-    than the scene changes.
+    It compresses a scene once as long as that stays: one of thousands of obstacles takes tens of
+    milliseconds, and the camera moves more often than the scene changes.
     """
+    return functools.partial(
+        _encode,
+        RememberedCall(_scene_part),
+        RememberedCall(_tasks_part),
+        RememberedCall(_before_part),
+    )
 
-    def __init__(self) -> None:
-        self._scene = RememberedCall(_scene_part)
-        self._tasks = RememberedCall(_tasks_part)
-        self._before = RememberedCall(_before_part)
 
-    def encode(self, state: TabState) -> str:
-        """Encode the state in URL-safe characters."""
-        settings = json.dumps(state.settings(), separators=(",", ":")).encode()
-        settings = b"," + settings.removeprefix(b"{")
-        parts = [self._scene(state.scene), self._tasks(state.tasks), self._before(state.before)]
-        while len(parts) > 1 and sum(len(t) for t, _ in parts) + len(settings) > MAX_JSON_BYTES:
-            parts.pop()  # what is shown now comes back rather than nothing
-        # a zlib stream (RFC 1950) in stretches, none of which looks back into another
-        checksum = zlib.adler32(b"")
-        for text, _ in parts:
-            checksum = zlib.adler32(text, checksum)
-        checksum = zlib.adler32(settings, checksum)
-        packed = b"".join(packed for _, packed in parts)
-        stream = _ZLIB_HEADER + packed + _deflate(settings, zlib.Z_FINISH) + checksum.to_bytes(4)
-        return base64.urlsafe_b64encode(stream).decode().rstrip("=")
+def _encode(
+    scene_part: Callable[[Scene], tuple[bytes, bytes]],
+    tasks_part: Callable[[KnownLegs | None], tuple[bytes, bytes]],
+    before_part: Callable[[TabState | None], tuple[bytes, bytes]],
+    state: TabState,
+) -> str:
+    """Encode a state with functions that give its parts, each as text and compressed."""
+    settings = json.dumps(state.settings(), separators=(",", ":")).encode()
+    settings = b"," + settings.removeprefix(b"{")
+    parts = [scene_part(state.scene), tasks_part(state.tasks), before_part(state.before)]
+    while len(parts) > 1 and sum(len(text) for text, _ in parts) + len(settings) > MAX_JSON_BYTES:
+        parts.pop()  # what is shown now comes back rather than nothing
+    # a zlib stream (RFC 1950) in stretches, none of which looks back into another
+    checksum = zlib.adler32(b"")
+    for text, _ in parts:
+        checksum = zlib.adler32(text, checksum)
+    checksum = zlib.adler32(settings, checksum)
+    packed = b"".join(packed for _, packed in parts)
+    stream = _ZLIB_HEADER + packed + _deflate(settings, zlib.Z_FINISH) + checksum.to_bytes(4)
+    return base64.urlsafe_b64encode(stream).decode().rstrip("=")
 
 
 def _fields_of(scene: Scene) -> str:

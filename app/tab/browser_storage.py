@@ -12,7 +12,7 @@ import viser
 
 from app.panels.widgets import Wake
 from app.shared import mesh_store
-from app.state.tab_state import MAX_PROGRESS, StateEncoder, TabState
+from app.state.tab_state import MAX_PROGRESS, TabState, encoder
 from app.ui import page
 
 TIMEOUT = 0.7
@@ -54,7 +54,7 @@ class TabStorage:
         self._wake = wake
         self._read = ""
         self._kept: TabState | None = None
-        self._encoder = StateEncoder()
+        self._encode = encoder()
         self._sent = -_PERIOD
         self._scene: object = None
         self._lessons = ""
@@ -90,7 +90,7 @@ class TabStorage:
         if state.scene is not self._scene:
             self._scene = state.scene
             mesh_store.keep(state.scene.meshes.files)
-        page.call(self._client, "remember", self._encoder.encode(state))
+        page.call(self._client, "remember", self._encode(state))
         if state.lessons != self._lessons:
             self._lessons = state.lessons
             page.call(self._client, "rememberLessons", state.lessons)

@@ -22,7 +22,7 @@ from app.guard.guarded_server import MAX_MESSAGE
 from app.guard.values import MAX_TEXT
 from app.server.server import Server
 from app.state import tab_state
-from app.state.tab_state import LONGEST_LINK, MAX_PROGRESS, StateEncoder, TabState
+from app.state.tab_state import LONGEST_LINK, MAX_PROGRESS, TabState, encoder
 from app.tab.browser_storage import TabStorage
 from app.tab.session import Session
 from app.ui import notices
@@ -63,13 +63,13 @@ def packed(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
 
 
 def test_a_scene_that_stays_is_packed_once(packed: list[bytes]) -> None:
-    encoder = StateEncoder()
+    encode = encoder()
     forest, paper = load_scene("forest"), load_scene("paper")
     for number, scene in enumerate((forest, forest, paper, paper, forest)):
         state = TabState("any", scene, time=float(number))
-        text = encoder.encode(state)
+        text = encode(state)
         assert TabState.decode(text, MESHES) == state
-        assert text == StateEncoder().encode(state)
+        assert text == encoder()(state)
     scenes = [text for text in packed if text.startswith(b'{"scene"')]
     assert len(scenes) == 3 + 5  # the encoder's own, and those of a new one each time
 
@@ -199,20 +199,20 @@ def test_what_was_before_a_lesson_comes_back_too_but_not_by_a_link() -> None:
 
 
 def test_what_was_before_is_packed_once(packed: list[bytes]) -> None:
-    encoder, state = StateEncoder(), _with_before()
-    text = encoder.encode(state)
+    encode, state = encoder(), _with_before()
+    text = encode(state)
     packed.clear()
-    assert encoder.encode(state) == text
+    assert encode(state) == text
     assert len(packed) == 1
-    later = encoder.encode(state.alone())
+    later = encode(state.alone())
     assert later == state.alone().encode()
 
 
 def test_the_figure_shown_last_comes_back() -> None:
-    encoder, state = StateEncoder(), _with_before()
+    encode, state = encoder(), _with_before()
     for figure in (3, 5, 0, 1):
         shown = replace(state, figure=figure)
-        assert TabState.decode(encoder.encode(shown), MESHES) == shown
+        assert TabState.decode(encode(shown), MESHES) == shown
 
 
 @pytest.mark.parametrize("before", [{}, [], 3, {"scene": 1}, {"scene": {"version": 1, "start": 7}}])
