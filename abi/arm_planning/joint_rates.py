@@ -61,15 +61,15 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
     else:
         speeds = growths = np.zeros_like(motion.positions)
     torques = arm.torques(motion.positions, speeds, growths)
-    limits = arm.rate_limits(acceleration)
+    most_speed, most_acceleration, most_torque = arm.rate_limits(acceleration)
     return JointRates(
         read_only(speeds),
         read_only(growths),
         None if torques is None else read_only(torques),
-        read_only(limits.speeds),
-        read_only(limits.accelerations),
-        read_only(limits.torques),
-        limits.nominal,
+        read_only(most_speed),
+        read_only(most_acceleration),
+        read_only(most_torque),
+        arm.has_nominal_rates,
     )
 
 

@@ -29,17 +29,15 @@ def refuse_slow(plan: Plan) -> None:
     arm, profile, motion, asked = plan.arm, plan.profile, plan.motion, plan.scene.motion
     if arm is None or profile is None or motion is None or profile.duration <= _LONG:
         return
-    limits = arm.rate_limits(asked.joint_acceleration)
+    speeds, accelerations, _ = arm.rate_limits(asked.joint_acceleration)
     travel = np.abs(np.diff(motion.positions, axis=0)).sum(axis=0)
-    joints = float((travel / limits.speeds + 2 * np.sqrt(travel / limits.accelerations)).max())
+    joints = float((travel / speeds + 2 * np.sqrt(travel / accelerations)).max())
     length = float(np.linalg.norm(np.diff(motion.tool, axis=0), axis=1).sum())
     alone = three_phase(length, asked.speed, asked.acceleration, asked.deceleration).duration
     if profile.duration <= _TIMES * max(joints, alone):
         return
     rates = joint_rates(arm, motion, asked.joint_acceleration)
-    used = np.maximum(
-        np.abs(rates.speeds) / limits.speeds, np.abs(rates.accelerations) / limits.accelerations
-    )
+    used = np.maximum(np.abs(rates.speeds) / speeds, np.abs(rates.accelerations) / accelerations)
     sample, joint = np.unravel_index(int(used.argmax()), used.shape)
     name, moment = motion.joints[joint], float(motion.time[sample])
     raise StageError(

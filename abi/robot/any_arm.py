@@ -2,27 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Quaternion
 from abi.robot.kinematics.chain import Chain
-
-
-class RateLimits(NamedTuple):
-    """Largest rates of an arm's joints, (n,) each, inf where there is no limit.
-
-    Attributes:
-        speeds: [rad/s] or [unit/s].
-        accelerations: [rad/s²] or [unit/s²].
-        torques: [N·m], of sliding joints forces [N].
-        nominal: whether they are assumed, and so none is passed.
-    """
-
-    speeds: FloatArray
-    accelerations: FloatArray
-    torques: FloatArray
-    nominal: bool
 
 
 class AnyArm(Protocol):
@@ -80,8 +64,18 @@ class AnyArm(Protocol):
     def has_exact_bodies(self) -> bool:
         """Whether a link touches what its body overlaps, and not only may."""
 
-    def rate_limits(self, acceleration: float) -> RateLimits:
-        """Largest rates of its joints, for an acceleration in [rad/s²], of sliding ones [m/s²]."""
+    @property
+    def has_nominal_rates(self) -> bool:
+        """Whether the limits of its joints' rates are assumed, and so none is passed."""
+
+    def rate_limits(self, acceleration: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Largest speeds, accelerations and torques of its joints, (n,) each, inf where none is.
+
+        They are in [rad/s] or [unit/s], [rad/s²] or [unit/s²], and [N·m] or [N].
+
+        Args:
+            acceleration: the largest, [rad/s²], of sliding joints [m/s²].
+        """
 
     def torques(
         self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray

@@ -12,7 +12,6 @@ import numpy as np
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
-from abi.robot.any_arm import RateLimits
 from abi.robot.bodies.allowed_contacts import AllowedContact, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
@@ -241,14 +240,18 @@ class UrdfArm(ShortRepr):
         """False: its bodies contain its links and are a little larger."""
         return False
 
-    def rate_limits(self, acceleration: float) -> RateLimits:
-        """Largest rates of its joints, speeds and torques from its URDF.
+    @property
+    def has_nominal_rates(self) -> bool:
+        """False: its limits are from its URDF and the scene."""
+        return False
+
+    def rate_limits(self, acceleration: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Largest speeds, accelerations and torques of its joints, from its URDF, (n,) each.
 
         Args:
             acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²].
         """
-        speeds, efforts = self.chain.speeds * self.scales, self.chain.efforts
-        return RateLimits(speeds, acceleration * self.scales, efforts, nominal=False)
+        return self.chain.speeds * self.scales, acceleration * self.scales, self.chain.efforts
 
     def torques(
         self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray

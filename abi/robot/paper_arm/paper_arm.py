@@ -22,7 +22,6 @@ from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.errors import ExportError, SceneError
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
-from abi.robot.any_arm import RateLimits
 from abi.robot.bodies.urdf_writer import joint, write
 from abi.robot.kinematics.chain import Chain
 from abi.robot.paper_arm import arm_links
@@ -209,8 +208,13 @@ class PaperArm(ShortRepr):
         """True: its bodies are its links, which are capsules."""
         return True
 
-    def rate_limits(self, acceleration: float) -> RateLimits:
-        """Largest rates of its joints, nominal for q1 to q3, for which the paper gives none.
+    @property
+    def has_nominal_rates(self) -> bool:
+        """True: the paper gives no limits of speeds and accelerations."""
+        return True
+
+    def rate_limits(self, acceleration: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Largest speeds, accelerations and torques of its joints, nominal for q1 to q3.
 
         Args:
             acceleration: largest of these joints, [rad/s²].
@@ -218,7 +222,7 @@ class PaperArm(ShortRepr):
         solved = np.arange(len(JOINTS)) < MOVED
         speeds = np.where(solved, JOINT_SPEED, np.inf)
         accelerations = np.where(solved, acceleration, np.inf)
-        return RateLimits(speeds, accelerations, np.full(len(JOINTS), np.inf), nominal=True)
+        return speeds, accelerations, np.full(len(JOINTS), np.inf)
 
     def torques(self, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray) -> None:
         """None, as the paper gives masses for its last three drives only."""
