@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.motion.trajectory import Trajectory
+from abi.arm_planning.motion.tool_motion import tool_motion
 from abi.arrays import FloatArray
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength, Curve
@@ -34,12 +34,11 @@ def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) 
     # just before the acceleration jumps, too
     jumps = np.concatenate([profile.jumps, np.nextafter(profile.jumps, 0.0)])
     times = np.unique(np.concatenate([even, bends, jumps]))
-    trajectory = Trajectory(curve, arc, profile)
-    found = tilts(trajectory(times, 2), unit)
+    found = tilts(tool_motion(curve, arc, profile, times, 2), unit)
     worst = int(found.argmax())
     before, after = times[max(worst - 1, 0)], times[min(worst + 1, len(times) - 1)]
     near = np.linspace(before, after, _NEAR)
-    return float(max(found[worst], tilts(trajectory(near, 2), unit).max()))
+    return float(max(found[worst], tilts(tool_motion(curve, arc, profile, near, 2), unit).max()))
 
 
 def tilts(accelerations: FloatArray, unit: str) -> FloatArray:

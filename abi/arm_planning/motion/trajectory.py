@@ -12,12 +12,11 @@ from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from abi import arguments
 from abi.arm_planning.arm_errors import OutOfReach
 from abi.arm_planning.certificates.paper_arm_certificate import slide_bounds
 from abi.arm_planning.certificates.separate_paper_arm_kernels import Slide
+from abi.arm_planning.motion.tool_motion import tool_samples
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.cubic_profile import PathProfile
@@ -64,78 +63,6 @@ class Stretch(NamedTuple):
     first: float
     last: float
     shortfall: float
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Trajectory(ShortRepr):
-    """Position of the tool over time: a curve parametrised by arc length."""
-
-    curve: Curve
-    arc: ArcLength
-    profile: PathProfile
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """First and last time, [s]."""
-        return 0.0, self.profile.duration
-
-    def __call__(self, time: ArrayLike, order: int = 0) -> FloatArray:
-        """Position, velocity or acceleration of the tool.
-
-        With the unit tangent T and the curvature vector κN of the curve P(u) at the travelled
-        distance s(t): velocity = T·s', acceleration = T·s'' + κN·s'². Where the curve rests
-        (P' = 0) T is the direction in which it goes on, or by which it came, and κN is taken as 0.
-
-        Args:
-            time: [s], a number or shape (n,); clamped to the motion.
-            order: 0, 1 or 2.
-
-        Returns:
-            Shape (3,) for a number, (n, 3) for an array; [unit/s**order], world.
-
-        Raises:
-            ValueError: an order above 2.
-        """
-        order = arguments.integer("order", order, 0, 2)
-        times = arguments.number_or_numbers("time", time)
-        parameter = self.arc.parameter(self.profile(times))
-        if order == 0:
-            return self.curve(parameter)
-        tangent = self._tangent(np.atleast_1d(parameter)).reshape(*times.shape, 3)
-        along: FloatArray = tangent * self.profile(times, order)[..., None]
-        if order == 1:
-            return along
-        first, second = self.curve(parameter, 1), self.curve(parameter, 2)
-        squared = np.sum(first**2, axis=-1, keepdims=True)
-        low, high = self.curve.interval
-        moving = squared * (high - low) ** 2 > (1e-6 * self.arc.length) ** 2
-        across = second - tangent * np.sum(tangent * second, axis=-1, keepdims=True)
-        curvature = np.divide(across, squared, out=np.zeros_like(across), where=moving)
-        return np.asarray(along + curvature * self.profile(times, 1)[..., None] ** 2)
-
-    def sampled(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Positions, unit tangents and velocities at times (n,), [s].
-
-        Returns:
-            Each of shape (n, 3); [unit], 1 and [unit/s], world; the tangents are 0 for a point.
-        """
-        time = arguments.numbers("time", time, (-1,))
-        parameter = self.arc.parameter(self.profile(time))
-        tangent = self._tangent(parameter)
-        return self.curve(parameter), tangent, tangent * self.profile(time, 1)[:, None]
-
-    def _tangent(self, parameter: FloatArray) -> FloatArray:
-        direction = self.curve(parameter, 1)
-        size = _lengths(direction)
-        low, high = self.curve.interval
-        resting = size * (high - low) <= 1e-6 * self.arc.length
-        if resting.any():
-            # A chord of a thousandth of the interval, forwards unless the curve ends before.
-            start = np.minimum(parameter[resting], high - 1e-3 * (high - low))
-            direction = np.array(direction)
-            direction[resting] = self.curve(start + 1e-3 * (high - low)) - self.curve(start)
-            size = _lengths(direction)
-        return np.asarray(direction / np.where(size > 0, size, 1)[:, None])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -253,9 +180,8 @@ def follow(
     Returns:
         The motion. It records what is out of reach or past a limit; nothing is raised.
     """
-    trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)
-    target, tangent, velocity = trajectory.sampled(time)
+    target, tangent, velocity = tool_samples(curve, arc, profile, time)
     wrist, elbow = wrist_positions(settings, time), settings.branches[0]
     solved, shortfall = solve(arm, target, wrist[:, 1], elbow, tangent)
     positions = np.concatenate([solved, wrist], axis=1)
@@ -285,10 +211,6 @@ def rest_pose(arm: PaperArm, settings: ArmSettings, point: Vec3) -> FloatArray:
     q5 = np.array([settings.q5])
     joints, _ = solve(arm, np.array([point]), q5, settings.branches[0], np.zeros((1, 3)))
     return read_only(np.array([*joints[0], 0.0, settings.q5, 0.0]))
-
-
-def _lengths(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(np.einsum("ni,ni->n", vectors, vectors)))
 
 
 def stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:

@@ -25,7 +25,8 @@ from abi.arm_planning.motion.arm_clearance import (
     proven_clearance,
 )
 from abi.arm_planning.motion.proof_memory import ProofMemory
-from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, stretches
+from abi.arm_planning.motion.tool_motion import tool_samples
+from abi.arm_planning.motion.trajectory import ArmMotion, stretches
 from abi.arm_planning.world.chain_distances import (
     Poses,
     floor_distances,
@@ -115,7 +116,7 @@ class ChainJointPath:
         tool = arm.tool(positions)
         target, velocity = tool, np.gradient(tool, step, axis=0)
         if self.arc is not None:
-            target, _, velocity = Trajectory(self.curve, self.arc, profile).sampled(time)
+            target, _, velocity = tool_samples(self.curve, self.arc, profile, time)
         distances = np.linspace(0.0, self.length, len(self.missed))
         missed = np.interp(travelled, distances, self.missed)
         allowed = REACHED * arm.reach

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.motion.liquid import tilts
-from abi.arm_planning.motion.trajectory import Trajectory
+from abi.arm_planning.motion.tool_motion import tool_motion
 from abi.arm_planning.motion_law import LAWS, second_derivatives
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.three_phase_profile import ThreePhaseProfile
@@ -129,9 +129,9 @@ def test_no_moment_tilts_a_liquid_more_than_the_largest_tilt(scene: str, law: st
     plan = planned(scene, law)
     assert plan.profile is not None
     assert plan.liquid_tilt is not None
-    trajectory = Trajectory(*followed(plan), plan.profile)
+    times = np.linspace(0, plan.profile.duration, 79_999)
     # the bend at the corner of thin-plate lasts a few thousandths of the motion
-    dense = tilts(trajectory(np.linspace(0, plan.profile.duration, 79_999), 2), "cm")
+    dense = tilts(tool_motion(*followed(plan), plan.profile, times, 2), "cm")
 
     assert dense.max() <= plan.liquid_tilt * (1 + 1e-3)
     assert plan.liquid_tilt <= dense.max() * 1.02

@@ -3,6 +3,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from abi.arm_planning.arm_errors import OutOfReach
-from abi.arm_planning.motion.trajectory import ArmMotion, Trajectory, follow
+from abi.arm_planning.motion.tool_motion import tool_motion, tool_samples
+from abi.arm_planning.motion.trajectory import ArmMotion, follow
 from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
@@ -84,7 +86,7 @@ def test_velocity_and_acceleration_are_the_derivatives(
     curve = random_curve(seed)
     arc = arc_length(curve)
     profile = three_phase(arc.length, speed, acceleration, deceleration)
-    trajectory = Trajectory(curve, arc, profile)
+    trajectory = partial(tool_motion, curve, arc, profile)
     edges = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
     inside = [a + (b - a) * np.array([0.2, 0.5, 0.8]) for a, b in itertools.pairwise(edges)]
     time = np.concatenate([part for part in inside if np.ptp(part) > 1e-3 * edges[-1]])
@@ -106,8 +108,8 @@ def test_velocity_and_acceleration_are_the_derivatives(
 def test_one_time_and_many_agree() -> None:
     curve = printed_quadratic()
     arc = arc_length(curve)
-    trajectory = Trajectory(curve, arc, three_phase(arc.length, 4.0, 6.0, 6.0))
-    low, high = trajectory.interval
+    profile = three_phase(arc.length, 4.0, 6.0, 6.0)
+    trajectory, low, high = partial(tool_motion, curve, arc, profile), 0.0, profile.duration
     times = np.linspace(low, high, 7)
     for order in (0, 1, 2):
         each = np.array([trajectory(float(t), order) for t in times])
@@ -124,10 +126,10 @@ def test_a_curve_that_rests_at_its_ends_has_directions_there() -> None:
     rows = np.array([0, 0, 0, 10, -15, 6])[:, None] * way
     curve = Polynomial(rows + np.array([[1.0, 1.0, 5.0]] + [[0.0] * 3] * 5))
     arc = arc_length(curve)
-    trajectory = Trajectory(curve, arc, three_phase(arc.length, 1.0, 1.0, 1.0))
-    times = np.linspace(0, trajectory.profile.duration, 41)
-    np.testing.assert_allclose(trajectory.sampled(times)[1], np.tile(way / 5, (41, 1)), atol=1e-6)
-    accelerations = trajectory(times, 2)
+    along = curve, arc, three_phase(arc.length, 1.0, 1.0, 1.0)
+    times = np.linspace(0, along[2].duration, 41)
+    np.testing.assert_allclose(tool_samples(*along, times)[1], np.tile(way / 5, (41, 1)), atol=1e-6)
+    accelerations = tool_motion(*along, times, 2)
     assert np.isfinite(accelerations).all()
     assert np.linalg.norm(accelerations, axis=1).max() == pytest.approx(1.0, rel=1e-3)
 
