@@ -13,7 +13,7 @@ from abi.scene.scene import Scene
 from abi.scene.without_obstacles import without_obstacles
 from app.panels.files.bug_report import add_bug_report_button
 from app.panels.files.check_motion import CheckMotionPanel
-from app.panels.files.exports import ExportPanel
+from app.panels.files.exports import add_export
 from app.panels.files.files import FilesPanel
 from app.panels.files.history import History, HistoryStep
 from app.panels.files.share import SharePanel
@@ -80,7 +80,7 @@ class AllPanels:
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
             client.gui.add_html(style.heading("Share and export"))
             self.share = SharePanel(client, self.layout.overlay, wake)
-            self.exports = ExportPanel(client, wake)
+            self.export_format, self.export = add_export(client.gui, wake)
             self.bug_report = add_bug_report_button(client.gui, wake)
         with self.layout.plots:
             self.check = CheckMotionPanel(client, scene, wake)

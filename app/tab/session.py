@@ -21,6 +21,7 @@ from abi.planner.plan import Plan
 from abi.progress import CancelledError
 from abi.scene.scene import Scene
 from app.panels.files.bug_report import describe_fault, notify_fault, send_bug_report
+from app.panels.files.exports import send_plan
 from app.panels.widgets import pressed
 from app.process import metrics, unused_memory
 from app.process.memory_budget import MemoryBudget
@@ -250,7 +251,7 @@ class Session:
         """Send the files and links that the panels are asked for."""
         self.panels.files.save_if_requested(self.scene)
         self.panels.share.share(self.state, self.frame, self.panels.practice.quiz_link())
-        if self.panels.exports.requested():
+        if pressed(self.panels.export):
             self._export()
         if pressed(self.panels.bug_report):
             send_bug_report(self.client, self.frame, self._fault)
@@ -263,7 +264,7 @@ class Session:
             return
         if self.frame.plan.partial:
             self._show(self._planner.finish(self.scene, self._input.shared_plans))
-        self.panels.exports.send(self.frame.plan)
+        send_plan(self.client, self.panels.export_format.value, self.frame.plan)
 
     def _replan(self, scene: Scene) -> Plan:
         """Turn to another scene, and plan it."""

@@ -19,6 +19,7 @@ from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from app.layers.arm.arm import ArmLayer
+from app.panels.files.exports import send_plan
 from app.server.server import Server, start
 from app.shared.shared_plans import SharedPlans
 from app.tab import pause
@@ -421,20 +422,20 @@ def test_a_plan_is_downloaded_in_the_format_chosen(
         lambda file, content, save_immediately: sent.update({file: content}),
     )
     refused = notified(monkeypatch, session)
-    panel = session.panels.exports
+    panels = session.panels
     for row in (row for name, row in FORMATS.items() if name != "urscript"):
-        fake.set(panel.format, row.label)
-        until(lambda label=row.label: panel.format.value == label)  # type: ignore[misc]
-        fake.set(panel.button, True)
+        fake.set(panels.export_format, row.label)
+        until(lambda label=row.label: panels.export_format.value == label)  # type: ignore[misc]
+        fake.set(panels.export, True)
         until(lambda file=row.file: file in sent)  # type: ignore[misc]
         assert session.plan is not None
         if row.file != "plan.json":  # which holds how long the plan took
             assert sent[row.file] == row.write(session.plan, row.file)
 
-    fake.set(panel.format, FORMATS["csv"].label)
+    fake.set(panels.export_format, FORMATS["csv"].label)
     fake.set(session.panels.files.choice, "no-way")
     until(lambda: session.plan is not None and session.plan.motion is None)
-    fake.set(panel.button, True)
+    fake.set(panels.export, True)
     until(lambda: bool(refused))
     assert refused[0][1].startswith("There is no motion to export: ")
 
@@ -451,9 +452,9 @@ def test_a_motion_through_a_wall_is_exported_with_a_notice(
     )
     told = notified(monkeypatch, session)
     until(lambda: session.resting)
-    session.panels.exports.send(plan(load_scene("paper")))
+    send_plan(session.client, FORMATS["csv"].label, plan(load_scene("paper")))
     assert (sent, told) == (["motion.csv"], [])
-    session.panels.exports.send(plan(load_scene("wall-with-window")))
+    send_plan(session.client, FORMATS["csv"].label, plan(load_scene("wall-with-window")))
     assert len(sent) == 2
     assert told[0][1].startswith("The slide goes 0.549 cm into obstacle 2")
 
