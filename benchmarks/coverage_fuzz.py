@@ -17,7 +17,7 @@ import atheris
 
 with atheris.instrument_imports(include=["abi", "app", "yourdfpy"]):
     from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
-    from app.reading.reading import Job, Kind, read, rehearse
+    from app.reading.reading import Kind, ReadingRequest, read, rehearse
     from benchmarks.hostile_files import hostile
 
 _HANG = 20
@@ -43,7 +43,7 @@ def read_one(content: bytes) -> None:
     if not content:
         return
     kind, name = _CLAIMS[content[0] % len(_CLAIMS)]
-    answer = read(Job(kind, name, content[1:]))
+    answer = read(ReadingRequest(kind, name, content[1:]))
     assert not answer.fault, f"{name}: {answer.fault}"
 
 

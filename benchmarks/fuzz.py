@@ -27,7 +27,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.reading.reader import Reader
-from app.reading.reading import Job
+from app.reading.reading import ReadingRequest
 from benchmarks.hostile_files import hostile
 from benchmarks.outside import Outside
 
@@ -80,7 +80,7 @@ def fuzz(files: int, seed: int = 0) -> dict[str, Any]:
     }
 
 
-def _take(reader: Reader, job: Job) -> None:
+def _take(reader: Reader, job: ReadingRequest) -> None:
     """Do what a tab does with an uploaded file, and look at what comes of it."""
     if job.kind == "mesh":
         _look_at({job.name: reader.mesh(job.content, job.name)})

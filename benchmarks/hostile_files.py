@@ -10,14 +10,14 @@ import json
 import struct
 import zipfile
 
-from app.reading.reading import Job
+from app.reading.reading import ReadingRequest
 from benchmarks.hostile_meshes import WORDS, Chance, hostile_mesh, maybe_damaged
 from tests.abi.robot.robots import arm, joint, link, urdf
 
 _SHAPE = '<box size="0.1 0.1 0.3"/>'
 
 
-def hostile(seed: int, outside: str) -> Job:
+def hostile(seed: int, outside: str) -> ReadingRequest:
     """The hostile file of a seed: three of ten describe an arm, four a mesh, three a scene.
 
     Args:
@@ -72,23 +72,25 @@ def _robot(chance: Chance, outside: str) -> str:
     return chance.choice(wrong)()
 
 
-def _mesh(chance: Chance, outside: str) -> Job:
+def _mesh(chance: Chance, outside: str) -> ReadingRequest:
     return hostile_mesh(chance, references(outside))
 
 
-def _urdf(chance: Chance, outside: str) -> Job:
+def _urdf(chance: Chance, outside: str) -> ReadingRequest:
     content = _robot(chance, outside).encode()
     if chance.random() < 0.15:
         content = content.decode(errors="replace").encode(chance.choice(("utf-16", "utf-32")))
-    return Job("arm", "r.urdf", maybe_damaged(chance, content))
+    return ReadingRequest("arm", "r.urdf", maybe_damaged(chance, content))
 
 
-def _arm_zip(chance: Chance, outside: str) -> Job:
+def _arm_zip(chance: Chance, outside: str) -> ReadingRequest:
     text = _robot(chance, outside) if chance.random() < 0.5 else arm(
         (_SHAPE, '<mesh filename="package://r/part.stl"/>')
     )  # fmt: skip
     part = hostile_mesh(chance, references(outside))
-    return Job("arm", "r.zip", _archive(chance, outside, {"r.urdf": text.encode()}, part.content))
+    return ReadingRequest(
+        "arm", "r.zip", _archive(chance, outside, {"r.urdf": text.encode()}, part.content)
+    )
 
 
 def _archive(chance: Chance, outside: str, files: dict[str, bytes], part: bytes) -> bytes:
@@ -143,10 +145,10 @@ def _fields(chance: Chance, outside: str) -> dict[str, object]:
     return {"version": 1, **chance.choice(wrong)}
 
 
-def _scene(chance: Chance, outside: str) -> Job:
+def _scene(chance: Chance, outside: str) -> ReadingRequest:
     text = json.dumps(_fields(chance, outside))
     if chance.random() < 0.5:
-        return Job("scene", "a.json", maybe_damaged(chance, text.encode()))
+        return ReadingRequest("scene", "a.json", maybe_damaged(chance, text.encode()))
     traps = (
         "a: &a [x, x]\nb: &b [*a, *a]\nc: &c [*b, *b]\n",
         "a: !!python/object/apply:os.system ['x']\n",
@@ -158,13 +160,13 @@ def _scene(chance: Chance, outside: str) -> Job:
         "",
     )
     yaml = text[:300_000] if chance.random() < 0.5 else chance.choice(traps)
-    return Job("scene", "a.yaml", maybe_damaged(chance, yaml.encode()))
+    return ReadingRequest("scene", "a.yaml", maybe_damaged(chance, yaml.encode()))
 
 
-def _scene_zip(chance: Chance, outside: str) -> Job:
+def _scene_zip(chance: Chance, outside: str) -> ReadingRequest:
     files = {
         chance.choice(("scene.yaml", "scene.json")): json.dumps(_fields(chance, outside)).encode(),
         "r.urdf": _robot(chance, outside).encode(),
     }
     part = hostile_mesh(chance, references(outside))
-    return Job("scene", "a.zip", _archive(chance, outside, files, part.content))
+    return ReadingRequest("scene", "a.zip", _archive(chance, outside, files, part.content))

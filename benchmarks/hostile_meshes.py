@@ -15,7 +15,7 @@ import numpy as np
 import trimesh
 
 from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
-from app.reading.reading import Job
+from app.reading.reading import ReadingRequest
 
 Chance = random.Random
 
@@ -51,7 +51,7 @@ def maybe_damaged(chance: Chance, content: bytes, share: float = 0.5) -> bytes:
     return damaged(chance, content) if chance.random() < share else content
 
 
-def hostile_mesh(chance: Chance, names: Sequence[str]) -> Job:
+def hostile_mesh(chance: Chance, names: Sequence[str]) -> ReadingRequest:
     """A mesh with something wrong.
 
     Args:
@@ -68,7 +68,7 @@ def hostile_mesh(chance: Chance, names: Sequence[str]) -> Job:
     if chance.random() < 0.8:
         content = _WRONG[suffix](chance, content, chance.choice(names))
     other = chance.choice(SUFFIXES) if chance.random() < 0.05 else suffix
-    return Job("mesh", f"part{other}", maybe_damaged(chance, content))
+    return ReadingRequest("mesh", f"part{other}", maybe_damaged(chance, content))
 
 
 def _torus() -> Any:

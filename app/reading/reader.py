@@ -25,7 +25,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.progress import CancelledError
 from abi.robot.urdf.robot import Robot
 from app.process.available_memory import memory_in_all
-from app.reading.reading import Job, ReadingResult
+from app.reading.reading import ReadingRequest, ReadingResult
 from app.reading.running_reader import AT_ONCE, RunningReader, reading_memory
 
 _log = logging.getLogger(__name__)
@@ -97,7 +97,7 @@ class Reader:
             SceneError: it is refused, or took too long or too much.
             CancelledError: ``stopped`` was set.
         """
-        return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name]
+        return self.read(ReadingRequest("mesh", name, content), stopped, delayed).surfaces[name]
 
     def arm(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
@@ -111,7 +111,7 @@ class Reader:
             SceneError: it is refused, or took too long or too much.
             CancelledError: ``stopped`` was set.
         """
-        return self.read(Job("arm", name, content), stopped, delayed).robots[name]
+        return self.read(ReadingRequest("arm", name, content), stopped, delayed).robots[name]
 
     def scene(
         self, content: bytes, name: str, stopped: Stopped | None = None, delayed: Delayed = _ignore
@@ -124,7 +124,7 @@ class Reader:
             SceneError: it is refused, or took too long or too much.
             CancelledError: ``stopped`` was set.
         """
-        answer = self.read(Job("scene", name, content), stopped, delayed)
+        answer = self.read(ReadingRequest("scene", name, content), stopped, delayed)
         return json.loads(answer.data), {**answer.robots, **answer.surfaces}
 
     def motion(
@@ -146,13 +146,13 @@ class Reader:
             SceneError: it took too long or too much.
             CancelledError: ``stopped`` was set.
         """
-        answer = self.read(Job("motion", name, content, slides, topic), stopped, delayed)
+        answer = self.read(ReadingRequest("motion", name, content, slides, topic), stopped, delayed)
         return msgspec.convert(json.loads(answer.data), Motion, dec_hook=_array)
 
     def read(
-        self, job: Job, stopped: Stopped | None = None, delayed: Delayed = _ignore
+        self, request: ReadingRequest, stopped: Stopped | None = None, delayed: Delayed = _ignore
     ) -> ReadingResult:
-        """Successful answer to a job; arguments as for :meth:`mesh`.
+        """Successful answer to a request; arguments as for :meth:`mesh`.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
@@ -161,16 +161,16 @@ class Reader:
             CancelledError: ``stopped`` was set.
         """
         stopped = stopped or threading.Event()
-        with self._place(job, stopped, delayed):
-            answer, seconds = self._answer(job, stopped)
+        with self._place(request, stopped, delayed):
+            answer, seconds = self._answer(request, stopped)
         if stopped.is_set():
             raise CancelledError
         if answer is None:
-            _log.warning("reader lost: %s %r after %.1f s", job.kind, job.name, seconds)
-            raise SceneError("file", job.name, "a file that takes less time and memory to read")
+            _log.warning("reader lost: %s %r after %.1f s", request.kind, request.name, seconds)
+            raise SceneError("file", request.name, "a file that takes less time and memory to read")
         if answer.fault:
             self.faults.append(answer.fault)
-            _log.warning("reader fault: %s %r: %s", job.kind, job.name, answer.fault)
+            _log.warning("reader fault: %s %r: %s", request.kind, request.name, answer.fault)
         if answer.refusal is not None:
             raise SceneError(*answer.refusal)
         if answer.wrong is not None and answer.choices:
@@ -187,14 +187,14 @@ class Reader:
             process.close()
 
     @contextmanager
-    def _place(self, job: Job, stopped: Stopped, delayed: Delayed) -> Iterator[None]:
+    def _place(self, request: ReadingRequest, stopped: Stopped, delayed: Delayed) -> Iterator[None]:
         """Wait until fewer than ``AT_ONCE`` files that came before are left, if it is wanted."""
         turn = threading.Event()
         with self._lock:
             self._line.append(turn)
             self._call()
         try:
-            self._wait(turn, job, stopped, delayed)
+            self._wait(turn, request, stopped, delayed)
             yield
         finally:
             with self._lock:
@@ -205,7 +205,9 @@ class Reader:
         for turn in self._line[:AT_ONCE]:
             turn.set()
 
-    def _wait(self, turn: threading.Event, job: Job, stopped: Stopped, delayed: Delayed) -> None:
+    def _wait(
+        self, turn: threading.Event, request: ReadingRequest, stopped: Stopped, delayed: Delayed
+    ) -> None:
         """Wait for a turn while the file is wanted."""
         begin, is_told = time.monotonic(), False
         while not stopped.is_set():
@@ -213,19 +215,23 @@ class Reader:
                 return
             seconds = time.monotonic() - begin
             if seconds > self.patience:
-                _log.warning("reader busy: %s %r waited %.0f s", job.kind, job.name, seconds)
+                _log.warning(
+                    "reader busy: %s %r waited %.0f s", request.kind, request.name, seconds
+                )
                 expected = "a moment in which the server reads fewer files; add it again then"
-                raise SceneError("file", job.name, expected)
+                raise SceneError("file", request.name, expected)
             if not is_told and seconds > _LONG:
                 is_told = True
-                _log.info("reader busy: %s %r waits", job.kind, job.name)
+                _log.info("reader busy: %s %r waits", request.kind, request.name)
                 delayed()
         raise CancelledError
 
     def _start(self) -> RunningReader:
         return RunningReader(self.memory, self.open_files, self.seconds)
 
-    def _answer(self, job: Job, stopped: Stopped) -> tuple[ReadingResult | None, float]:
+    def _answer(
+        self, request: ReadingRequest, stopped: Stopped
+    ) -> tuple[ReadingResult | None, float]:
         """Answer of a process, None if it ended, and the seconds that it took."""
         with self._lock:
             process = self._idle.pop() if self._idle else self._start()
@@ -234,7 +240,7 @@ class Reader:
         begin = time.monotonic()
         watch.start()
         try:
-            answer = process.read(job)
+            answer = process.read(request)
         finally:
             done.set()
             watch.join()

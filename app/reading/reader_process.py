@@ -1,6 +1,6 @@
 """The process that reads files from outside: it cannot open files, and its resources are limited.
 
-:mod:`app.reading.running_reader` starts it, and it ends with its input. Jobs and answers are
+:mod:`app.reading.running_reader` starts it, and it ends with its input. Requests and answers are
 msgpack, each preceded by its length in eight bytes.
 """
 
@@ -45,14 +45,14 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     from app.reading.messages import decode, encode
-    from app.reading.reading import Job, read, rehearse
+    from app.reading.reading import ReadingRequest, read, rehearse
 
     rehearse()
     restrict(memory, files)
     send(answers, READY)
     while (content := receive(sys.stdin.buffer)) is not None:
         allow(seconds)
-        answer = read(decode(content, Job))
+        answer = read(decode(content, ReadingRequest))
         send(answers, encode(answer))
 
 

@@ -28,7 +28,7 @@ from app.reading.messages import encode
 Kind = Literal["mesh", "arm", "scene", "motion"]
 
 
-class Job(msgspec.Struct):
+class ReadingRequest(msgspec.Struct):
     """A file to read.
 
     Attributes:
@@ -69,12 +69,12 @@ class ReadingResult(msgspec.Struct):
     choices: tuple[str, ...] = ()
 
 
-def read(job: Job) -> ReadingResult:
+def read(request: ReadingRequest) -> ReadingResult:
     """Read a file; faults are part of the answer."""
     try:
-        if job.kind == "motion":
-            return _motion(job)
-        return _READERS[job.kind](job.name, job.content)
+        if request.kind == "motion":
+            return _motion(request)
+        return _READERS[request.kind](request.name, request.content)
     except SceneError as error:
         return ReadingResult(_refusal(error))
     except MotionError as error:
@@ -82,9 +82,9 @@ def read(job: Job) -> ReadingResult:
     except SeveralChoicesError as error:
         return ReadingResult(wrong=_words(error), choices=tuple(map(_plain, error.choices)))
     except MemoryError:
-        return ReadingResult(("file", job.name, "one that takes less memory to read"))
+        return ReadingResult(("file", request.name, "one that takes less memory to read"))
     except Exception as error:  # it stays in this process
-        refusal = "file", job.name, "a file that can be read"
+        refusal = "file", request.name, "a file that can be read"
         return ReadingResult(refusal, fault=f"{type(error).__name__}: {error}"[:300])
     finally:
         link_bodies.cache_clear()
@@ -103,19 +103,24 @@ def rehearse() -> None:
     box, other = trimesh.creation.box(), trimesh.creation.box()
     other.apply_translation((0.5, 0.5, 0.5))
     pair: Any = trimesh.util.concatenate([box, other])
-    files = [Job("scene", f"a.{ending}", b'{"version": 1}') for ending in ("json", "yaml")]
-    files += [Job("arm", "a.urdf", _ROBOT)]
+    files = [
+        ReadingRequest("scene", f"a.{ending}", b'{"version": 1}') for ending in ("json", "yaml")
+    ]
+    files += [ReadingRequest("arm", "a.urdf", _ROBOT)]
     own = {".dae": sample_meshes.dae, ".3mf": sample_meshes.threemf}
     for suffix in mesh_reader.SUFFIXES:
         content = own[suffix]() if suffix in own else pair.export(file_type=suffix[1:])
         mesh = content if isinstance(content, bytes) else content.encode()
-        files += [Job("mesh", f"a{suffix}", mesh), Job("mesh", f"a{suffix}", mesh[:200])]
+        files += [
+            ReadingRequest("mesh", f"a{suffix}", mesh),
+            ReadingRequest("mesh", f"a{suffix}", mesh[:200]),
+        ]
     for kind, name in (("scene", "a.zip"), ("arm", "a.zip")):
-        files.append(Job(kind, name, b"PK\x03\x04"))  # type: ignore[arg-type]
+        files.append(ReadingRequest(kind, name, b"PK\x03\x04"))  # type: ignore[arg-type]
     for name, motion in (("a.csv", b"time,a\n0,0\n1,1\n"), ("a.mcap", sample_bag.mcap("a"))):
-        files.append(Job("motion", name, motion, {"a": False}))
-    for job in files:
-        encode(read(job))
+        files.append(ReadingRequest("motion", name, motion, {"a": False}))
+    for request in files:
+        encode(read(request))
 
 
 def _mesh(name: str, content: bytes) -> ReadingResult:
@@ -157,8 +162,8 @@ def _scene(name: str, content: bytes) -> ReadingResult:
     return answer
 
 
-def _motion(job: Job) -> ReadingResult:
-    motion = read_motion(job.name, job.content, job.slides, job.topic)
+def _motion(request: ReadingRequest) -> ReadingResult:
+    motion = read_motion(request.name, request.content, request.slides, request.topic)
     data = {**motion.to_dict(), "notes": motion.notes, "start": motion.start}
     return ReadingResult(data=json.dumps(data).encode())
 

@@ -11,7 +11,7 @@ from typing import BinaryIO
 
 from app.reading.messages import decode, encode
 from app.reading.reader_process import READY, receive, send
-from app.reading.reading import Job, ReadingResult
+from app.reading.reading import ReadingRequest, ReadingResult
 
 AT_ONCE = 2
 """Most files that are read at once; others wait."""
@@ -49,16 +49,16 @@ class RunningReader:
         )
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._jobs: BinaryIO = self._process.stdin  # type: ignore[assignment]
+        self._requests: BinaryIO = self._process.stdin  # type: ignore[assignment]
         self._answers: BinaryIO = self._process.stdout  # type: ignore[assignment]
         self._ready = False
 
-    def read(self, job: Job) -> ReadingResult | None:
-        """The answer to a job; None if the process ended."""
+    def read(self, request: ReadingRequest) -> ReadingResult | None:
+        """The answer to a request; None if the process ended."""
         try:
             if not self._ready:
                 self._ready = receive(self._answers) == READY
-            send(self._jobs, encode(job))
+            send(self._requests, encode(request))
             content = receive(self._answers)
         except OSError:
             return None
@@ -71,7 +71,7 @@ class RunningReader:
     def close(self) -> int:
         """Close the process and its pipes; its exit code."""
         with contextlib.suppress(OSError):  # what was still to be written
-            self._jobs.close()
+            self._requests.close()
         if not self._ready:  # it would go on loading first
             self._process.kill()
         try:

@@ -13,7 +13,7 @@ import abi
 from abi.obstacles.mesh_shape import MeshShape
 from app.drawing import mesh_picture
 from app.panels.obstacles import mesh_note
-from app.reading.reading import Job, ReadingResult
+from app.reading.reading import ReadingRequest, ReadingResult
 from app.reading.running_reader import RunningReader
 from app.tab.session import Session
 from app.ui.numbers import format_lower_bound
@@ -145,7 +145,9 @@ def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
 _READ = RunningReader.read
 
 
-def _read_in_a_process_that_stands_still(reader: RunningReader, job: Job) -> ReadingResult | None:
+def _read_in_a_process_that_stands_still(
+    reader: RunningReader, job: ReadingRequest
+) -> ReadingResult | None:
     os.kill(reader._process.pid, signal.SIGSTOP)
     return _READ(reader, job)
 

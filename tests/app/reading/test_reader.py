@@ -30,7 +30,7 @@ from abi.scene.scene import Scene
 from app.reading import messages
 from app.reading import reader as module
 from app.reading.reader import Reader
-from app.reading.reading import Job, ReadingResult
+from app.reading.reading import ReadingRequest, ReadingResult
 from app.reading.running_reader import AT_ONCE, reading_memory
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
@@ -280,7 +280,7 @@ class Held:
     def __init__(self, *_: object) -> None:
         pass
 
-    def read(self, job: Job) -> ReadingResult:
+    def read(self, job: ReadingRequest) -> ReadingResult:
         BEGUN.append(job.name)
         until(lambda: job.name in LET_GO)
         return ReadingResult(data=b"{}")
