@@ -57,10 +57,8 @@ def _beside(
 
 
 def _height(problem: MotionProblem, parameter: float, link: str) -> float:
-    """Height of a link's lowest corner above the floor, [unit]."""
-    turn, origin = _pose(problem, link, parameter)
-    heights = (_solids(problem, link).corners @ turn.T + origin)[:, 2]
-    return float(heights.min(initial=np.inf)) - problem.around.floor
+    """Height of a link's lowest point above the floor, [unit]."""
+    return _solids(problem, link).lowest(*_pose(problem, link, parameter)) - problem.around.floor
 
 
 def _solids(problem: MotionProblem, link: str) -> LinkSolids:

@@ -48,8 +48,7 @@ def link_contact(
         return _own_contact(arm, link, other, pose[_between(arm, link, other)].tobytes())
     placed, solids = _placed(arm, link, _frames(arm, pose)), _solids(arm, link)
     if isinstance(other, str):
-        heights = (solids.corners @ placed.turn.T + placed.origin)[:, 2]
-        height = float(heights.min(initial=np.inf)) - around.floor
+        height = solids.lowest(*placed) - around.floor
         return LinkContact(height <= 0, max(-height, 0.0), height, 0.0)
     return _contact(LinkSolids((around.obstacles[other],)), solids, placed, clearance)
 

@@ -55,6 +55,17 @@ class LinkSolids:
         sharp = radii == 0
         return read_only(np.unique(np.concatenate([first[sharp], second[sharp]]), axis=0))
 
+    def lowest(self, turn: FloatArray, origin: FloatArray) -> float:
+        """Height of the lowest point at a pose, [unit]; inf of no shapes.
+
+        Args:
+            turn: of the shapes' frame, (3, 3), world.
+            origin: of that frame, (3,), [unit], world.
+        """
+        first, second, radii = self.edges
+        ends = np.minimum(first @ turn[2], second @ turn[2])
+        return float((ends - radii).min(initial=np.inf) + origin[2])
+
     @cached_property
     def anchors(self) -> FloatArray:
         """A vertex of each connected part, (k, 3): it stands for all where no surfaces cross."""

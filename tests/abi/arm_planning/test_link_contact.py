@@ -5,14 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy
+from hypothesis import given
+from hypothesis import strategies as st
 
 from abi.arm_planning.world.arm_worlds import chain_world
 from abi.arm_planning.world.link_contact import are_apart, link_contact
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Sphere
+from abi.robot.bodies.link_solids import SIDES, LinkSolids
 from abi.robot.urdf_arm import UrdfArm
 from tests.abi.arm_planning.test_chain_distances import some_arm
+from tests.random_geometry import random_obstacle
 
 _SPACING = 0.02
 """Distance of any point of a link's surface from the nearest of those that stand for it, [m]."""
@@ -83,3 +87,18 @@ def test_two_links_are_as_far_apart_as_their_points_whatever_other_joints_do() -
             apart += 1
             assert abs(found.distance - gap) < 2 * _SPACING / arm.metres
     assert apart
+
+
+@given(seed=st.integers(0, 10**6))
+def test_the_lowest_point_of_shapes_is_that_of_the_boxes_around_them(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    shapes = tuple(random_obstacle(random) for _ in range(random.integers(1, 4)))
+    solids = LinkSolids(shapes)
+    lowest, size = float(solids.bounds[0][2]), float(np.ptp(solids.bounds, axis=0).max())
+    assert solids.lowest(np.eye(3), np.array([1.0, 2, 3])) == pytest.approx(
+        lowest + 3, abs=size * (1 - np.cos(np.pi / SIDES))
+    )
+    upside_down = np.diag([1.0, -1, -1])
+    assert solids.lowest(upside_down, np.zeros(3)) == pytest.approx(
+        -float(solids.bounds[1][2]), abs=size * (1 - np.cos(np.pi / SIDES))
+    )
