@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -59,7 +60,7 @@ def body_pairs(
 ) -> tuple[IntArray, tuple[AllowedContact, ...]]:
     """Numbers of two bodies that must stay apart, (p, 2), and links that may touch."""
     held, numbers = tuple(sorted(chain.held.items())), _numbers(bodies)
-    links, allowed = _link_pairs(chain.robot, chain.names, held)
+    links, allowed = _link_pairs(chain.robot, chain.names, held, chain.limits.tobytes())
     apart = [
         pair
         for first, second in links
@@ -90,15 +91,17 @@ def hulls_apart(
 
 @lru_cache(maxsize=32)
 def _link_pairs(
-    robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...]
+    robot: Robot, names: tuple[str, ...], held: tuple[tuple[str, float], ...], limits: bytes
 ) -> tuple[tuple[tuple[str, str], ...], tuple[AllowedContact, ...]]:
     """Links of a robot that must keep apart, and that may touch, wherever it stands.
 
-    They are found by some hundred random poses.
+    They are found by some hundred random poses within ``limits`` of the coordinates, which are
+    wider than the robot's where its motion passes these.
     """
     free = {joint.name for joint in robot.joints if joint.mimic is None}
     still = {name: at for name, at in held if name in free}
-    chain = Chain.moved_by(robot, names, held=still)
+    ranges = read_only(np.frombuffer(limits).reshape(-1, 2))
+    chain = replace(Chain.moved_by(robot, names, held=still), limits=ranges)
     bodies = robot_bodies(chain)
     numbers = _numbers(bodies)
     apart, allowed = list[tuple[str, str]](), list[AllowedContact]()

@@ -57,18 +57,18 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     obstacles = obstacles_of(scene)
     certificate = mapping(MOTION, data.get("certificate"))
     margin = _margin(data, certificate, obstacles)
-    motion, usual = _motion(mapping("motion", data.get("motion")), scene)
+    motion = _motion(mapping("motion", data.get("motion")), scene)
     bodies = _bodies(certificate, motion.chain)
     pieces = _pieces(bodies, scene.robot)
     check_corners(scene.robot, motion.chain, pieces)
     few = [motion.path.positions(Fraction(k * len(motion.path.pieces), 4)) for k in range(5)]
-    allowed = contacts_of_motion(data, scene, usual, pieces, few)
+    allowed = contacts_of_motion(data, scene, motion.chain, pieces, few)
     pairs = _pairs(certificate, len(bodies))
     planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
     span = Fraction(0), Fraction(len(motion.path.pieces))
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     links = {body.link for body in bodies}
-    standing = {one for one in links if may_touch_floor(one, scene, usual, pieces)}
+    standing = {one for one in links if may_touch_floor(one, scene, motion.chain, pieces)}
     for number, body in enumerate(bodies):
         least = partial(motion.least, body)
         for k, obstacle in enumerate(obstacles if body.frame >= 0 else ()):
@@ -135,11 +135,8 @@ def _margin(
     return margin
 
 
-def _motion(motion: dict[str, Any], scene: Scene) -> tuple[JointMotion, ExactChain]:
-    """The motion of the scene's robot, and its chain with the limits of the robot.
-
-    Those of the motion's chain hold the whole motion.
-    """
+def _motion(motion: dict[str, Any], scene: Scene) -> JointMotion:
+    """The motion of the scene's robot, the limits of whose chain are wide enough for it."""
     robot, units = scene.robot, round(1 / METRES[scene.unit])
     names = list_of("motion.joints", motion.get("joints"))
     free = {one.name: one for one in robot.joints if one.kind != "fixed" and one.mimic is None}
@@ -156,7 +153,7 @@ def _motion(motion: dict[str, Any], scene: Scene) -> tuple[JointMotion, ExactCha
         (min(low, *column), max(high, *column))
         for (low, high), column in zip(chain.limits, columns, strict=True)
     )
-    return JointMotion(chain.within(limits), path), chain
+    return JointMotion(chain.within(limits), path)
 
 
 def _bodies(certificate: dict[str, Any], chain: ExactChain) -> list[MovedHull]:

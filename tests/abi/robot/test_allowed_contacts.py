@@ -313,6 +313,28 @@ def scene_of_pin(archive: bytes) -> Scene:
     )
 
 
+@pytest.mark.parametrize("upper", [6.2831853, 3.1415927])
+def test_links_are_said_to_touch_always_only_where_the_motion_goes_too(upper: float) -> None:
+    # a stick in a plate for half a turn, and after it in a pillar of the same link
+    box = '<collision><origin xyz="{}"/><geometry><box size="{}"/></geometry></collision>'
+    base = box.format("0 0.35 0.3", "1.4 0.7 0.1") + box.format("0 -0.45 0.3", "0.1 0.2 0.1")
+    joint = (
+        '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/><origin xyz="0 0 {}"/>'
+        '<axis xyz="0 0 1"/><limit lower="{}" upper="{}" velocity="2" effort="9"/></joint>'
+    )
+    text = urdf(
+        f'<link name="base">{base}</link>',
+        link("hub").replace("0.1 0.1 0.3", "0.05 0.05 0.05"),
+        f'<link name="stick">{box.format("0.45 0 0", "0.3 0.1 0.02")}</link>',
+        joint.format("turn", "revolute", "base", "hub", 0.3, 0, upper),
+        joint.format("lift", "prismatic", "hub", "stick", 0, -0.2, 0.2),
+    )
+    scene = scene_of_pin(packed({"a.urdf": text}))
+    verdict = certify(None, ("turn", "lift"), [0.0, 4.0], [[0.05, 0.0], [6.2, 0.0]], scene)
+    assert verdict.state == "touches"
+    assert {verdict.touches[0].link, verdict.touches[0].obstacle} == {"stick", "base"}
+
+
 def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_begins(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
