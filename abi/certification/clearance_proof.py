@@ -39,8 +39,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
 from abi.robot.bodies.allowed_contacts import AllowedContact
 from abi.robot.bodies.capsule_table import Bodies
-from abi.robot.bodies.chain_capsules import ChainCapsule
 from abi.robot.bodies.floor_contacts import on_floor
+from abi.robot.bodies.link_bodies import Body
 from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.kinematics.chain import Chain
 from abi.scene.scene import Scene
@@ -65,7 +65,7 @@ class MotionProblem(ShortRepr):
 
     motion: RobotMotion
     chain: Chain
-    bodies: tuple[ChainCapsule, ...]
+    bodies: tuple[Body, ...]
     around: CollisionWorld
     metres: float
 
@@ -229,7 +229,7 @@ def _numbers(problem: MotionProblem, pairs: FloatArray) -> tuple[IntArray, IntAr
     return read_only(bodies.astype(np.int32)), read_only(others.astype(np.int32))
 
 
-def _around(chain: Chain, bodies: Sequence[ChainCapsule], scene: Scene) -> CollisionWorld:
+def _around(chain: Chain, bodies: Sequence[Body], scene: Scene) -> CollisionWorld:
     """Obstacles and floor, without links that stand still."""
     metres, floor = METRES[scene.unit], min(scene.arm.base[2], scene.workspace.min[2])
     standing = on_floor(chain, bodies, floor * metres)

@@ -19,20 +19,19 @@ from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reaso
 from abi.robot.bodies.always_touching import always_touch
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import (
-    ChainCapsule,
     carried_bodies,
     hulls_of,
     lever,
     meeting,
 )
-from abi.robot.bodies.link_bodies import Fit, link_bodies
+from abi.robot.bodies.link_bodies import Body, Fit, link_bodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
 
 _SAMPLES, _ALWAYS = 200, 0.95
 
 
-def robot_bodies(chain: Chain, closely: Collection[str] = frozenset()) -> tuple[ChainCapsule, ...]:
+def robot_bodies(chain: Chain, closely: Collection[str] = frozenset()) -> tuple[Body, ...]:
     """Bodies of all links with collision shapes.
 
     Args:
@@ -42,7 +41,7 @@ def robot_bodies(chain: Chain, closely: Collection[str] = frozenset()) -> tuple[
     Raises:
         MotionError: no link has a shape.
     """
-    bodies = list[ChainCapsule]()
+    bodies = list[Body]()
     for carried in chain.carried:
         fit: Fit = "close" if carried.link in closely else "quick"
         bodies += carried_bodies(carried, link_bodies(chain.robot.links[carried.link], fit))
@@ -55,9 +54,7 @@ def robot_bodies(chain: Chain, closely: Collection[str] = frozenset()) -> tuple[
     return tuple(bodies)
 
 
-def body_pairs(
-    chain: Chain, bodies: Sequence[ChainCapsule]
-) -> tuple[IntArray, tuple[AllowedContact, ...]]:
+def body_pairs(chain: Chain, bodies: Sequence[Body]) -> tuple[IntArray, tuple[AllowedContact, ...]]:
     """Numbers of two bodies that must stay apart, (p, 2), and links that may touch."""
     held, numbers = tuple(sorted(chain.held.items())), _numbers(bodies)
     links, allowed = _link_pairs(chain.robot, chain.names, held, chain.limits.tobytes())
@@ -69,9 +66,7 @@ def body_pairs(
     return read_only(np.array(apart, dtype=np.int32).reshape(-1, 2)), allowed
 
 
-def hulls_apart(
-    chain: Chain, bodies: Sequence[ChainCapsule], apart: IntArray, metres: float
-) -> Bodies:
+def hulls_apart(chain: Chain, bodies: Sequence[Body], apart: IntArray, metres: float) -> Bodies:
     """Hulls of bodies in the format of the kernels, for coordinates in [rad] and [m].
 
     Args:
@@ -115,7 +110,7 @@ def _link_pairs(
     return tuple(apart), tuple(allowed)
 
 
-def _numbers(bodies: Sequence[ChainCapsule]) -> dict[str, list[int]]:
+def _numbers(bodies: Sequence[Body]) -> dict[str, list[int]]:
     """Numbers of each link's bodies."""
     numbers: dict[str, list[int]] = {}
     for number, body in enumerate(bodies):
@@ -123,7 +118,7 @@ def _numbers(bodies: Sequence[ChainCapsule]) -> dict[str, list[int]]:
     return numbers
 
 
-def _pair_lever(chain: Chain, first: ChainCapsule, second: ChainCapsule) -> FloatArray:
+def _pair_lever(chain: Chain, first: Body, second: Body) -> FloatArray:
     """Bound of the motion of two bodies beside each other, per unit of each coordinate, [m]."""
     common = meeting(chain, first.frame, second.frame)
     levers = (lever(chain, one.frame, one.points, common) for one in (first, second))
@@ -132,7 +127,7 @@ def _pair_lever(chain: Chain, first: ChainCapsule, second: ChainCapsule) -> Floa
 
 def _reason(
     chain: Chain,
-    bodies: Sequence[ChainCapsule],
+    bodies: Sequence[Body],
     links: tuple[str, str],
     pairs: Sequence[tuple[int, int]],
 ) -> Reason | None:

@@ -14,9 +14,10 @@ from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_on
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.bodies.allowed_contacts import AllowedContact, Other, link_pairs
 from abi.robot.bodies.capsule_table import Bodies
-from abi.robot.bodies.chain_capsules import ChainCapsule, lever, meeting, place
+from abi.robot.bodies.chain_capsules import lever, meeting, place
 from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.bodies.floor_contacts import on_floor
+from abi.robot.bodies.link_bodies import Body
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.inverse_dynamics import has_masses, joint_torques
 from abi.robot.kinematics.start_poses import first_poses, further_poses
@@ -52,7 +53,7 @@ class UrdfArm(ShortRepr):
     wxyz: Quaternion
     unit: Literal["m", "cm", "mm"]
     limits: FloatArray
-    capsules: tuple[ChainCapsule, ...]
+    capsules: tuple[Body, ...]
     held: Mapping[str, float]
     asked: tuple[tuple[str, Other], ...] = ()
     grasping: bool = False

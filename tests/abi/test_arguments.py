@@ -325,8 +325,8 @@ def entries() -> dict[str, Entry]:
         "Link: inertia": Entry(lambda at: of_link(inertia=at), np.eye(3)),
         "UrdfArm: base": Entry(lambda at: of_arm(base=at), POINTS[0]),
         "UrdfArm: limits": Entry(lambda at: of_arm(limits=at), ur5e().limits),
-        "ChainCapsule: ends": of_capsule("ends"),
-        "ChainCapsule: points": of_capsule("points"),
+        "Body: ends": of_capsule("ends"),
+        "Body: points": of_capsule("points"),
         "forward": Entry(lambda at: forward(usual_arm(), at), ANGLES),
         "place": Entry(lambda at: usual_arm().place(at), ANGLES),
         "joint_torques: positions": Entry(

@@ -13,8 +13,8 @@ import numpy as np
 
 from abi.arrays import IntArray, read_only
 from abi.robot.bodies.always_touching import always_touch
-from abi.robot.bodies.chain_capsules import ChainCapsule
 from abi.robot.bodies.finer_links import fitted_capsules
+from abi.robot.bodies.link_bodies import Body
 from abi.robot.bodies.never_touching import never_touch
 from abi.robot.bodies.sampled_bodies import SampledBodies
 from abi.robot.kinematics.chain import Chain
@@ -103,8 +103,8 @@ def _known_reason(
     chain: Chain,
     robot: Robot,
     asked: frozenset[frozenset[Other]],
-    first: ChainCapsule,
-    second: ChainCapsule,
+    first: Body,
+    second: Body,
 ) -> Reason | None:
     """Reason for which the links of two capsules may touch whatever their bodies are."""
     links = first.link, second.link

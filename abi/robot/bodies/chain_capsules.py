@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import attrgetter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,35 +20,14 @@ _THIN = 1e-3
 """Radius of a line that stands for a link without a shape, [m]."""
 
 
-class ChainCapsule(NamedTuple):
-    """A piece of a link: it is in the capsule as well as in the hull of points.
-
-    Attributes:
-        link: name of the link.
-        frame: number of the joint that moves it, -1 where it stands still.
-        ends: ends of its segment in that frame, or in the world where it stands still, shape
-            (2, 3), [m].
-        radius: [m].
-        points: corners of the hull in that frame, or in the world, shape (k, 3), [m].
-        rounding: distance from the hull that belongs to it, [m].
-    """
-
-    link: str
-    frame: int
-    ends: FloatArray
-    radius: float
-    points: FloatArray
-    rounding: float
-
-
-def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[ChainCapsule, ...]:
+def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[Body, ...]:
     """Capsules of all links, those that stand still first; of a robot without shapes, of lines.
 
     Args:
         chain: the chain.
         fits: of the links, by their names, that are to be fitted more closely.
     """
-    capsules, beside = list[ChainCapsule](), open_bodies(chain)
+    capsules, beside = list[Body](), open_bodies(chain)
     for carried in chain.carried:
         fit = fits.get(carried.link, "quick")
         bodies = beside.get(carried.link) or link_bodies(chain.robot.links[carried.link], fit)
@@ -59,15 +37,15 @@ def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[ChainCapsule, ..
     return tuple(sorted(capsules, key=attrgetter("frame")))
 
 
-def carried_bodies(carried: Carried, bodies: Iterable[Body]) -> Iterator[ChainCapsule]:
+def carried_bodies(carried: Carried, bodies: Iterable[Body]) -> Iterator[Body]:
     """Bodies of a link in the frame of the joint that moves it."""
     turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
     for body in bodies:
         ends, points = (read_only(one @ turn.T + origin) for one in (body.ends, body.points))
-        yield ChainCapsule(carried.link, carried.frame, ends, body.radius, points, body.rounding)
+        yield Body(ends, body.radius, points, body.rounding, carried.link, carried.frame)
 
 
-def _skeleton(chain: Chain) -> list[ChainCapsule]:
+def _skeleton(chain: Chain) -> list[Body]:
     """Thin capsules from joint to joint, and to the tip, where no link that moves has a shape."""
     table, last = chain.table, chain.table.length - 1
     places = table.origins.reshape(-1, POSE)[:, 9:]
@@ -76,7 +54,7 @@ def _skeleton(chain: Chain) -> list[ChainCapsule]:
     ]
     lines.append((last, chain.joints[last].child))
     return [
-        ChainCapsule(link, frame, line, _THIN, line, _THIN)
+        Body(line, _THIN, line, _THIN, link, frame)
         for (frame, link), line in zip(lines, map(_from_origin, places), strict=True)
         if frame >= 0
     ]
@@ -87,7 +65,7 @@ def _from_origin(place: FloatArray) -> FloatArray:
     return read_only(np.stack([np.zeros(3), place]))
 
 
-def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
+def place(capsules: Sequence[Body], poses: FloatArray) -> FloatArray:
     """Ends (k, c, 2, 3) of capsules, by frames, whose poses are (k, m + 1, 3, 4), [m]."""
     ends, done = np.empty((len(poses), len(capsules), 2, 3)), 0
     for frame, of_frame in itertools.groupby(capsules, attrgetter("frame")):
@@ -102,7 +80,7 @@ def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
     return ends
 
 
-def hulls_of(chain: Chain, bodies: Sequence[ChainCapsule], metres: float) -> Bodies:
+def hulls_of(chain: Chain, bodies: Sequence[Body], metres: float) -> Bodies:
     """Hulls of bodies for the kernels, without capsules, levers and pairs.
 
     Args:

@@ -15,8 +15,8 @@ from functools import lru_cache
 import numpy as np
 
 from abi.robot.bodies import body_store, chain_capsules, sampled_bodies, telescopes
-from abi.robot.bodies.chain_capsules import ChainCapsule, capsules_of
-from abi.robot.bodies.link_bodies import Fit
+from abi.robot.bodies.chain_capsules import capsules_of
+from abi.robot.bodies.link_bodies import Body, Fit
 from abi.robot.bodies.sampled_bodies import SampledBodies
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
@@ -30,7 +30,7 @@ _FITS: tuple[Fit, ...] = ("quick", "finer", "close")
 """Fits by their numbers in what is kept."""
 
 
-def fitted_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
+def fitted_capsules(chain: Chain) -> tuple[Body, ...]:
     """Bodies of all links of a chain, in finer pieces where two links pass each other closely."""
     return capsules_of(chain, _finer_links(chain.robot, chain.names, tuple(chain.held.items())))
 
@@ -93,7 +93,7 @@ def _close_links(chain: Chain, fits: Mapping[str, Fit]) -> frozenset[str]:
     return frozenset(close)
 
 
-def _smaller(capsule: ChainCapsule) -> ChainCapsule:
+def _smaller(capsule: Body) -> Body:
     middle = capsule.points.mean(axis=0)
     points = middle + _SMALLER * (capsule.points - middle)
     return capsule._replace(points=points, rounding=_SMALLER * capsule.rounding)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from abi.robot.bodies.chain_capsules import ChainCapsule
+from abi.robot.bodies.link_bodies import Body
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
@@ -15,7 +15,7 @@ _UPRIGHT = 1e-6
 _POSES = 64
 
 
-def on_floor(chain: Chain, bodies: Iterable[ChainCapsule], floor: float) -> tuple[str, ...]:
+def on_floor(chain: Chain, bodies: Iterable[Body], floor: float) -> tuple[str, ...]:
     """Names of the links that may touch the floor.
 
     Those that stand still may, and those that the first joint moves where it turns about an upright
@@ -28,7 +28,7 @@ def on_floor(chain: Chain, bodies: Iterable[ChainCapsule], floor: float) -> tupl
         floor: height of the floor, [m].
     """
     still: dict[str, None] = {}
-    first: dict[str, list[ChainCapsule]] = {}
+    first: dict[str, list[Body]] = {}
     for body in bodies:
         if body.frame < 0:
             still[body.link] = None

@@ -69,17 +69,24 @@ _FITS: dict[Fit, _Fit] = {
 class Body(NamedTuple):
     """A piece of a link: it is in the capsule as well as in the hull, [m].
 
+    It is in the link's frame; where a chain carries it, in that of the joint that moves it, or in
+    the world.
+
     Attributes:
-        ends: ends of the capsule's segment in the link's frame, shape (2, 3).
+        ends: ends of the capsule's segment, shape (2, 3).
         radius: of the capsule.
-        points: corners of the hull in the link's frame, shape (k, 3).
+        points: corners of the hull, shape (k, 3).
         rounding: distance from the hull that belongs to it, too.
+        link: name of the link, as long as no chain carries it empty.
+        frame: number of the joint that moves it, -1 where it stands still.
     """
 
     ends: FloatArray
     radius: float
     points: FloatArray
     rounding: float
+    link: str = ""
+    frame: int = -1
 
 
 @lru_cache(maxsize=512)

@@ -9,8 +9,9 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.robot.bodies.chain_capsules import ChainCapsule, hulls_of, place, segment_distances
+from abi.robot.bodies.chain_capsules import hulls_of, place, segment_distances
 from abi.robot.bodies.hull_kernels import hull_distances
+from abi.robot.bodies.link_bodies import Body
 from abi.robot.kinematics.chain import Chain
 
 
@@ -25,12 +26,12 @@ class SampledBodies(NamedTuple):
     """
 
     chain: Chain
-    capsules: tuple[ChainCapsule, ...]
+    capsules: tuple[Body, ...]
     poses: FloatArray
     ends: FloatArray
 
     @classmethod
-    def of(cls, chain: Chain, capsules: tuple[ChainCapsule, ...], count: int) -> Self:
+    def of(cls, chain: Chain, capsules: tuple[Body, ...], count: int) -> Self:
         """Bodies in ``count`` poses, which are the same at every call."""
         low, high = chain.usual_range().T
         positions = np.random.default_rng(0).uniform(low, high, (count, len(low)))

@@ -19,7 +19,7 @@ from tests.abi.robot.robots import arm, packed
 def lacks(bodies: tuple[Body, ...], points: FloatArray) -> float:
     """Largest distance by which points stick out of all bodies, of capsule or hull."""
     away = np.full(len(points), np.inf)
-    for (low, high), radius, corners, rounding in bodies:
+    for (low, high), radius, corners, rounding, _, _ in bodies:
         way = high - low
         share = np.clip((points - low) @ way / max(float(way @ way), 1e-300), 0, 1)
         of_capsule = np.linalg.norm(points - low - share[:, None] * way, axis=1) - radius
