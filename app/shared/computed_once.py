@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import threading
 import weakref
+from collections import OrderedDict
 from collections.abc import Callable
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -18,19 +19,31 @@ _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
 
-def computed_once(kept: int) -> Callable[[Callable[_P, _T]], Callable[_P, _T]]:
+def computed_once(
+    kept: int, by: Callable[..., Any] | None = None
+) -> Callable[[Callable[_P, _T]], Callable[_P, _T]]:
     """Decorator that caches a function's latest ``kept`` results by its positional arguments.
 
     Results must be immutable. Who asks while a value is computed waits for it.
+
+    Args:
+        kept: number of results.
+        by: what they depend on, as a function of the arguments; all of these without one.
     """
 
     def shared(function: Callable[_P, _T]) -> Callable[_P, _T]:
-        lock, cached = threading.RLock(), functools.lru_cache(kept)(function)
+        lock, cached = threading.RLock(), OrderedDict[Any, _T]()
 
         @functools.wraps(function)
-        def call(*args: _P.args, **_: _P.kwargs) -> _T:
+        def call(*args: _P.args, **named: _P.kwargs) -> _T:
+            key = args if by is None else by(*args)
             with lock:
-                return cached(*args)
+                if key not in cached:
+                    cached[key] = function(*args, **named)
+                cached.move_to_end(key)
+                if len(cached) > kept:
+                    cached.popitem(last=False)
+                return cached[key]
 
         return call
 

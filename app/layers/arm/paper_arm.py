@@ -50,15 +50,13 @@ def joint_values(arm: PaperArm, positions: FloatArray) -> FloatArray:
     return positions
 
 
+@computed_once(_KEPT, by=look)
 def bodies(arm: PaperArm) -> dict[str, tuple[bytes, bytes]]:
-    """Bodies of the links that have any, from the base to the gripper, as :func:`link_glbs`."""
-    return _links(*look(arm))
+    """Bodies of the links that have any, from the base to the gripper, as :func:`link_glbs`.
 
-
-@computed_once(_KEPT)
-def _links(*lengths: float) -> dict[str, tuple[bytes, bytes]]:
-    """Bodies of the links of an arm of these lengths, once for all tabs."""
-    links = arm_links.links(*lengths)
+    They are made once for all tabs.
+    """
+    links = arm_links.links(*look(arm))
     shapes = {link: [_shape(one) for one in solids] for link, solids in links.items() if solids}
     return {link: link_glbs(own, np.eye(4), 1.0) for link, own in shapes.items()}
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable
+from dataclasses import replace
 
 import numpy as np
 import viser.transforms
@@ -11,7 +12,6 @@ from abi.arrays import ByteArray, FloatArray
 from abi.obstacles.pose import rotation
 from abi.robot.kinematics.chain_kernels import POSE
 from abi.robot.urdf.link import LinkShape
-from abi.robot.urdf.robot import Robot
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import Scene
 from app.layers.arm.arm_nodes import ArmNodes
@@ -27,22 +27,9 @@ _KEPT = 4
 """Arms whose bodies are kept: some megabytes each."""
 
 
-@dataclass(frozen=True)
-class _Look:
-    """Appearance of an arm: what the drawings of its links depend on."""
-
-    robot: Robot
-    tip: str
-    unit: str
-    held: frozenset[tuple[str, float]]
-    joints: tuple[str, ...]
-    arm: UrdfArm = field(compare=False)
-
-
-def look(arm: UrdfArm) -> _Look:
-    """What its nodes depend on; its base may stand anywhere."""
-    held = frozenset(arm.held.items())
-    return _Look(arm.chain.robot, arm.tip, arm.unit, held, arm.joints, arm)
+def look(arm: UrdfArm) -> tuple[Hashable, ...]:
+    """What the drawings of its links depend on; its base may stand anywhere."""
+    return arm.chain.robot, arm.tip, arm.unit, frozenset(arm.held.items()), arm.joints
 
 
 def build(nodes: ArmNodes, arm: UrdfArm, base: str) -> None:
@@ -63,15 +50,13 @@ def rest_pose(arm: UrdfArm, scene: Scene) -> FloatArray:
     return arm.first_poses(np.array(scene.start))[0]
 
 
+@computed_once(_KEPT, by=look)
 def bodies(arm: UrdfArm) -> dict[int, tuple[bytes, bytes]]:
-    """Bodies of the links that are drawn, by their numbers among those that the chain carries."""
-    return _bodies(look(arm))
+    """Bodies of the links that are drawn, by their numbers among those that the chain carries.
 
-
-@computed_once(_KEPT)
-def _bodies(look: _Look) -> dict[int, tuple[bytes, bytes]]:
-    """Drawings of an arm's links, made once for all tabs in which it looks alike."""
-    arm, made = look.arm, {}
+    They are made once for all tabs in which an arm looks alike.
+    """
+    made = {}
     for number, carried in enumerate(arm.chain.carried):
         link = arm.chain.robot.links[carried.link]
         if link.drawn:

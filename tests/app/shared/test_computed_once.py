@@ -37,6 +37,18 @@ def test_those_who_ask_together_wait_for_one() -> None:
     assert slow.__doc__ == "Double it."
 
 
+def test_the_latest_results_are_kept_by_what_they_depend_on() -> None:
+    computed: list[int] = []
+
+    @computed_once(2, by=abs)
+    def made(number: int) -> int:
+        computed.append(number)
+        return number
+
+    assert [made(number) for number in (1, -1, 2, 1, 3, -1, 2)] == [1, 1, 2, 1, 3, 1, 2]
+    assert computed == [1, 2, 3, 2]
+
+
 def test_what_is_made_of_a_plan_is_made_by_the_first_of_those_who_ask_together() -> None:
     computed: list[tuple[Plan, int]] = []
     together = threading.Barrier(_ASKING)
