@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from abi.errors import AbiError
@@ -16,34 +15,22 @@ _LOOK = 0.3
 """Seconds between two looks at the file."""
 
 
-@dataclass(frozen=True, eq=False)
-class Checked:
-    """Findings of the last check.
-
-    Attributes:
-        file: its name.
-        verdicts: of each exercise whose function the file has.
-        checking: name of the exercise that is checked now; empty for none.
-        refused: why the file was not checked; empty where it was.
-    """
-
-    file: str
-    verdicts: tuple[ExerciseVerdict, ...] = ()
-    checking: str = ""
-    refused: str = ""
+Findings = Mapping[str, ExerciseVerdict | None] | str
+"""Verdicts by exercise, None for the one that is checked now; or why the file was not checked."""
 
 
 class ExerciseWatch:
     """The file, and the tabs to notify; thread-safe.
 
     Attributes:
-        checked: what the last check found.
+        name: of the file.
+        found: in the last check.
     """
 
     def __init__(self, file: Path) -> None:
         """Begin to watch a file, which need not exist yet."""
-        self._file = file
-        self.checked = Checked(file.name)
+        self._file, self.name = file, file.name
+        self.found: Findings = {}
         self._wakes: dict[int, Callable[[], None]] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -79,25 +66,21 @@ class ExerciseWatch:
             self._ended.wait(_LOOK)
 
     def _check(self) -> None:
+        """Check every function of the file, and tell after each."""
+        found: dict[str, ExerciseVerdict | None] = {}
         try:
-            asked = exercises_in(self._file)
-        except AbiError as error:
-            self._tell(Checked(self._file.name, refused=error.message))
-            return
-        verdicts: list[ExerciseVerdict] = []
-        for one in asked:
-            self._tell(Checked(self._file.name, tuple(verdicts), one.name))
-            try:
-                verdicts.append(check(one.name, self._file))
-            except AbiError as error:  # it was deleted meanwhile
-                self._tell(Checked(self._file.name, refused=error.message))
-                return
-            if self._ended.is_set():
-                return
-        self._tell(Checked(self._file.name, tuple(verdicts)))
+            for one in exercises_in(self._file):
+                self._tell({**found, one.name: None})
+                found[one.name] = check(one.name, self._file)
+                if self._ended.is_set():
+                    return
+        except AbiError as error:  # it cannot be read, or was deleted meanwhile
+            self._tell(error.message)
+        else:
+            self._tell(found)
 
-    def _tell(self, checked: Checked) -> None:
-        self.checked = checked
+    def _tell(self, found: Findings) -> None:
+        self.found = found
         with self._lock:
             wakes = list(self._wakes.values())
         for wake in wakes:

@@ -14,7 +14,7 @@ from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.widgets import Wake, pressed
 from app.state.frame import Frame
 from app.teach.cue import Cue
-from app.teach.exercise_watch import Checked, ExerciseWatch
+from app.teach.exercise_watch import ExerciseWatch, Findings
 from app.teach.lesson import SearchCue, Setting
 from app.ui import style
 
@@ -53,7 +53,7 @@ class ExercisePanel:
 
     def cue(self) -> Cue | None:
         """The counterexample as a view, if it was asked for since the last call."""
-        case = _case(self._watch.checked)
+        case = _case(self._watch.found)
         if not pressed(self.open) or case is None:
             return None
         self._shown = case
@@ -71,31 +71,33 @@ class ExercisePanel:
 
     def draw(self, frame: Frame) -> None:
         """Show what was found; no frame counts."""
-        checked = self._watch.checked
-        state = checked, self._shown is None
+        found = self._watch.found
+        state = found, self._shown is None
         if state == self._drawn:
             return
         self._drawn = state
-        case = _case(checked)
-        self._text.content = style.paragraph(_told(checked))
+        case = _case(found)
+        self._text.content = style.paragraph(_told(self._watch.name, found))
         self.open.visible = case is not None
         self.back.visible = self._shown is not None
 
 
-def _case(checked: Checked) -> Counterexample | None:
+def _case(found: Findings) -> Counterexample | None:
     """The first counterexample; None where there is none."""
-    cases = (one.counterexample for one in checked.verdicts)
+    verdicts = () if isinstance(found, str) else found.values()
+    cases = (one.counterexample for one in verdicts if one is not None)
     return next((case for case in cases if case is not None), None)
 
 
-def _told(checked: Checked) -> str:
+def _told(file: str, found: Findings) -> str:
     """What was found, as HTML: the file is the student's, and so is every word of an error."""
-    name = html.escape(checked.file)
-    if checked.refused:
-        return f"<b>{name}</b> {html.escape(checked.refused)}"
-    lines = [_line(one) for one in checked.verdicts]
-    if checked.checking:
-        lines.append(f"checking <b>{checked.checking}</b> …")
+    name = html.escape(file)
+    if isinstance(found, str):
+        return f"<b>{name}</b> {html.escape(found)}"
+    lines = [
+        f"checking <b>{checked}</b> …" if verdict is None else _line(verdict)
+        for checked, verdict in found.items()
+    ]
     return "<br>".join([f"{name}, checked whenever it is saved:", *lines])
 
 
