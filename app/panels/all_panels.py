@@ -211,7 +211,7 @@ class AllPanels:
         """Read what is posed and, where it was used, what is ``typed`` or chosen."""
         shown = self.step(scene)
         requested = self.files.requested(self.editor.meshes(scene))
-        if self.messages.banner.asks_for_other_scene():
+        if self.messages.asks_for_other_scene():
             requested = self.files.open_shipped(MADE_FOR_ARMS)
         leg = self.messages.legs.requested()
         requested = leg if requested is None else requested

@@ -1,4 +1,4 @@
-"""The sentence over the scene on what the arm's motion lacks, and the buttons of what may help.
+"""The sentence over the scene on what the arm's motion lacks, and the changes that may help.
 
 Stage 6, where the same is told at length, is closed at first.
 """
@@ -7,93 +7,54 @@ from __future__ import annotations
 
 import html
 import math
-from typing import Any
-
-import viser
 
 from abi.arm_planning.motion_law import LAWS
 from abi.explain.arm_faults import limit_sentence, worst_limit
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
-from abi.scene.scene import Scene
-from app.panels.widgets import Wake, hidden_button, pressed
+from app.panels.offered_changes import Offers
 from app.shared.puzzles import is_puzzle
 from app.ui import style
-from app.ui.arm_size import MADE_FOR_ARMS, fitting_lengths, scene_size_note
+from app.ui.arm_size import scene_size_note
 from app.ui.numbers import distance_to_show, format_lower_bound, format_setting
-from app.ui.overlay import button
 
 _RATES = ("speed", "acceleration")
 """Quantities of a joint that a slower motion keeps within their limits."""
 
 
-class ArmBanner:
-    """The worst fault of a plan that is complete, and what changes the scene to mend it."""
+def arm_banner(plan: Plan, buttons: str = "") -> str:
+    """The worst fault of a plan that is complete, as HTML with the buttons of what may help.
 
-    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        self.avoid = hidden_button(gui, "Avoid with the whole arm", wake)
-        self.follow = hidden_button(gui, "Follow the B-spline", wake)
-        self.slow = hidden_button(gui, "Slow down for the joints", wake)
-        self.nearer = hidden_button(gui, "Take a smaller link clearance", wake)
-        self._other = hidden_button(gui, f"Open {MADE_FOR_ARMS}", wake)
-        self.fit = hidden_button(gui, "Fit the arm to the scene", wake)
-        self._clearance = 0.0
-        self._lengths: dict[str, float] = {}
+    Empty for a motion that is proven clear and within its limits.
+    """
+    if (fault := arm_fault(plan)) is None:
+        return ""
+    if (size := scene_size_note(plan.scene)) is not None:
+        title, numbers = size  # nothing else makes it fit
+        return _card((f"{title}.", "✗"), html.escape(numbers), buttons)
+    if is_puzzle(plan.scene):
+        calm = "This scene is planned for the tool tip alone.", ""
+        return _card(calm, html.escape(fault[0]), buttons)
+    return _card(fault, _remark(plan), buttons)
 
-    def other_size(self, scene: Scene) -> str:
-        """Button that opens the scene made for such arms, or fits the paper's arm, as HTML."""
-        if scene.arm.model == "abi":
-            self._lengths = fitting_lengths(scene)
-            return button(self.fit, "Fit the arm to the scene")
-        return button(self._other, f"Open {MADE_FOR_ARMS}")
 
-    def asks_for_other_scene(self) -> bool:
-        """Check whether that button was pressed since the last call."""
-        return pressed(self._other)
-
-    def html(self, plan: Plan) -> str:
-        """The banner as HTML; empty for a motion that is proven clear and within its limits."""
-        if (fault := _fault(plan)) is None:
-            return ""
-        if (size := scene_size_note(plan.scene)) is not None:
-            title, numbers = size  # nothing else makes it fit
-            fault = f"{title}.", "✗"
-            return _card(fault, html.escape(numbers), self.other_size(plan.scene))
-        if is_puzzle(plan.scene):
-            calm = "This scene is planned for the tool tip alone.", ""
-            return _card(calm, html.escape(fault[0]), self._buttons(plan))
-        return _card(fault, _remark(plan), self._buttons(plan))
-
-    def accepted_change(self) -> dict[str, Any] | None:
-        """The change of the scene whose button was pressed since the last call."""
-        if pressed(self.avoid):
-            return {"arm": {"avoid": True}}
-        if pressed(self.follow):
-            return {"motion": {"curve": "auto"}}
-        if pressed(self.slow):
-            return {"motion": {"law": "slowed"}}
-        if pressed(self.fit) and self._lengths:
-            return {"arm": self._lengths}
-        if pressed(self.nearer) and self._clearance > 0:
-            return {"arm": {"clearance": self._clearance}}
-        return None
-
-    def _buttons(self, plan: Plan) -> str:
-        """Buttons of the changes that may help."""
-        clearance, scene, unit = plan.arm_clearance, plan.scene, plan.scene.unit
-        buttons = ""
-        if not _follows_clear(plan):
-            if plan.bspline is not None and plan.bspline.holds:
-                buttons += button(self.follow, "Follow the B-spline")
-        elif clearance is not None and not clearance.certified and not scene.arm.avoid:
-            buttons += button(self.avoid, "Avoid with the whole arm")
-        elif _is_too_fast(plan) and not LAWS[scene.motion.law].keeps_limits:
-            buttons += button(self.slow, "Slow down for the joints")
-        self._clearance = _kept_clearance(plan)
-        if self._clearance > 0:
-            text = f"{format_setting(self._clearance)} {unit}"
-            buttons += button(self.nearer, f"Set link clearance to {text}")
-        return buttons
+def arm_changes(plan: Plan) -> Offers:
+    """Changes of the scene that may mend a plan's worst fault."""
+    if arm_fault(plan) is None:
+        return {}
+    clearance, scene = plan.arm_clearance, plan.scene
+    offers: Offers = {}
+    if not _follows_clear(plan):
+        if plan.bspline is not None and plan.bspline.holds:
+            offers["Follow the B-spline"] = {"motion": {"curve": "auto"}}
+    elif clearance is not None and not clearance.certified and not scene.arm.avoid:
+        offers["Avoid with the whole arm"] = {"arm": {"avoid": True}}
+    elif _is_too_fast(plan) and not LAWS[scene.motion.law].keeps_limits:
+        offers["Slow down for the joints"] = {"motion": {"law": "slowed"}}
+    if (kept := _kept_clearance(plan)) > 0:
+        label = f"Set link clearance to {format_setting(kept)} {scene.unit}"
+        offers[label] = {"arm": {"clearance": kept}}
+    return offers
 
 
 def _follows_clear(plan: Plan) -> bool:
@@ -109,7 +70,7 @@ def _is_too_fast(plan: Plan) -> bool:
     return "position" not in passed and not passed.isdisjoint(_RATES)
 
 
-def _fault(plan: Plan) -> tuple[str, str] | None:
+def arm_fault(plan: Plan) -> tuple[str, str] | None:
     """Sentence on the worst fault, and the sign behind it; None for none."""
     motion, clearance, unit = plan.motion, plan.arm_clearance, plan.scene.unit
     if plan.error is not None or motion is None or clearance is None:

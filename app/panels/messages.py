@@ -15,13 +15,13 @@ from abi.errors import AbiError, ClearanceNotHeld, NoPath, PointBlocked, StageEr
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app.panels.arm_banner import ArmBanner
+from app.panels.arm_banner import arm_banner, arm_changes, arm_fault
 from app.panels.base_offer import base_buttons, base_card, base_sentence
 from app.panels.files.check_motion import CheckMotionPanel
 from app.panels.files.share import SharePanel
 from app.panels.headline import shown_numbers
 from app.panels.legs import LegsCard
-from app.panels.offered_changes import change_label, offered_changes
+from app.panels.offered_changes import Offers, offered_changes
 from app.panels.plan_sentence import OBSTACLES, longer_on_finer, plan_sentence
 from app.panels.stages.find_base import FindBasePanel
 from app.panels.teach.lesson_mark import lesson_mark
@@ -32,7 +32,7 @@ from app.stages.catalogue import SHOWN_STAGES
 from app.state.frame import Frame
 from app.theatre.text import question
 from app.theatre.theatre import Theatre
-from app.ui.arm_size import scene_size_note
+from app.ui.arm_size import MADE_FOR_ARMS, fitting_lengths, scene_size_note
 from app.ui.labels import kept, sentence
 from app.ui.layout import Layout
 from app.ui.overlay import button
@@ -69,7 +69,8 @@ class Messages:
         self._open_lesson = hidden_button(gui, "Open the lesson", layout.open_learn)
         self._accepts = tuple(hidden_button(gui, "Accept", wake) for _ in range(_MOST_CHANGES))
         self.point_out = hidden_button(gui, "Show it", wake)
-        self.banner = ArmBanner(gui, wake)
+        self._offers: Offers = {}
+        self._other_scene = hidden_button(gui, f"Open {MADE_FOR_ARMS}", wake)
         self.legs = LegsCard(gui, wake)
         self._reason: Reason | None = None
         self._tool_alone: Scene | None = None
@@ -94,7 +95,7 @@ class Messages:
         if state == self._drawn:
             return
         self._drawn = state
-        contact = ""
+        contact, before, self._offers = "", self._offers, {}
         self._reason = None if frame.refused is not None else frame.reason
         if frame.refused is not None:
             content = _error(
@@ -112,16 +113,19 @@ class Messages:
             content = self._failure(frame, frame.plan.error)
         elif frame.stage:
             content = f'<div class="abi-card">{SHOWN_STAGES[frame.stage].sentence}</div>'
-            contact = self.banner.html(frame.plan) if _ARM in frame.shown else ""
+            contact = self._banner(frame.plan) if _ARM in frame.shown else ""
         else:
             progress = f"{plan_sentence(frame, still)} {self._remark(frame)}".strip()
             content = f'<div class="abi-card">{progress}</div>' if progress else ""
             if not frame.lesson or (_ARM in frame.shown and not frame.asks):
-                contact = self.banner.html(frame.plan)
+                contact = self._banner(frame.plan)
         if not (frame.outdated or frame.stage or frame.theatre is not None):
             content += base_card(self._bases, frame)
         self._overlay.show("message", self._mark + self.legs.html() + content)
         self._overlay.show("contact", contact)
+        if self._offers != before:
+            for accept in self._accepts:
+                pressed(accept)  # another change was meant
 
     @property
     def _mark(self) -> str:
@@ -139,11 +143,13 @@ class Messages:
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The change of the scene whose button was pressed since the last call."""
-        if (change := self.banner.accepted_change()) is not None:
-            return change
-        changes = offered_changes(self._reason)
         accepted = [pressed(accept) for accept in self._accepts]
-        return next((one for one, was in zip(changes, accepted, strict=False) if was), None)
+        offered = zip(self._offers.values(), accepted, strict=False)
+        return next((change for change, was in offered if was), None)
+
+    def asks_for_other_scene(self) -> bool:
+        """Check whether the scene made for large arms was asked for since the last call."""
+        return pressed(self._other_scene)
 
     def pointed_out(self) -> int | None:
         """The obstacle that was asked for since the last call."""
@@ -165,6 +171,26 @@ class Messages:
         self._tool_alone = self._tool_alone or scene
         return _TOOL_ALONE if scene is self._tool_alone else ""
 
+    def _banner(self, plan: Plan) -> str:
+        """Fault of the arm's motion, and the buttons of what may help."""
+        if arm_fault(plan) is None:
+            return ""
+        if scene_size_note(plan.scene) is not None:
+            return arm_banner(plan, self._size_buttons(plan.scene))
+        return arm_banner(plan, self._offered(arm_changes(plan)))
+
+    def _size_buttons(self, scene: Scene) -> str:
+        """Button that fits the paper's arm to a scene, or opens one made for other arms."""
+        if scene.arm.model == "abi":
+            return self._offered({"Fit the arm to the scene": {"arm": fitting_lengths(scene)}})
+        return button(self._other_scene, f"Open {MADE_FOR_ARMS}")
+
+    def _offered(self, offers: Offers) -> str:
+        """Buttons of changes of the scene, of which the last offered count."""
+        self._offers = offers
+        pairs = zip(self._accepts, offers, strict=False)
+        return "".join(button(accept, label) for accept, label in pairs)
+
     def _failure(self, frame: Frame, error: AbiError) -> str:
         """Reason why there is no plan, and the buttons of what would help."""
         reason = frame.reason
@@ -173,19 +199,14 @@ class Messages:
         of_arm = isinstance(error, StageError) and error.stage == "arm"
         if of_arm and (size := scene_size_note(frame.plan.scene)) is not None:
             title, numbers = size  # no other base, and no setting, makes it fit
-            return _with_buttons(
-                _error(f"{title}.", numbers), self.banner.other_size(frame.plan.scene)
-            )
+            return _with_buttons(_error(f"{title}.", numbers), self._size_buttons(frame.plan.scene))
         alone = ""
         if reason is not None and isinstance(error, ArmNotClear):
             alone = "The plan shown is for the tool tip alone."
         hints = (explained.hint, dots, _marked(frame), base_sentence(self._bases, frame), alone)
         tell = _puzzle if is_puzzle(frame.plan.scene) else _error
         content = tell(explained.message, " ".join(filter(None, hints)))
-        buttons = "".join(
-            button(accept, change_label(change, reason))
-            for accept, change in zip(self._accepts, offered_changes(reason), strict=False)
-        )
+        buttons = self._offered(offered_changes(reason))
         if reason is not None and reason.obstacle is not None:
             buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
         buttons += base_buttons(self._bases, frame)

@@ -9,12 +9,18 @@ from abi.explain.reason import Reason
 from app.ui.labels import LABELS
 from app.ui.numbers import format_setting
 
+Offers = dict[str, dict[str, Any]]
+"""Changes of the scene by the labels of the buttons that make them."""
 
-def offered_changes(reason: Reason | None) -> tuple[dict[str, Any], ...]:
+
+def offered_changes(reason: Reason | None) -> Offers:
     """Changes of the scene that give a plan; none that only leads to the next error."""
     if reason is None or reason.change is None or not reason.is_whole:
-        return ()
-    return reason.change, *reason.others
+        return {}
+    offers: Offers = {}
+    for change in (reason.change, *reason.others):
+        offers.setdefault(change_label(change, reason), change)
+    return offers
 
 
 def change_label(change: dict[str, Any], reason: Reason | None) -> str:

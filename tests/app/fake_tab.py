@@ -49,6 +49,13 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
     return match
 
 
+def accept(fake: FakeTab, session: Session, label: str) -> None:
+    """Press the button over the scene that makes the change of that label, once it is offered."""
+    messages = session.panels.messages
+    until(lambda: label in messages._offers)
+    fake.set(messages._accepts[list(messages._offers).index(label)], True)
+
+
 def drawn_points(cloud: viser.PointCloudHandle) -> FloatArray:
     """The points (n, 3) as they were drawn last, [unit], world."""
     return np.asarray(cloud.points, float)

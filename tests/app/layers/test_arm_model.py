@@ -35,7 +35,7 @@ from app.tab.session import Session
 from tests.abi.robot import robots
 from tests.abi.robot.robots import OWN, arm, packed
 from tests.abi.robot.test_visuals import dae, looking
-from tests.app.fake_tab import FakeTab, heard, layer, notified, send_file, until
+from tests.app.fake_tab import FakeTab, accept, heard, layer, notified, send_file, until
 
 
 def panel(session: Session) -> ArmPanel:
@@ -252,7 +252,7 @@ def test_the_papers_arm_in_a_scene_of_another_size_says_so_and_is_fitted(
     until(lambda: "This arm is too large for the scene" in told())
     assert "Find a base" not in told()
     usual = ArmSettings()
-    fake.set(session.panels.messages.banner.fit, True)
+    accept(fake, session, "Fit the arm to the scene")
     until(lambda: session.frame.plan.scene.arm.a1 < usual.a1 and session.resting)
     until(lambda: "too large" not in told())
     # as in the paper, whose workspace is six times as large as this, in its unit
@@ -287,7 +287,7 @@ def test_an_arm_of_another_size_than_the_scene_says_so(
     # one step to the scene that is made for it, and one back
     assert "Open kitchen-ur5e</button>" in shown["contact"]
     before = session.frame.plan.scene
-    fake.set(session.panels.messages.banner._other, True)
+    fake.set(session.panels.messages._other_scene, True)
     until(lambda: session.frame.plan.scene == load_scene("kitchen-ur5e") and session.resting)
     assert session.panels.files.choice.value == "kitchen-ur5e"
     assert session.frame.plan.is_arm_clear

@@ -25,7 +25,7 @@ from app.shared.shared_plans import SharedPlans
 from app.tab import pause
 from app.tab.planner import TabPlanner
 from app.tab.session import Session
-from tests.app.fake_tab import FakeTab, layer, notified, opened, until
+from tests.app.fake_tab import FakeTab, accept, layer, notified, opened, until
 
 
 def test_a_tab_begins_with_the_complete_plan_of_the_paper(
@@ -164,7 +164,7 @@ def test_where_a_link_touches_something_a_button_avoids_that(tab: tuple[FakeTab,
     fake.drag(session.panels.obstacles.gizmos[0], [3.5, 2.0, 3.0])
     until(lambda: "into obstacle 1" in shown.get("contact", ""))
     assert not session.plan.scene.arm.avoid  # type: ignore[union-attr]
-    fake.set(session.panels.messages.banner.avoid, True)
+    accept(fake, session, "Avoid with the whole arm")
     until(lambda: not shown["contact"] and session.resting)
     assert session.plan is not None
     assert session.plan.scene.arm.avoid
