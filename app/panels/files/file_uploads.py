@@ -122,6 +122,7 @@ class FileUploads(Generic[_T]):
         self._stopped.set()
         while not self._ended.empty():
             self._ended.get()
+        self._job = None
         self._show(None, 0.0)
 
     def _announce(self, name: str, part: float | None) -> None:
