@@ -91,14 +91,7 @@ class Session:
         self._planned = planned
         self._built = self._closed = False
         self._touched = False  # whether there was input of a hand since the last step
-        self._worker = worker = TabWorker(
-            f"tab-{client.client_id}",
-            prepare=lambda: self._memory.wait(),
-            timeout=self._timeout,
-            ready=self._wait_for_kernels,
-            patience=self._patience,
-            step=self._work,
-        )
+        self._worker = worker = TabWorker(f"tab-{client.client_id}", self._run)
         page.install(client)
         watch = PageWatch(client, worker.wake)
         hear_of_refused_files(client)
@@ -183,6 +176,18 @@ class Session:
             if not self._worker.is_woken():
                 self._woken = time.monotonic()
             self._worker.hurry()
+
+    def _run(self) -> None:
+        """Take steps until the tab is closed: after input, or when something is due."""
+        self._memory.wait()
+        while True:
+            self._worker.wait(self._timeout())
+            if self.plans:  # the thread that loads kernels comes first, once there is a picture
+                compiling.wait_for_kept()
+            if self._worker.closed:
+                return
+            with self._worker.turn(self._patience()) as woken:
+                self._work(woken)
 
     def _work(self, woken: bool) -> None:
         """Take a step; after a fault return to the last plan."""
@@ -400,11 +405,6 @@ class Session:
                 self._draw(self.frame)
             else:  # what is proven of the last plan is not of what the hand has changed
                 self._draw(replace(self.frame, outdated=True))
-
-    def _wait_for_kernels(self) -> None:
-        """Yield the interpreter to the thread that loads kernels, once there is a picture."""
-        if self.plans:
-            compiling.wait_for_kept()
 
     def _patience(self) -> float:
         """Maximum delay of the next step behind drags in other tabs, [s]."""

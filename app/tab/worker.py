@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from app.process.turns import TURNS, Turn
 
@@ -12,33 +13,24 @@ _PATIENCE = 5.0
 
 
 class TabWorker:
-    """Thread that takes a step after input; several inputs before a step are taken together."""
+    """Thread that takes a step after input; several inputs before a step are taken together.
 
-    def __init__(
-        self,
-        name: str,
-        prepare: Callable[[], None],
-        timeout: Callable[[], float],
-        ready: Callable[[], object],
-        patience: Callable[[], float],
-        step: Callable[[bool], None],
-    ) -> None:
+    Attributes:
+        closed: whether it is to end.
+    """
+
+    def __init__(self, name: str, run: Callable[[], None]) -> None:
         """Create the worker; its thread is not started yet.
 
         Args:
             name: of the thread.
-            prepare: called first, outside of any turn.
-            timeout: time to wait for input, [s].
-            ready: called before each step, outside of its turn, to wait for what it needs.
-            patience: time for which a step can wait behind the hands in other tabs, [s].
-            step: called with whether there was input.
+            run: what it does: steps, each after :meth:`wait` and in a :meth:`turn`, until it is
+                ``closed``.
         """
-        self._prepare, self._timeout, self._ready = prepare, timeout, ready
-        self._patience, self._step = patience, step
         self._changed = threading.Event()
-        self._closing = False
+        self.closed = False
         self._turn = Turn(TURNS)
-        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread = threading.Thread(target=run, name=name, daemon=True)
 
     def start(self) -> None:
         """Start the thread, which takes a first step."""
@@ -58,22 +50,26 @@ class TabWorker:
         """Check whether a step is requested."""
         return self._changed.is_set()
 
+    def wait(self, seconds: float) -> None:
+        """Wait until a step is requested, at most that long."""
+        self._changed.wait(seconds)
+
+    @contextmanager
+    def turn(self, patience: float) -> Iterator[bool]:
+        """Take a step in the block, in this tab's turn; whether it was requested.
+
+        Args:
+            patience: time for which it can wait behind the hands in other tabs, [s].
+        """
+        with self._turn.after(patience):
+            # not what a wait returned: the input may have come while it gave up
+            if woken := self._changed.is_set():
+                self._changed.clear()
+            yield woken
+
     def close(self) -> None:
         """End the thread and wait for it, unless called from it."""
-        self._closing = True
+        self.closed = True
         self._changed.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(_PATIENCE)
-
-    def _run(self) -> None:
-        self._prepare()
-        while True:
-            self._changed.wait(self._timeout())
-            self._ready()
-            if self._closing:
-                return
-            with self._turn.after(self._patience()):
-                # not what wait() returned: the input may have come while it gave up
-                if woken := self._changed.is_set():
-                    self._changed.clear()
-                self._step(woken)
