@@ -20,6 +20,7 @@ from abi.robot.bodies.always_touching import always_touch
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.chain_capsules import (
     carried_bodies,
+    has_own_shape,
     hulls_of,
     lever,
     meeting,
@@ -45,7 +46,7 @@ def robot_bodies(chain: Chain, closely: Collection[str] = frozenset()) -> tuple[
     for carried in chain.carried:
         fit: Fit = "close" if carried.link in closely else "quick"
         bodies += carried_bodies(carried, link_bodies(chain.robot.links[carried.link], fit))
-    if not any(body.frame >= 0 for body in bodies):
+    if not has_own_shape(chain, bodies):
         raise MotionError(
             "No link that moves has a collision shape, so nothing can be proven.",
             "Give the URDF with its <collision> elements and their meshes.",

@@ -34,7 +34,7 @@ from abi.verify.certificate import (
 )
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.frame import ExactFrame
-from abi.verify.exact.link_corners import LinkPiece, check_corners
+from abi.verify.exact.link_corners import LinkPiece, check_corners, check_lines
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, sub, vector
@@ -95,6 +95,7 @@ def check_chain(
     pairs = _pairs(certificate, len(capsules))
     bodies = _bodies(capsules)
     check_corners(scene.robot, chain, bodies)
+    check_lines(chain, scene.robot, bodies)
     ends = [rows[k] for k in (0, len(rows) // 2, -1)]
     allowed = allowed_contacts(certificate, scene, obstacles, chain, bodies, ends)
     _check_all_named(capsules, pairs, allowed)

@@ -25,7 +25,7 @@ from abi.scene.scene import Scene
 from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor
 from abi.verify.certificate import MOTION, planes_of, words_of
 from abi.verify.exact.chain import ExactChain
-from abi.verify.exact.link_corners import LinkPiece, check_corners
+from abi.verify.exact.link_corners import LinkPiece, check_corners, has_own_shape
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.robot_chain import exact_joints
 from abi.verify.exact.solids import ExactFloor, ExactSolid
@@ -61,6 +61,8 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     bodies = _bodies(certificate, motion.chain)
     pieces = _pieces(bodies, scene.robot)
     check_corners(scene.robot, motion.chain, pieces)
+    if not has_own_shape(motion.chain, scene.robot):
+        raise Fault("no link of the robot that moves has a shape")
     few = [motion.path.positions(Fraction(k * len(motion.path.pieces), 4)) for k in range(5)]
     allowed = contacts_of_motion(data, scene, motion.chain, pieces, few)
     pairs = _pairs(certificate, len(bodies))

@@ -19,13 +19,16 @@ _POSES, _AT_ENDS = 96, 2
 def always_touch(chain: Chain, first: str, second: str) -> bool:
     """Check whether the shapes of two links touch in each of some random poses, also at limits.
 
-    What is found is kept from one start to the next.
+    A link without shapes touches nothing. What is found is kept from one start to the next.
 
     Args:
         chain: the joints that move.
         first: name of a link.
         second: name of another.
     """
+    one, other = (chain.robot.links[name] for name in (first, second))
+    if not one.shapes or not other.shapes:
+        return False
     low, high = chain.usual_range().T
     positions = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
     # links that part at the end of a range part where few random poses are
@@ -34,7 +37,6 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
         at_ends[:, column] = np.repeat(ends, _AT_ENDS)
         positions = np.concatenate([positions, at_ends])
     turned, moved = relative_poses(chain, first, second, positions)
-    one, other = (chain.robot.links[name] for name in (first, second))
     shapes = (*one.shapes, *other.shapes)
     code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
     key = body_store.key_of(shapes, code)

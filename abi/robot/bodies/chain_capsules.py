@@ -32,9 +32,16 @@ def capsules_of(chain: Chain, fits: Mapping[str, Fit]) -> tuple[Body, ...]:
         fit = fits.get(carried.link, "quick")
         bodies = beside.get(carried.link) or link_bodies(chain.robot.links[carried.link], fit)
         capsules.extend(carried_bodies(carried, bodies))
-    if not any(capsule.frame >= 0 for capsule in capsules):
+    if not has_own_shape(chain, capsules):
         capsules += _skeleton(chain)
     return tuple(sorted(capsules, key=attrgetter("frame")))
+
+
+def has_own_shape(chain: Chain, bodies: Iterable[Body]) -> bool:
+    """Check whether a link that moves has a body, other than the object that the robot holds."""
+    held = chain.robot.attached
+    own = (one.link for one in bodies if one.frame >= 0)
+    return any(held is None or link != held.link for link in own)
 
 
 def carried_bodies(carried: Carried, bodies: Iterable[Body]) -> Iterator[Body]:

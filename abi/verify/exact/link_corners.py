@@ -67,13 +67,50 @@ def check_corners(
         own = np.concatenate(kinds)
         corners = units * own @ turn.T + origin
         allowed = _NEAR * max(units, float(np.abs(corners).max()))
-        held = np.zeros(len(corners), dtype=np.bool_)
-        for body in bodies[name]:
-            inside = _distances(corners, body.ends) <= body.radius + allowed
-            inside[inside] = _in_hull(corners[inside], body, allowed)
-            held |= inside
-        if not held.all():
+        if not _are_held(corners, bodies[name], allowed):
             raise Fault(f"the capsules of {name} are not where its joints take it")
+
+
+def check_lines(chain: ExactChain, robot: Robot, bodies: Mapping[str, Sequence[LinkPiece]]) -> None:
+    """Raise if nothing stands for a robot of whose own links none that moves has a shape.
+
+    Lines do, from joint to joint and to the tip.
+
+    Args:
+        chain: the robot's chain.
+        robot: the robot.
+        bodies: pieces of each link.
+
+    Raises:
+        Fault: an end of such a line is in no piece.
+    """
+    if has_own_shape(chain, robot):
+        return
+    for frame, (_, origin) in zip(chain.before, chain.origins, strict=True):
+        if frame >= 0:
+            ends = np.array([[0.0] * 3, [*map(float, origin)]])
+            links = (link for link, number in chain.frames.items() if number == frame)
+            pieces = [one for link in links for one in bodies.get(link, ())]
+            allowed = _NEAR * max(float(chain.units), float(np.abs(ends).max()))
+            if not _are_held(ends, pieces, allowed):
+                raise Fault("no lines stand for its links, which have no shapes")
+
+
+def has_own_shape(chain: ExactChain, robot: Robot) -> bool:
+    """Check whether a link that moves has a shape, other than the object that the robot holds."""
+    attached = None if robot.attached is None else robot.attached.link
+    moving = (name for name, frame in chain.frames.items() if frame >= 0 and name != attached)
+    return any(robot.links[name].shapes for name in moving)
+
+
+def _are_held(points: FloatArray, pieces: Sequence[LinkPiece], allowed: float) -> bool:
+    """Check whether each of points (n, 3) is in one of a link's pieces, up to a distance."""
+    held = np.zeros(len(points), dtype=np.bool_)
+    for one in pieces:
+        inside = _distances(points, one.ends) <= one.radius + allowed
+        inside[inside] = _in_hull(points[inside], one, allowed)
+        held |= inside
+    return bool(held.all())
 
 
 def _in_hull(corners: FloatArray, body: LinkPiece, allowed: float) -> BoolArray:

@@ -15,9 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
+from abi.certification.certify import certify
+from abi.errors import MotionError
 from abi.obstacles.pose import Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.planner.planner import Planner
+from abi.planner.planner import Planner, plan
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import urdf_arm
@@ -29,7 +31,7 @@ from abi.verify.exact.solids import Vec3, dot, vector
 from abi.verify.exact_path import ExactPath
 from abi.verify.joint_motion import JointMotion, MovedHull
 from abi.verify.verify import verify
-from tests.abi.robot.robots import OWN, packed
+from tests.abi.robot.robots import OWN, joint, packed, urdf
 from tests.abi.verify.verdicts import NEAR, verdict_on
 
 Data = dict[str, Any]
@@ -286,3 +288,36 @@ def test_a_tip_in_its_only_joint_is_at_the_start_and_the_goal_up_to_rounding() -
     assert data["error"] is None
     verdicts = verify(json.loads(json.dumps(data)), MeshSource(files))
     assert next(one for one in verdicts if one.curve == "arm").proven
+
+
+@pytest.mark.parametrize("holds", [False, True])
+def test_lines_stand_for_a_robot_without_shapes_whatever_it_holds(holds: bool) -> None:
+    bare = [f'<link name="{name}"/>' for name in "abcd"]
+    joints = [joint(name, *pair) for name, pair in zip("pqs", ("ab", "bc", "cd"), strict=True)]
+    ball = {"shape": "sphere", "radius": 0.02, "position": [0, 0, 0.3]}
+    held = {"attached": ball} if holds else {}
+    room = {"min": [-3] * 3, "max": [3] * 3}
+    scene = Scene.from_dict(
+        {
+            **{"version": 1, "unit": "m", "workspace": room, "mesh": {"pitch": 2}},
+            **{"start": {"joints": [0, 0, 0]}, "goal": {"joints": [0.3, 0.1, 0]}},
+            "obstacles": [{"shape": "box", "size": [0.1, 0.1, 0.1], "position": [2, 2, 2]}],
+            "arm": {"model": "urdf", "urdf": "a.urdf", "base": [0, 0, 0], **held},
+        },
+        {"a.urdf": urdf(*bare, *joints).encode()},
+    )
+    found = plan(scene)
+    assert found.error is None
+    assert "lines from joint to joint" in " ".join(scene.notes)
+    data: dict[str, Any] = json.loads(json.dumps(found.to_dict()))
+    assert verify(data, scene.meshes)[-1].proven
+    motion = data["arm"]["positions"], data["arm"]["time"]
+    with pytest.raises(MotionError, match="has a collision shape"):
+        certify(None, ("p", "q", "s"), motion[1], motion[0], scene)
+
+    # a line that is left out
+    certificate = data["arm"]["certificate"]
+    lines = [k for k, one in enumerate(certificate["capsules"]) if one["link"] == "c"]
+    nowhere = [0.0, 0.0, 0.0]
+    certificate["capsules"][lines[0]] |= {"from": nowhere, "to": nowhere, "points": [nowhere] * 2}
+    assert "no lines stand" in verify(data, scene.meshes)[-1].reason
