@@ -8,6 +8,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import called_as, jitable
+
 _T = TypeVar("_T")
 
 
@@ -27,6 +30,28 @@ def fields_as_lists(value: Any) -> Any:
     """A tuple with arrays among its fields as lists."""
     inner = map(as_lists, value)
     return type(value)(*inner) if hasattr(value, "_fields") else tuple(inner)
+
+
+def _list_of_numbers(count: int) -> Any:
+    return [0.0] * count
+
+
+@jitable
+@called_as(_list_of_numbers)
+def numbers(count: int) -> FloatArray:
+    """Room for so many numbers that a kernel works with, and does not return; as Python a list."""
+    return np.empty(count)
+
+
+def _list_of_zeros(count: int) -> Any:
+    return [0] * count
+
+
+@jitable
+@called_as(_list_of_zeros)
+def zeros(count: int) -> IntArray:
+    """So many whole numbers, 0 at first, as for :func:`numbers`."""
+    return np.zeros(count, np.int32)
 
 
 _KEPT: dict[int, dict[int, Any]] = {}

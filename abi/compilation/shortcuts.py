@@ -24,6 +24,7 @@ from numba.core.runtime.context import NRTContext
 from numba.core.targetconfig import ConfigStack, TargetConfig
 from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import _OverloadFunctionTemplate
+from numba.np import linalg
 
 from abi.compilation import array_elements, helpers
 from abi.compilation.counters import places_of_counters
@@ -177,6 +178,11 @@ def _leave(lock: Any, *_: object) -> None:
     lock._lock.release()
 
 
+def _without_blas() -> None:
+    """Have numba leave out linear algebra, for which it would import that of scipy."""
+    raise ImportError("kernels have no linear algebra")
+
+
 SHORTCUTS: dict[tuple[Any, str], Any] = {
     (TargetConfig, "__hash__"): _hash_of_options,
     (TargetConfig, "__eq__"): _are_options_equal,
@@ -188,6 +194,7 @@ SHORTCUTS: dict[tuple[Any, str], Any] = {
     (BaseContext, "get_abi_sizeof"): _known_size,
     (BaseContext, "get_function"): _implementation_of,
     (base, "_has_loc"): cache(base._has_loc),
+    (linalg, "ensure_blas"): _without_blas,
     # no events for clocks that nobody reads
     (_LLVMLock, "__enter__"): _enter,
     (_LLVMLock, "__exit__"): _leave,

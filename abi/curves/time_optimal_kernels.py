@@ -14,10 +14,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
+from abi.compilation.plain import numbers
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 _FLAT = 1e-12
@@ -47,8 +46,8 @@ def _feasible(
 ) -> tuple[float, float]:
     """Least and largest x from which the next set can be reached; the largest < 0: none."""
     count = len(accelerations)
-    low, low_slope = np.empty(2 * count + 1), np.empty(2 * count + 1)
-    high, high_slope = np.empty(2 * count + 1), np.empty(2 * count + 1)
+    low, low_slope = numbers(2 * count + 1), numbers(2 * count + 1)
+    high, high_slope = numbers(2 * count + 1), numbers(2 * count + 1)
     lines = 1
     least, largest = 0.0, top
     low[0], high[0] = after[0] / (2 * step), after[1] / (2 * step)

@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from abi.arm_planning.certificates.separate_pairs_kernels import (
     ALLOWANCE,
     FINEST,
@@ -27,6 +25,7 @@ from abi.arm_planning.world.collision_world_kernels import NO_OBSTACLES, Obstacl
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
+from abi.compilation.plain import numbers, zeros
 from abi.compiled import FLOATS, compiled
 from abi.curves.clearance.separation_kernels import (
     CERTIFIED,
@@ -286,7 +285,7 @@ def _add_pairs(problem: _AlongKnots, near: _NearPose, pairs: list[int]) -> None:
     """Add all pairs; unless planes are wanted not those that boxes or balls keep clear."""
     _, bodies, _, around, certify, _, _ = problem
     count, allowance = len(around.margins), ALLOWANCE * around.size
-    balls = np.empty(4 * len(bodies.frames))
+    balls = numbers(4 * len(bodies.frames))
     for c in range(len(bodies.frames)):
         capsule = _capsule_of(near, c)
         far = math.inf if certify else capsule.radius + capsule.way + allowance
@@ -365,10 +364,10 @@ def separate_knots(
         As for curves, the parameter of knot k being k; a plane's obstacle is the number of its
         pair, -1 less that if it separates the hull, and its level the parameter of the pose.
     """
-    count, ends = len(chain.limits) // 2, np.empty(6 * len(bodies.frames))
-    ways, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
-    placed = np.zeros(len(bodies.frames) + 1, dtype=np.int32)
-    own = _Pose(np.empty(count), ways, ends, poses, np.empty(count), placed)
+    count, ends = len(chain.limits) // 2, numbers(6 * len(bodies.frames))
+    ways, poses = numbers(count), numbers(POSE * (len(chain.source) + 1))
+    placed = zeros(len(bodies.frames) + 1)
+    own = _Pose(numbers(count), ways, ends, poses, numbers(count), placed)
     pose = borrowed(own)
     problem = chain, bodies, knots, around, certify, pose, [NO_DIRECTION]
     lists, left = new_lists(), none_left()

@@ -25,6 +25,7 @@ from abi.arm_planning.world.collision_world_kernels import (
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
+from abi.compilation.plain import numbers, zeros
 from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, NEW_IDS, compiled
 from abi.curves.clearance.separation_kernels import CERTIFIED
 from abi.obstacles.triangle_mesh.triangle_kernels import DEPTH, between_segments
@@ -237,7 +238,7 @@ def bound_configurations(
         boxes: those around nothing at first; written.
     """
     count, size = len(chain.limits) // 2, _BOX * len(bodies.frames)
-    own = np.empty(POSE * (len(chain.source) + 1)), np.empty(size)
+    own = numbers(POSE * (len(chain.source) + 1)), numbers(size)
     poses, ends = borrowed(own)
     inner = len(tree.leaves) - 2
     for leaf in range(len(tree.leaves) - 1):
@@ -296,8 +297,8 @@ def touching_configurations(
     """
     around, root = obstacle
     size = _BOX * len(bodies.frames)
-    poses = np.empty(POSE * (len(chain.source) + 1))
-    own = poses, np.empty(size), np.empty(DEPTH, np.int32)
+    poses = numbers(POSE * (len(chain.source) + 1))
+    own = poses, numbers(size), zeros(DEPTH)
     room, work = borrowed(own), [0]
     if root < 0:
         every = around, asked_rows(around, len(bodies.frames)), slack

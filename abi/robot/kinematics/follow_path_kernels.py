@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from abi.arrays import FloatArray
 from abi.compilation.jitable import jitable
+from abi.compilation.plain import numbers
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.robot.kinematics.chain_kernels import POSE, TABLE, ChainTable, fill_jacobian, place_chain
 
@@ -90,13 +89,13 @@ class FollowWorkspace(NamedTuple):
 def room_of(chain: ChainTable, count: int) -> FollowWorkspace:
     """Arrays for the inverse kinematics of a chain with n coordinates."""
     return FollowWorkspace(
-        np.zeros(POSE * (len(chain.source) + 1)),
-        np.zeros(6 * count),
-        np.zeros(count),
-        np.zeros(count),
-        np.zeros(6),
-        np.zeros(6),
-        np.zeros(36),
+        numbers(POSE * (len(chain.source) + 1)),
+        numbers(6 * count),
+        numbers(count),
+        numbers(count),
+        numbers(6),
+        numbers(6),
+        numbers(36),
     )
 
 
