@@ -25,7 +25,7 @@ from app.panels.files.mesh_uploads import add_mesh_uploads
 from app.panels.length_step import length_step
 from app.panels.obstacles.end_gizmos import EndGizmos
 from app.panels.obstacles.free_place import Bounds, free_place
-from app.panels.obstacles.mesh_note import MeshNote, fitted_scale
+from app.panels.obstacles.mesh_note import fitted_scale
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.obstacles.obstacle_sizes import ObstacleSizes
 from app.panels.widgets import VectorBox, Wake
@@ -68,7 +68,6 @@ class ObstacleEditor:
             "obstacle", (_NONE,), hint="Or click or tap an obstacle in the scene."
         )
         self.sizes = ObstacleSizes(gui, wake)
-        self._mesh_note = MeshNote(gui, wake)
         self._position = VectorBox(gui, "position", 0.1, "The obstacle's centre.", wake)
         self._angles = VectorBox(gui, "rotation [°]", 5.0, "About x, then y, then z.", wake)
         self.kind = gui.add_dropdown(
@@ -101,10 +100,7 @@ class ObstacleEditor:
             SceneError: a typed number is too large, or not finite; all else was applied.
         """
         self._receive(scene)
-        if (scale := self._mesh_note.resized()) is not None:
-            self.sizes.scale.value = scale
-        if (unit := self._mesh_note.accepted()) is not None:
-            self.sizes.choose_unit(unit)
+        self.sizes.take_offers()
         if self._pressed:
             self._pressed = False
             self._change(self.buttons.value, scene)
@@ -213,13 +209,13 @@ class ObstacleEditor:
                 self._notice = notices.notify_refusal(self._client, title, sentence(error))
         self._fit_boxes(frame.plan.scene)
         self._added.clear()
-        self._obstacles.show_edges(self._mesh_note.edges)
+        self._obstacles.show_edges(self.sizes.shows_edges)
         scene, number = frame.plan.scene, self._obstacles.chosen
         if frame.current and (scene, number) != self._noted:
             self._noted = scene, number
             chosen = scene.obstacles[number] if number < len(scene.obstacles) else None
             current = len(scene.obstacles) == len(self._obstacles.shown)
-            self._mesh_note.write(
+            self.sizes.describe(
                 chosen if current and isinstance(chosen, MeshShape) else None, scene
             )
 
