@@ -23,9 +23,8 @@ from app.panels.obstacles.control_handles import ControlHandles
 from app.panels.obstacles.end_gizmos import EndGizmos
 from app.panels.obstacles.obstacle_editor import ObstacleEditor
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
-from app.panels.stages.comparison import ComparisonPanel
-from app.panels.stages.pitch_study import PitchStudyPanel
 from app.panels.stages.stages import StagePanels, stage_folders
+from app.panels.stages.studies import StudiesPanel
 from app.panels.teach.figures import FiguresPanel
 from app.panels.teach.lecture import Lecture
 from app.panels.teach.lessons import LessonPanel
@@ -72,8 +71,7 @@ class AllPanels:
         self.control = ControlHandles(client, wake)
         with self.layout.search:
             self.theatre = TheatrePanel(client, wake)
-            self.comparison = ComparisonPanel(client.gui, wake)
-            self.pitch_study = PitchStudyPanel(client.gui, wake)
+            self.studies = StudiesPanel(client.gui, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
             client.gui.add_html(style.heading("Points and obstacles"))
@@ -126,8 +124,7 @@ class AllPanels:
             self.check,
             self.editor,
             self.layer_switches,
-            self.comparison,
-            self.pitch_study,
+            self.studies,
             self.lessons,
             self.practice,
             self.figures,

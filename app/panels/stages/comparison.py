@@ -1,8 +1,6 @@
-"""Table of all searches on the present graph, made on request."""
+"""Table of all searches on a plan's graph, with what it takes to mend the search before."""
 
 from __future__ import annotations
-
-import viser
 
 from abi.planner.comparison import SearchComparison, compare, search_problem
 from abi.planner.plan import Plan
@@ -11,8 +9,6 @@ from abi.search.compare import COMPARED
 from abi.search.heuristic import Weight
 from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
 from abi.search.trace import SearchTrace
-from app.panels.widgets import Wake, pressed
-from app.state.frame import Frame
 from app.ui import style
 from app.ui.numbers import format_count, format_length, format_time, with_minus
 from app.ui.table import table
@@ -24,55 +20,18 @@ _NOTE = (
     "few edges but different lengths, as in the paper's Table I."
 )
 _MENDING = "LPA* (lifelong A*) keeps its costs and repairs them where edges changed."
-_NO_GRAPH = style.paragraph("There is no graph to search: the message over the scene says why.")
-_PRESS_AGAIN = style.paragraph("The scene has changed: press again to compare on its new mesh.")
-_LIVE = 50.0
-"""Time for all searches, [ms], within which the table follows the plan."""
-_LAST = 1e9
-"""Place in the tab: behind what the layers add later."""
 
 
-class ComparisonPanel:
-    """A button, and the table that it fills."""
+def comparison(plan: Plan, before: Plan | None) -> tuple[str, float]:
+    """All searches on a plan's graph, as HTML, and the time that they took, [ms].
 
-    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        self.button = gui.add_button(
-            "Compare all searches", hint="Runs them once, on the present mesh.", order=_LAST
-        )
-        self._text = gui.add_html("", visible=False, order=_LAST + 1)
-        self._plan: Plan | None = None
-        self._ms = 0.0
-        self.button.on_click(wake)
-
-    def draw(self, frame: Frame) -> None:
-        """Run the searches if the button was pressed, or again for another plan if they are quick.
-
-        The table is never that of another plan's graph; it waits for the hand to rest.
-        """
-        asked = pressed(self.button)
-        changed = self._plan is not None and frame.plan.graph is not self._plan.graph
-        if changed and not asked and frame.interactive:
-            self._text.visible = False
-        elif changed and self._ms > _LIVE and not asked:
-            self._plan = None
-            self._show(_PRESS_AGAIN)
-        elif asked or changed:
-            self._plan = frame.plan
-            self._show(self._compare(frame.plan, frame.before))
-
-    def _compare(self, plan: Plan, before: Plan | None) -> str:
-        """Run the searches, and tell what they found."""
-        if plan.graph is None:
-            return _NO_GRAPH
-        problem = search_problem(plan, heuristic_weight=1.5)
-        found = compare(problem)
-        self._ms = sum(one.ms for one in found)
-        mended = _mended(before, problem.arcs, problem.weight)
-        return _table(found, problem.weight, plan.scene.unit) + _told(mended, found[0])
-
-    def _show(self, text: str) -> None:
-        self._text.content = text
-        self._text.visible = True
+    With the plan ``before`` the search there is mended.
+    """
+    problem = search_problem(plan, heuristic_weight=1.5)
+    found = compare(problem)
+    mended = _mended(before, problem.arcs, problem.weight)
+    text = _table(found, problem.weight, plan.scene.unit) + _told(mended, found[0])
+    return text, sum(one.ms for one in found)
 
 
 def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> Repair | None:

@@ -27,8 +27,8 @@ def test_without_a_path_there_is_nothing_to_plot() -> None:
 
 def test_the_plots_go_with_the_scene(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    panel = session.panels.pitch_study
-    fake.set(panel.button, True)
+    panel = session.panels.studies
+    fake.set(panel.plot, True)
     until(lambda: panel.length.visible and panel.expanded.visible)
     assert len(panel.length.data[0]) >= 4
     assert panel.length.title == "path length [cm] against spacing [cm]"
@@ -38,10 +38,10 @@ def test_the_plots_go_with_the_scene(tab: tuple[FakeTab, Session]) -> None:
 
 def test_a_scene_without_a_path_is_told_so(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    panel = session.panels.pitch_study
+    panel = session.panels.studies
     fake.set(session.panels.files.choice, "no-way")
     until(lambda: session.panels.files.name == "no-way" and session.resting)
-    fake.set(panel.button, True)
-    until(lambda: panel._note.visible)
+    fake.set(panel.plot, True)
+    until(lambda: panel.note.visible)
     assert not panel.length.visible
     assert not panel.expanded.visible

@@ -316,10 +316,10 @@ def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Sessio
     )
     fake.set(panel.algorithm, COMPARED["bidirectional_dijkstra"].label)
     until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
-    fake.set(session.panels.comparison.button, True)
-    until(lambda: session.panels.comparison._text.visible)
+    fake.set(session.panels.studies.compare, True)
+    until(lambda: session.panels.studies.table.visible)
     for label in (one.label for one in COMPARED.values()):
-        assert label in session.panels.comparison._text.content
+        assert label in session.panels.studies.table.content
 
 
 def test_the_search_is_seen_alone_while_it_is_stepped_through(tab: tuple[FakeTab, Session]) -> None:
@@ -426,21 +426,21 @@ def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
 @pytest.mark.slow
 def test_the_comparison_follows_a_small_plan(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    panel = session.panels.comparison
-    fake.set(panel.button, True)
-    until(lambda: panel._text.visible)
-    before = panel._text.content
+    panel = session.panels.studies
+    fake.set(panel.compare, True)
+    until(lambda: panel.table.visible)
+    before = panel.table.content
     fake.set(session.panels.stages.mesh.pitch, 0.9)
-    until(lambda: session.resting and panel._text.content != before)
-    assert panel._plan is not None
-    assert panel._plan.graph is session.frame.plan.graph
-    assert "Theta" in panel._text.content
+    until(lambda: session.resting and panel.table.content != before)
+    assert panel._compared is not None
+    assert panel._compared.graph is session.frame.plan.graph
+    assert "Theta" in panel.table.content
 
     panel._ms = 1e9  # as if the searches took long
     fake.set(session.panels.stages.mesh.pitch, 1.3)
-    until(lambda: "press again" in panel._text.content)
-    fake.set(panel.button, True)
-    until(lambda: "Theta" in panel._text.content)
+    until(lambda: "press again" in panel.table.content)
+    fake.set(panel.compare, True)
+    until(lambda: "Theta" in panel.table.content)
 
 
 def test_the_comparison_says_when_there_is_no_graph(tab: tuple[FakeTab, Session]) -> None:
@@ -449,5 +449,5 @@ def test_the_comparison_says_when_there_is_no_graph(tab: tuple[FakeTab, Session]
     fake.set(session.panels.editor._position.handle, (0.0, 0.0, 0.0))
     fake.set(size, (9.0, 9.0, 9.0))
     until(lambda: session.resting and session.frame.plan.graph is None)
-    fake.set(session.panels.comparison.button, True)
-    until(lambda: "no graph" in session.panels.comparison._text.content)
+    fake.set(session.panels.studies.compare, True)
+    until(lambda: "no graph" in session.panels.studies.table.content)
