@@ -39,7 +39,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES
 from abi.robot.bodies.allowed_contacts import AllowedContact
 from abi.robot.bodies.capsule_table import Bodies
-from abi.robot.bodies.floor_contacts import on_floor
+from abi.robot.bodies.floor_contacts import floor_notes, on_floor
 from abi.robot.bodies.link_bodies import Body
 from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.kinematics.chain import Chain
@@ -94,6 +94,13 @@ class MotionProblem(ShortRepr):
             *(AllowedContact(link, "obstacles", "mount") for link in still),
             *(AllowedContact(link, "floor", "mount") for link in standing),
         )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on how the motion was read, and on links that are below the floor."""
+        standing = [one.link for one in self.allowed if one.other == "floor"]
+        told = floor_notes(self.chain, standing, self.around.floor * self.metres)
+        return (*self.motion.notes, *told)
 
     def named(self, number: int) -> int | str:
         """Number of an obstacle, or name of another link or of the floor."""

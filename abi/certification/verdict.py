@@ -154,7 +154,7 @@ class MotionVerdict(ShortRepr):
             "limits": self.limits.to_dict(),
             "direction": None if self.direction is None else self.direction.to_dict(),
             "allowed": [one._asdict() for one in self.problem.allowed],
-            "notes": [*self.problem.motion.notes, *self.scene.file_notes],
+            "notes": [*self.problem.notes, *self.scene.file_notes],
             "motion": motion.to_dict(),
             "scene": self.scene.to_dict(),
             "certificate": None if self.proof is None else _certificate(self.problem, self.proof),

@@ -71,7 +71,7 @@ def remarks(verdict: MotionVerdict) -> list[str]:
     others = [one for one in verdict.problem.allowed if one.reason in ("srdf", "always")]
     return [
         f"Assumed: {verdict.assumed}.",
-        *verdict.problem.motion.notes,
+        *verdict.problem.notes,
         *limit_sentences(verdict),
         *direction_sentences(verdict),
         *(f"{one.link} and {one.other} may touch ({one.reason})." for one in others),

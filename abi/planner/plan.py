@@ -24,10 +24,12 @@ from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.errors import ExportError, StageError, short
+from abi.obstacles.pose import METRES
 from abi.planner import plan_json
 from abi.planner.joined_legs import begins, joined_violations
 from abi.planner.stage_results import AnyFit, CurveName
 from abi.robot.any_arm import AnyArm
+from abi.robot.bodies.floor_contacts import floor_notes
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
@@ -275,8 +277,18 @@ class Plan(ShortRepr):
             ),
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),
-            "notes": list(self.scene.notes),
+            "notes": list(self.notes),
         }
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on the scene, and on links that are below the floor."""
+        if self.arm is None or self.arm_clearance is None:
+            return self.scene.notes
+        lowest, metres = self.scene.workspace.min[2], METRES[self.scene.unit]
+        standing = [one.link for one in self.arm_clearance.allowed if one.other == "floor"]
+        floor = min(self.scene.arm.base[2], lowest) * metres
+        return (*self.scene.notes, *floor_notes(self.arm.chain, standing, floor))
 
 
 def require_plan(value: object) -> None:

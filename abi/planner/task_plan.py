@@ -101,7 +101,8 @@ class TaskPlan(ShortRepr):
             for note in leg.scene.arm.state_notes(METRES[leg.scene.unit])
         ]
         told = told if moving else []
-        return (*self.scene.notes, *states, *told, *self._taken_from_afar())
+        first = self.legs[0].notes if self.legs else self.scene.notes
+        return (*first, *states, *told, *self._taken_from_afar())
 
     def _taken_from_afar(self) -> Iterator[str]:
         """Sentences on objects that are attached where the tool tip is nowhere near them."""

@@ -50,7 +50,7 @@ def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scen
     if data["error"] is not None:
         data["error"]["reason"] = None if reason is None else reason.to_dict()
     _write(data, out)
-    for note in result.scene.notes:
+    for note in result.notes:
         click.echo(note, err=True)
     if result.error is not None:
         explained = reason or result.error

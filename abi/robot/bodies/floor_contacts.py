@@ -6,13 +6,17 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from abi.arrays import FloatArray
 from abi.robot.bodies.link_bodies import Body
+from abi.robot.bodies.link_solids import link_solids as solids_of
 from abi.robot.kinematics.chain import Chain
 from abi.robot.kinematics.chain_kernels import POSE
 
 _UPRIGHT = 1e-6
 """Tilt of an axis that counts as none, [rad]: of a link of 20 m a fiftieth of a millimetre."""
 _POSES = 64
+_SUNK = 2e-3
+"""Depth below the floor that is told, [m]."""
 
 
 def on_floor(chain: Chain, bodies: Iterable[Body], floor: float) -> tuple[str, ...]:
@@ -36,17 +40,49 @@ def on_floor(chain: Chain, bodies: Iterable[Body], floor: float) -> tuple[str, .
             first.setdefault(body.link, []).append(body)
     if not first or _keeps_heights(chain):
         return (*still, *first)
-    coordinate = int(chain.table.source[0])
-    low, high = chain.usual_range().T
-    positions = np.tile(np.clip(0.0, low, high), (_POSES, 1))
-    positions[:, coordinate] = np.linspace(low[coordinate], high[coordinate], _POSES)
-    up = chain.poses(positions)[:, 0, 2]
+    up = chain.poses(_turned(chain))[:, 0, 2]
     found = []
     for link, of_link in first.items():
         lowest = [(up[:, :3] @ one.points.T).min(axis=1) - one.rounding for one in of_link]
         if (np.min(lowest, axis=0) + up[:, 3] <= floor).all():
             found.append(link)
     return (*still, *found)
+
+
+def floor_notes(chain: Chain, links: Iterable[str], floor: float) -> list[str]:
+    """Sentences on links that move and are below a floor that they may touch.
+
+    Args:
+        chain: the chain.
+        links: names of those that may touch the floor.
+        floor: its height, [m].
+    """
+    standing, notes = {*links}, []
+    for carried in chain.carried:
+        if carried.frame != 0 or carried.link not in standing:
+            continue
+        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
+        solids = solids_of(chain.robot.links[carried.link], 1.0)
+        frames = chain.poses(_turned(chain))[:, 0]
+        lowest = min(
+            solids.lowest(frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3])
+            for frame in frames
+        )
+        if floor - lowest > _SUNK:
+            notes.append(
+                f"{carried.link} reaches {floor - lowest:.3g} m below the floor, which is not "
+                f"compared: {chain.joints[0].name} brings it no nearer."
+            )
+    return notes
+
+
+def _turned(chain: Chain) -> FloatArray:
+    """Positions (k, n) of which the first joint takes all, the others near 0."""
+    coordinate = int(chain.table.source[0])
+    low, high = chain.usual_range().T
+    positions = np.tile(np.clip(0.0, low, high), (_POSES, 1))
+    positions[:, coordinate] = np.linspace(low[coordinate], high[coordinate], _POSES)
+    return positions
 
 
 def _keeps_heights(chain: Chain) -> bool:

@@ -19,6 +19,7 @@ from abi.arm_planning.world.mount import mounts
 from abi.certification import certify_motion, convex_bodies
 from abi.certification.certify import certify
 from abi.certification.convex_bodies import body_pairs, robot_bodies
+from abi.certification.verdict_words import remarks
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -333,6 +334,25 @@ def test_links_are_said_to_touch_always_only_where_the_motion_goes_too(upper: fl
     verdict = certify(None, ("turn", "lift"), [0.0, 4.0], [[0.05, 0.0], [6.2, 0.0]], scene)
     assert verdict.state == "touches"
     assert {verdict.touches[0].link, verdict.touches[0].obstacle} == {"stick", "base"}
+
+
+@pytest.mark.parametrize("down", [0.2, -0.2])
+def test_a_link_that_is_below_the_floor_wherever_it_turns_is_told(down: float) -> None:
+    plate = f'<collision><origin xyz="0.3 0 {0.3 - down}"/><geometry><box size="0.5 0.04 0.6"/>'
+    shape = f'<link name="plate">{plate}</geometry></collision></link>'
+    turn = joint("p", "a", "plate").replace(' rpy="0.3 0.2 0.1"', "").replace("0 0 0.4", "0 0 0")
+    whole = {"version": 1, "unit": "cm", "workspace": {"min": [-99, -99, 0], "max": [99] * 3}}
+    ends = {"start": {"joints": [0.0]}, "goal": {"joints": [1.0]}, "mesh": {"pitch": 50}}
+    arm = {"model": "urdf", "urdf": "a.zip", "base": [0, 0, 0]}
+    archive = packed({"a.urdf": urdf(link("a"), shape, turn)})
+    scene = Scene.from_dict({**whole, **ends, "arm": arm}, {"a.zip": archive})
+    verdict = certify(None, ("p",), [0.0, 1.0], [[0.0], [1.0]], scene)
+    found = plan(scene)
+    assert verdict.state == "clear"
+    assert found.error is None
+    for notes in (remarks(verdict), verdict.to_dict()["notes"], found.to_dict()["notes"]):
+        told = ["plate reaches 0.2 m below the floor" in note for note in notes]
+        assert any(told) == (down > 0)
 
 
 def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_begins(
