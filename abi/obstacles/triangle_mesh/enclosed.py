@@ -9,7 +9,7 @@ of the triangles' complement the point is (Alexander duality, with numbers modul
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,6 +23,7 @@ from abi.obstacles.triangle_mesh.distinct_rows import (
     in_groups,
     in_rows,
 )
+from abi.obstacles.triangle_mesh.rays import rays_met
 from abi.obstacles.triangle_mesh.shells import (
     Edges,
     Shells,
@@ -38,10 +39,6 @@ _MOST_PATCHES = 1000
 """Most patches of one group whose cells are told apart, in a second or two."""
 _MOST_POINTS = 10_000
 """Most points beside triangles that are looked at, but for one of each patch."""
-_MOST_PLACED = 16
-"""Most cells of a grid, for each triangle on average, that these are noted in."""
-_CHUNK = 2_000_000
-"""Most pairs of a point and a triangle that are in memory at once."""
 _BESIDE = 1e-8
 """Distance from a triangle at which it is asked what is there, over the size of all."""
 _SPOTS = np.array([[1, 1, 1], [28, 1, 1], [1, 28, 1], [1, 1, 28]])
@@ -50,9 +47,10 @@ _DIRECTIONS = np.array([[0.283, 0.531, 0.799], [-0.617, 0.709, 0.341]])
 
 
 def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shells:
-    """Make solid what shells enclose that share edges, and are hollow there or bound no solid.
+    """Make solid what shells enclose that share edges, each part of it by a shell of its own.
 
-    Where that cannot be told, as where triangles cross, they bound no solid.
+    Where that cannot be told, as where triangles cross, and what is enclosed is hollow, they bound
+    no solid.
 
     Args:
         vertices: (n, 3).
@@ -70,12 +68,13 @@ def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shel
     winding = np.bincount(number, turns, len(faces)).astype(np.int32)
     gone = np.zeros(len(faces), dtype=np.bool_)
     solids, sheets, outer = list[IntArray](), list[IntArray](), list[IntArray]()
+    told = False
     for rows in _groups(faces, winding):
         cells = _Cells(vertices, faces[rows])
-        if cells.are_wound(winding[rows]):
+        are_wound, (cycles, loose) = cells.are_wound(winding[rows]), cells.cycles()
+        if are_wound and not cycles:
             continue
-        gone[rows] = True
-        cycles, loose = cells.cycles()
+        gone[rows], told = True, told or (not are_wound and bool(cycles))
         solids += cycles
         sheets.append(loose)
         outer.append(cells.outer() if cycles else loose[:0])
@@ -94,7 +93,7 @@ def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shel
         label=label.astype(np.int32),
         closed=closed,
         has_border=np.concatenate([shells.has_border[stays], np.zeros(len(labels), np.bool_)]),
-        notes=(*_inside_out(np.concatenate(outer), given), _ENCLOSED) if solids else shells.notes,
+        notes=(*_inside_out(np.concatenate(outer), given), _ENCLOSED) if told else shells.notes,
     )
 
 
@@ -215,7 +214,7 @@ class _Cells:
     @cached_property
     def met(self) -> list[tuple[IntArray, IntArray, IntArray]]:
         """Numbers of points, of faces that rays from them meet, and 1 or -1 if from behind."""
-        return [_met(self.vertices[self.oriented], self.points[0], way) for way in _DIRECTIONS]
+        return [rays_met(self.vertices[self.oriented], self.points[0], way) for way in _DIRECTIONS]
 
     @cached_property
     def odd(self) -> list[list[int]]:
@@ -333,70 +332,3 @@ def _reduced(bits: int, rows: Mapping[int, int], pivots: int) -> int:
     while among := bits & pivots:
         bits ^= rows[among.bit_length() - 1]
     return bits
-
-
-def _met(
-    corners: FloatArray, points: FloatArray, way: FloatArray
-) -> tuple[IntArray, IntArray, IntArray]:
-    """Numbers (k,) of points, and of triangles that rays from them meet; 1, or -1 if from before.
-
-    Args:
-        corners: (m, 3, 3).
-        points: (p, 3).
-        way: direction (3,) of the rays.
-    """
-    first = np.cross(way, [0.0, 0.0, 1.0])
-    across = np.stack([first, np.cross(way, first)])
-    flat, places = corners @ across.T, points @ across.T
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    found = [np.zeros((3, 0), dtype=np.int64)]
-    for point, face in _near(flat, places):
-        triangles, at = flat[face], places[point]
-        steep = normal[face] @ way
-        within = np.einsum("ij,ij->i", corners[face, 0] - points[point], normal[face]) > 0
-        within = within == (steep > 0)
-        for k in range(3):
-            within &= _left_of(triangles[:, k], triangles[:, (k + 1) % 3], at) == (steep > 0)
-        found.append(np.stack([point, face, np.where(steep > 0, 1, -1)])[:, within])
-    point, face, side = np.concatenate(found, axis=1)
-    return point, face, side
-
-
-def _near(flat: FloatArray, places: FloatArray) -> Iterator[tuple[IntArray, IntArray]]:
-    """Numbers of places (p, 2) and of triangles (m, 3, 2) whose box is there, some at a time."""
-    low, high = flat.min(axis=1), flat.max(axis=1)
-    lowest, size = low.min(axis=0), np.ptp(flat, axis=(0, 1))
-    for cells in (256, 64, 16, 4, 1):
-        first, last = (
-            np.clip((one - lowest) / size * cells, 0, cells - 1).astype(np.int64)
-            for one in (low, high)
-        )
-        counts = last - first + 1
-        if counts.prod(axis=1).sum() <= _MOST_PLACED * len(flat):
-            break
-    each = counts.prod(axis=1)
-    face = np.repeat(np.arange(len(flat)), each)
-    step = np.arange(len(face)) - np.repeat(np.cumsum(each) - each, each)
-    column, row = np.divmod(step, counts[face, 1])
-    cell = (first[face, 0] + column) * cells + first[face, 1] + row
-    order = np.argsort(cell, kind="stable")
-    face, starts = face[order], np.searchsorted(cell[order], np.arange(cells**2 + 1))
-    at = np.clip((places - lowest) / size * cells, 0, cells - 1).astype(np.int64)
-    at = at[:, 0] * cells + at[:, 1]
-    many = starts[at + 1] - starts[at]
-    chunk = np.cumsum(many) // _CHUNK
-    for one in np.split(np.arange(len(places)), np.flatnonzero(np.diff(chunk)) + 1):
-        point = np.repeat(one, many[one])
-        step = np.arange(len(point)) - np.repeat(np.cumsum(many[one]) - many[one], many[one])
-        candidate = face[starts[at[point]] + step]
-        x = places[point]
-        near = ((x >= low[candidate]) & (x <= high[candidate])).all(axis=1)
-        yield point[near], candidate[near]
-
-
-def _left_of(a: FloatArray, b: FloatArray, at: FloatArray) -> BoolArray:
-    """Whether points (k, 2) are left of lines from a (k, 2) to b; the same from b to a is not."""
-    swapped = (a[:, 0] > b[:, 0]) | ((a[:, 0] == b[:, 0]) & (a[:, 1] > b[:, 1]))
-    one, other = np.where(swapped[:, None], b, a), np.where(swapped[:, None], a, b)
-    d, e = other - one, at - one
-    return np.asarray((d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0] > 0) != swapped)

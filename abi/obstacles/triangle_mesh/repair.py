@@ -14,6 +14,7 @@ from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.words import counted
+from abi.obstacles.triangle_mesh.crossings import crossing_shells
 from abi.obstacles.triangle_mesh.distinct_rows import (
     distinct_rows,
     first_of_distinct_rows,
@@ -30,7 +31,7 @@ from abi.obstacles.triangle_mesh.shells import (
 )
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.t_junctions import split_at_corners
-from abi.obstacles.triangle_mesh.union import cancel, united
+from abi.obstacles.triangle_mesh.union import united
 from abi.obstacles.triangle_mesh.welding import (
     faces_in_order,
     in_order,
@@ -94,17 +95,22 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     is_solid = shells.is_solid & ~_is_thin(vertices, shells)
     faces, sheets = shells.faces[is_solid], shells.faces[~is_solid]
     most, is_as_in_file = _MOST if shells.closed.any() else 0, True
-    if (parts := int(shells.closed.sum())) > 1:
-        label = shells.label[is_solid]
-        merged = united(vertices, faces, label)
+    number = np.unique(shells.label[is_solid], return_inverse=True)[1].astype(np.int32)
+    parts = int(number.max(initial=-1)) + 1
+    if parts > 1:
+        crosses, winds_back = crossing_shells(vertices, faces, number)
+        plain, parts = ~crosses[number], parts - int(winds_back.sum())
+        sheets = np.concatenate([sheets, faces[winds_back[number]]])
+        rest = faces[(crosses & ~winds_back)[number]]
+        merged = united(vertices, faces[plain], number[plain]) if (~crosses).sum() > 1 else None
         if merged is not None:
-            notes = (*notes, f"Its {parts} parts count as one solid.")
+            notes = (*notes, f"Its {(~crosses).sum()} parts count as one solid.")
             corners, faces = in_order(*merged)
             is_as_in_file, before = False, np.int32(len(corners))
-            sheets, moved = sheets + before, moved + before
-            vertices = np.concatenate([corners, vertices])
-        elif cancel(vertices, faces, label):
-            most, faces, sheets = 0, faces[:0], shells.faces
+            sheets, moved, rest = sheets + before, moved + before, rest + before
+            vertices, faces = np.concatenate([corners, vertices]), np.concatenate([faces, rest])
+        else:
+            faces = np.concatenate([faces[plain], rest])
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
     moved = moved[areas_of(vertices, moved) > 0]
     if len(sheets) + len(moved) and len(faces) + 2 * (len(sheets) + len(moved)) <= most:

@@ -6,18 +6,11 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows
-from abi.obstacles.triangle_mesh.winding import windings
 
 _MOST_SHELLS = 2000
 _ROUNDING = 1e-6
 _TURNED = -0.5
 """Cosine below which a triangle of the union faces the other way than the one it is a part of."""
-_MOST_WOUND = 4 * 10**6
-"""Most pairs of a triangle and a point beside one that are looked at, in a second or two."""
-_SPOTS = np.array([[1, 1, 1], [28, 1, 1], [1, 28, 1], [1, 1, 28]])
-"""Places in a triangle beside which points are looked at: its middle, and near its corners."""
-_BESIDE = 1e-6
-"""Distance of these points from it, over the size of all."""
 
 
 def united(
@@ -38,7 +31,7 @@ def united(
         The union; None if the library refuses a shell or takes other triangles for it, as where
         more than two meet in an edge, if shells run into themselves, or if the result is smaller
         than the input.
-        The shells as they are have the same outside, unless they :func:`cancel`.
+        The shells as they are have the same outside.
     """
     import manifold3d
 
@@ -85,53 +78,6 @@ def united(
         if (same < _TURNED).any():
             return None
     return points, merged
-
-
-def cancel(vertices: FloatArray, faces: IntArray, label: IntArray) -> bool:
-    """Check whether shells, as they are, wind around nothing in total where one of them does.
-
-    So it is in a lobe of a shell that crosses itself, around which it winds -1 times, and which is
-    in another shell. It is looked for beside the triangles, of many beside some.
-
-    Args:
-        vertices: (n, 3).
-        faces: (m, 3) ids of the corners.
-        label: (m,) the shell of each face, any numbers.
-    """
-    _, number = np.unique(label, return_inverse=True)
-    each = _wound(vertices, faces, number.astype(np.int32))
-    return bool((each.any(axis=0) & (each.sum(axis=0) == 0)).any())
-
-
-def _wound(vertices: FloatArray, faces: IntArray, number: IntArray) -> IntArray:
-    """How often each of k shells winds around points beside triangles, (k, p).
-
-    The points are in the boxes of two shells. Where there would be too many, some are left out.
-    """
-    corners, count = vertices[faces], int(number.max()) + 1
-    normals = _normals(vertices, faces)[:, None] * (_BESIDE * np.ptp(corners, axis=(0, 1)).max())
-    spots = (_SPOTS / _SPOTS.sum(axis=1, keepdims=True)) @ corners
-    points = np.stack([spots + normals, spots - normals]).reshape(-1, 3)
-    points = points[:: _odd(count * len(points))]
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, number, corners.min(axis=1))
-    np.maximum.at(high, number, corners.max(axis=1))
-    boxes = zip(low, high, strict=True)
-    within = np.array([((a <= points) & (points <= b)).all(axis=1) for a, b in boxes])
-    kept = np.flatnonzero(within.sum(axis=0) > 1)
-    pairs = int(within[:, kept].sum(axis=1) @ np.bincount(number))
-    kept = kept[:: _odd(pairs)]
-    points, within = points[kept], within[:, kept]
-    each: IntArray = np.zeros(within.shape, dtype=np.int32)
-    for shell, there in enumerate(within):
-        if there.any():
-            each[shell, there] = windings(vertices, faces[number == shell], points[there])
-    return each
-
-
-def _odd(pairs: int) -> int:
-    """Step by which to take points, so that they are of each spot and side, and not too many."""
-    return (pairs // _MOST_WOUND + 1) | 1
 
 
 def _are_same(one: FloatArray, other: FloatArray) -> bool:

@@ -1,0 +1,296 @@
+"""Where the triangles of one shell cross, and what it winds around there.
+
+A shell that crosses itself may wind a negative number of times around a part of what it encloses;
+added to what another shell winds around it, that part would be hollow. Every cell of its complement
+that no whole shell bounds has a piece of a line along which two triangles cross at its border. So
+it is asked beside each of these pieces.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows
+from abi.obstacles.triangle_mesh.rays import near_boxes, rays_met
+from abi.obstacles.triangle_mesh.welding import compact
+
+_TOUCHES = 1e-13
+"""Distance of a corner from a triangle, over the size of all, at which it is on it."""
+_SHAKEN = 1e-9
+"""Where triangles touch, corners are moved by so much, over the size of all, so that they do not.
+What is larger in each direction winds the same number of times then."""
+_TRIES = 3
+_BESIDE = 1e-11
+"""Distance from a line at which it is asked what is there, over the size of all."""
+_DIRECTION = np.array([0.283, 0.531, 0.799])
+_MOST_LINES = 20_000
+_WEDGES = np.array([(1, 1), (1, -1), (-1, 1), (-1, -1)])
+
+
+class Lines(NamedTuple):
+    """Pieces of lines along which triangles cross.
+
+    Attributes:
+        triangles: (k, 2) numbers of both triangles.
+        ends: (k, 2, 3) both ends.
+        touching: (d,) numbers of triangles that touch others, where there may be more lines.
+    """
+
+    triangles: IntArray
+    ends: FloatArray
+    touching: IntArray
+
+
+def crossing_shells(
+    vertices: FloatArray, faces: IntArray, label: IntArray
+) -> tuple[BoolArray, BoolArray]:
+    """Shells that cross themselves, where their boxes overlap those of others.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3) ids of the corners, facing outward.
+        label: (m,) shell of each face, each number from 0 on.
+
+    Returns:
+        Mask (s,) of those that cross themselves; and of those of them that wind around something a
+        negative number of times, or may, as where triangles lie on each other.
+    """
+    corners, count = vertices[faces], int(label.max()) + 1
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, label, corners.min(axis=1))
+    np.maximum.at(high, label, corners.max(axis=1))
+    overlaps = np.zeros(count, dtype=np.bool_)
+    for one, other in near_boxes((low, high), (low, high)):
+        overlaps[one[one != other]] = True
+    crosses, winds_back = np.zeros((2, count), dtype=np.bool_)
+    once = first_of_distinct_rows(np.column_stack([np.sort(faces, axis=1), label]).astype(np.int64))
+    crosses[np.delete(label, once)] = True  # it may wind twice around what is behind
+    asked = overlaps[label]
+    if not asked.any():
+        return crosses, winds_back
+    # each shell with corners of its own
+    ids, own = np.unique(faces[asked] + label[asked, None] * len(vertices), return_inverse=True)
+    lines = crossing_lines(vertices[ids % len(vertices)], own.reshape(-1, 3), label[asked])
+    found = np.unique(label[asked][np.concatenate([lines.touching, lines.triangles[:, 0]])])
+    for shell in found:
+        back = _winds_back(vertices, faces[label == shell])
+        crosses[shell] |= back is not None
+        winds_back[shell] = bool(back)
+    return crosses, winds_back
+
+
+def _winds_back(vertices: FloatArray, faces: IntArray) -> bool | None:
+    """Whether a shell winds a negative number of times, or may; None if it does not cross itself.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3) ids of the corners, facing outward.
+    """
+    vertices, faces = compact(vertices, faces)
+    size, random = np.ptp(vertices, axis=0).max(), np.random.default_rng(0)
+    lines = crossing_lines(vertices, faces)
+    for _ in range(_TRIES):
+        if not len(lines.touching):
+            break
+        vertices = vertices + random.uniform(-_SHAKEN, _SHAKEN, vertices.shape) * size
+        lines = crossing_lines(vertices, faces)
+    if len(lines.touching) or len(lines.triangles) > _MOST_LINES:
+        return True
+    if not len(lines.triangles):
+        return None
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = _unit(normals)
+    number, middles = _middles(lines)
+    points = middles[:, None] + _BESIDE * size * (_WEDGES @ normals[lines.triangles[number]])
+    point, _, side = rays_met(corners, points.reshape(-1, 3), _DIRECTION)
+    return bool((np.bincount(point, side, 4 * len(points)) < -0.5).any())
+
+
+def crossing_lines(vertices: FloatArray, faces: IntArray, label: IntArray | None = None) -> Lines:
+    """Lines along which triangles of a shell cross, between places where an edge meets a triangle.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3) ids of the corners; shells have none in common.
+        label: (m,) shell of each face; None if there is one only.
+    """
+    corners = vertices[faces]
+    label = np.zeros(len(faces), dtype=np.int32) if label is None else label
+    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    first, of_side = distinct_rows(sides.astype(np.float64))
+    edges, of_edge = sides[first], label[first // 3]
+    ends = vertices[edges]
+    edge_box = ends.min(axis=1), ends.max(axis=1)
+    face_box = corners.min(axis=1), corners.max(axis=1)
+    touches = _TOUCHES * np.ptp(corners, axis=(0, 1)).max(initial=0.0)
+    edge, face, places = [first[:0]], [first[:0]], [np.zeros((0, 3))]
+    touching = [first[:0]]
+    for one, other in near_boxes(edge_box, face_box):
+        same = of_edge[one] == label[other]
+        one, other = one[same], other[same]
+        shared = (edges[one][:, :, None] == faces[other][:, None]).any(axis=2)
+        touching.append(other[_folded(ends[one], corners[other], shared, touches)])
+        apart = ~shared.any(axis=1)
+        one, other = one[apart], other[apart]
+        met, place, doubtful = _pierced(ends[one], corners[other], touches)
+        touching.append(other[doubtful])
+        edge.append(one[met])
+        face.append(other[met])
+        places.append(place)
+    lines, odd = _joined(
+        faces,
+        vertices,
+        of_side,
+        (np.concatenate(edge), np.concatenate(face)),
+        np.concatenate(places),
+    )
+    return Lines(*lines, np.concatenate([*touching, odd]))
+
+
+def _pierced(
+    ends: FloatArray, corners: FloatArray, touches: float
+) -> tuple[BoolArray, FloatArray, BoolArray]:
+    """Mask (k,) of edges (k, 2, 3) that run through triangles (k, 3, 3), where; and in doubt."""
+    a, b, c = corners.transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    normal = _unit(normal)
+    heights = np.einsum("ikj,ij->ik", ends - a[:, None], normal)
+    flat = np.abs(heights) <= touches
+    runs = (heights.prod(axis=1) < 0) | flat.any(axis=1)
+    ends, normal, heights, flat, a, b, c = (
+        one[runs] for one in (ends, normal, heights, flat, a, b, c)
+    )
+    # the part of the edge that is in the plane: a point, or all of it
+    both = flat.all(axis=1)
+    share = heights[:, 0] / np.where(both, 1.0, heights[:, 0] - heights[:, 1])
+    start = ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
+    start[both], stop = ends[both, 0], np.where(both[:, None], ends[:, 1], start)
+    # clipped by the triangle's three sides, with and without the width of a touch
+    low, high = np.zeros((2, len(start))), np.ones((2, len(start)))
+    for tail, head in ((a, b), (b, c), (c, a)):
+        inward = np.cross(normal, head - tail)
+        inward = _unit(inward)
+        first = np.einsum("ij,ij->i", start - tail, inward)
+        last = np.einsum("ij,ij->i", stop - tail, inward)
+        for k, width in enumerate((touches, -touches)):
+            _clip(first + width, last + width, low[k], high[k])
+    within, surely = low <= high
+    doubtful, met = np.zeros((2, len(runs)), dtype=np.bool_)
+    doubtful[runs] = within & (flat.any(axis=1) | ~surely)
+    met[runs] = surely & ~flat.any(axis=1)
+    return met, start[met[runs]], doubtful
+
+
+def _clip(first: FloatArray, last: FloatArray, low: FloatArray, high: FloatArray) -> None:
+    """Narrow the part of each way, from 0 to 1, to where a linear height is not below 0."""
+    fall = first - last
+    place = first / np.where(fall == 0, 1.0, fall)
+    low[...] = np.where(fall < 0, np.maximum(low, place), low)
+    high[...] = np.where(fall > 0, np.minimum(high, place), high)
+    high[(fall == 0) & (first < 0)] = -1.0
+
+
+def _folded(ends: FloatArray, corners: FloatArray, shared: BoolArray, touches: float) -> BoolArray:
+    """Mask (k,) of edges that begin in a corner of a triangle and run along it, inside it."""
+    starts = shared.sum(axis=1) == 1
+    ends, corners, shared = ends[starts], corners[starts], shared[starts]
+    first = np.where(shared[:, :1, None], ends[:, :1], ends[:, 1:])[:, 0]
+    last = np.where(shared[:, :1, None], ends[:, 1:], ends[:, :1])[:, 0]
+    place = np.linalg.norm(corners - first[:, None], axis=2).argmin(axis=1)
+    b, c = (np.take_along_axis(corners, ((place + k) % 3)[:, None, None], 1)[:, 0] for k in (1, 2))
+    normal = np.cross(b - first, c - first)
+    normal = _unit(normal)
+    way = last - first
+    is_along = np.abs(np.einsum("ij,ij->i", way, normal)) <= touches
+    beside_b = np.einsum("ij,ij->i", np.cross(b - first, way), normal)
+    beside_c = np.einsum("ij,ij->i", np.cross(way, c - first), normal)
+    width = touches * np.linalg.norm(way, axis=1)
+    folded: BoolArray = starts.copy()
+    folded[starts] = is_along & (beside_b > width) & (beside_c > width)
+    return folded
+
+
+def _joined(
+    faces: IntArray,
+    vertices: FloatArray,
+    of_side: IntArray,
+    pierced: tuple[IntArray, IntArray],
+    places: FloatArray,
+) -> tuple[tuple[IntArray, FloatArray], IntArray]:
+    """Triangles and ends of lines between places (k, 3) where edges (k,) run through faces (k,).
+
+    Also triangles that other than two such places are on.
+
+    Args:
+        faces: (m, 3).
+        vertices: (n, 3).
+        of_side: (3m,) edge of each face's sides.
+        pierced: these edges and faces.
+        places: see above.
+    """
+    edge, face = pierced
+    order = np.argsort(of_side, kind="stable")
+    starts = np.searchsorted(of_side[order], np.arange(int(of_side.max()) + 2))
+    many = starts[edge + 1] - starts[edge]
+    row = np.repeat(np.arange(len(edge)), many)
+    step = np.arange(len(row)) - np.repeat(np.cumsum(many) - many, many)
+    other = order[starts[edge[row]] + step] // 3
+    pairs = np.sort(np.stack([other, face[row]], axis=1), axis=1)
+    triangles, number = np.unique(pairs, axis=0, return_inverse=True)
+    ends = np.bincount(number)
+    order = np.argsort(number, kind="stable")
+    first = np.cumsum(ends) - ends
+    begin = places[row[order[first]]]
+    # where they have a corner in common, the line begins there
+    one, two = faces[triangles.T]
+    same = (one[:, :, None] == two[:, None]).any(axis=2)
+    corner = vertices[np.take_along_axis(one, same.argmax(axis=1)[:, None], 1)[:, 0]]
+    last = places[row[order[np.minimum(first + 1, len(order) - 1)]]]
+    end = np.where((ends == 2)[:, None], last, corner)
+    odd = (ends > 2) | ((ends == 1) & (same.sum(axis=1) != 1))
+    return (triangles, np.stack([begin, end], axis=1)), triangles[odd, 0]
+
+
+def _middles(lines: Lines) -> tuple[IntArray, FloatArray]:
+    """Numbers (p,) of lines, and the middle (p, 3) of each piece that others cut them into."""
+    count = len(lines.triangles)
+    # pairs of lines in the same triangle
+    triangle, line = lines.triangles.T.ravel(), np.tile(np.arange(count), 2)
+    order = np.argsort(triangle, kind="stable")
+    triangle, line = triangle[order], line[order]
+    starts = np.searchsorted(triangle, triangle)
+    many = np.searchsorted(triangle, triangle, side="right") - starts
+    row = np.repeat(np.arange(len(line)), many)
+    step = np.arange(len(row)) - np.repeat(np.cumsum(many) - many, many)
+    one, other = line[row], line[starts[row] + step]
+    one, other = one[one != other], other[one != other]
+    place = _meeting(lines.ends[one], lines.ends[other])
+    inside = (place > 0) & (place < 1)
+    cut = np.concatenate([one[inside], np.arange(count), np.arange(count)])
+    at = np.concatenate([place[inside], np.zeros(count), np.ones(count)])
+    order = np.lexsort((at, cut))
+    cut, at = cut[order], at[order]
+    follows = np.flatnonzero(cut[1:] == cut[:-1])
+    number, share = cut[follows], (at[follows] + at[follows + 1]) / 2
+    ends = lines.ends[number]
+    return number, ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
+
+
+def _meeting(ones: FloatArray, others: FloatArray) -> FloatArray:
+    """Place (k,) on lines (k, 2, 3), from 0 to 1, where others (k, 2, 3) in their plane meet it."""
+    way, across = ones[:, 1] - ones[:, 0], others[:, 1] - others[:, 0]
+    normal = np.cross(way, across)
+    square = np.einsum("ij,ij->i", normal, normal)
+    offset = np.cross(others[:, 0] - ones[:, 0], across)
+    place = np.einsum("ij,ij->i", offset, normal) / np.where(square > 0, square, 1.0)
+    return np.where(square > 0, place, -1.0)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Vectors (k, 3) of length 1; 0 where they are."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(lengths > 0, lengths, 1.0))
