@@ -36,7 +36,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.paper_arm import pose_kernels
-from abi.robot.paper_arm.pose_kernels import ArmNumbers, pose_of, rates_near, reaches
+from abi.robot.paper_arm.pose_kernels import ArmTable, pose_of, rates_near, reaches
 from abi.robot.urdf.robot import MOST_JOINTS
 from abi.robot.urdf.urdf_reader import MAX_LINKS
 from abi.scene.scene import load_scene
@@ -55,6 +55,7 @@ from tests.kernel_forms import kernels_as
 from tests.thorough import examples
 
 U = 2.0**-53
+NO_CAPSULES = np.zeros(0)
 ROOT3 = math.sqrt(3)
 DEGREE = 5  # the largest that a scene may ask for
 
@@ -309,7 +310,7 @@ def test_an_elbow_is_as_near_as_the_allowance_says(seed: int, near_axis: float) 
     height, upper, lower = (np.round(random.uniform(0.5, 6, 3) * 2**20) / 2**20).tolist()
     side = float(random.choice([-1.0, 1.0]))
     x, y, z = base.tolist()
-    numbers = ArmNumbers(x, y, z, z + height, upper, lower, side, -1.0, -1.0)
+    numbers = ArmTable(x, y, z, z + height, upper, lower, side, -1.0, -1.0, NO_CAPSULES)
     away = random.normal(size=3) * (near_axis, near_axis, 1)
     reach = random.uniform(abs(upper - lower), upper + lower)
     tool = np.array([x, y, z + height]) + away / np.linalg.norm(away) * reach
@@ -336,7 +337,7 @@ def elbow_is_bounded(seed: int) -> bool:
     upper, lower = np.exp(random.uniform(-2, 2, 2)).tolist()
     reach = (upper + lower) * (1 - 10.0 ** random.uniform(-7, -2))
     away = reach * 10.0 ** random.uniform(-12, -3)
-    numbers = ArmNumbers(0.0, 0.0, 0.0, 0.0, upper, lower, 1.0, -1.0, -1.0)
+    numbers = ArmTable(0.0, 0.0, 0.0, 0.0, upper, lower, 1.0, -1.0, -1.0, NO_CAPSULES)
     tool = (0.6 * reach, 0.0, 0.8 * reach)
     rates = rates_near(numbers, pose_of(numbers, tool, lower), away, 0.0)
     if math.isinf(rates.slide):

@@ -87,7 +87,7 @@ class ElbowBranch:
     def polyline_refutation(self, points: FloatArray) -> Refutation | None:
         """Why the arm is not clear along a polyline (k, 3), [unit]; parameter k is its vertex k."""
         vertices = arguments.polyline("points", points)
-        fault = self._refuted(vertices, self.segments.table)
+        fault = self._refuted(vertices, self.segments.arm)
         if fault is not None and fault.capsule < 0 and len(points) == 1:
             # a link that touches something is seen there, and room that is short is not
             touching = self._refuted(vertices, self.arm.table(self.elbow))
@@ -152,7 +152,7 @@ class ElbowBranch:
         points = arguments.points("points", points)
         reached = np.zeros(len(points), dtype=np.bool_)
         paper_arm_mask_kernels.reached_places(
-            flat(points), self.segments.table.numbers, *self._forearm, reached
+            flat(points), self.segments.arm, *self._forearm, reached
         )
         return reached & ~self._touching(
             points, self.collision_world.only(self.collision_world.numbers < 0), reached

@@ -89,7 +89,7 @@ class PaperArmJointPath:
         points = flat(self.curve(np.linspace(*self.curve.interval, _POSES_TO_REFUTE)))
         reached, touching = np.zeros((2, _POSES_TO_REFUTE), dtype=np.bool_)
         forearm = float(self.arm.forearm(low))
-        paper_arm_mask_kernels.reached_places(points, table.numbers, forearm, 0.0, reached)
+        paper_arm_mask_kernels.reached_places(points, table, forearm, 0.0, reached)
         if not reached.all():
             return True
         paper_arm_mask_kernels.touching_places(

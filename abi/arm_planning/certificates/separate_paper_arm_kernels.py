@@ -47,7 +47,6 @@ from abi.obstacles.vector_kernels import Vec3, distance, dot, vec3_at
 from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
-    ArmNumbers,
     ArmTable,
     PaperArmPose,
     Rates,
@@ -114,7 +113,7 @@ class PoseNeighbourhood(NamedTuple):
 
 @jitable(forceinline=True)
 def neighbourhood_of(
-    arm: ArmNumbers, pose: PaperArmPose, ways: tuple[float, float]
+    arm: ArmTable, pose: PaperArmPose, ways: tuple[float, float]
 ) -> tuple[PoseNeighbourhood, bool]:
     """Bounds of the arm's motion near a pose; whether they are finite and limits are kept."""
     rates = rates_near(arm, pose, ways[0], ways[1])
@@ -126,24 +125,24 @@ def neighbourhood_of(
 @jitable(forceinline=True)
 def capsule_of(near: tuple[ArmTable, PoseNeighbourhood], c: int) -> Moving:
     """Capsule c of an arm near a pose."""
-    (arm, capsules), neighbourhood = near
-    a, b = capsule_ends(arm, neighbourhood.pose, capsules, c)
-    by_tool, by_slide = capsule_rates(arm, neighbourhood.rates, capsules, c)
+    arm, neighbourhood = near
+    a, b = capsule_ends(arm, neighbourhood.pose, c)
+    by_tool, by_slide = capsule_rates(arm, neighbourhood.rates, c)
     way, bow = (
         by_tool * neighbourhood.ways[0] + by_slide * neighbourhood.ways[1],
         neighbourhood.bend,
     )
     if not math.isinf(bow):
-        bow *= capsule_share(arm, neighbourhood.pose.forearm, capsules, c)
-    return Moving(c, a, b, capsules[CAPSULE * c + 3], way, bow)
+        bow *= capsule_share(arm, neighbourhood.pose.forearm, c)
+    return Moving(c, a, b, arm.capsules[CAPSULE * c + 3], way, bow)
 
 
 @jitable(forceinline=True)
 def level_at_ends(near: tuple[ArmTable, PoseNeighbourhood], capsule: Moving, way: Vec3) -> float:
     """Least product of a direction and a capsule's segment at both ends of a piece, [unit]."""
-    (arm, capsules), neighbourhood = near
-    a, b = capsule_ends(arm, neighbourhood.first, capsules, capsule.number)
-    c, d = capsule_ends(arm, neighbourhood.last, capsules, capsule.number)
+    arm, neighbourhood = near
+    a, b = capsule_ends(arm, neighbourhood.first, capsule.number)
+    c, d = capsule_ends(arm, neighbourhood.last, capsule.number)
     return min(min(dot(way, a), dot(way, b)), min(dot(way, c), dot(way, d)))
 
 
@@ -174,8 +173,7 @@ def _along_curve(
 
     The size of what is left is how far the tool gets from the piece's middle.
     """
-    (points, _, _), table, around, slide, latest = problem
-    arm, _ = table
+    (points, _, _), arm, around, slide, latest = problem
     middle = vec3_at(points, 3 * behind.first)
     low, high = _slide_within(slide, piece.start, piece.end)
     forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
@@ -194,7 +192,7 @@ def _along_curve(
         work.append(candidates[i])
     before = len(candidates)
     outcome, pair, away, tried, _ = separate_pairs(
-        around, span, lists, latest, capsule_of, level_at_ends, as_found, (table, neighbourhood)
+        around, span, lists, latest, capsule_of, level_at_ends, as_found, (arm, neighbourhood)
     )
     if len(candidates) > before and outcome == UNDECIDED:
         pair = candidates[len(candidates) - 1]
@@ -206,7 +204,7 @@ def separate_arm(
     world: FloatArray,
     breaks: FloatArray,
     points: FloatArray,
-    table: ArmTable,
+    arm: ArmTable,
     around: Obstacles,
     slide: Slide,
     most_tries: int,
@@ -219,7 +217,7 @@ def separate_arm(
         world: Bézier points of the s polynomials, flat (3 s (degree + 1),), world frame.
         breaks: parameters between them (s + 1,).
         points: room for the same and the halves, flat (3 (s + 2 MOST_HALVINGS + 2) (degree + 1),).
-        table: the arm.
+        arm: the arm.
         around: what to keep clear of.
         slide: bounds of q5.
         most_tries: tries it may take.
@@ -228,17 +226,16 @@ def separate_arm(
         As for curves; a plane's obstacle is the number of its pair, and its level the parameter of
         the pose.
     """
-    _, capsules = table
     for i in range(len(world)):
         points[i] = world[i]
     lists, left = new_lists(), none_left()
-    for c in range(len(capsules) // CAPSULE):
+    for c in range(len(arm.capsules) // CAPSULE):
         add_pairs_within(around, c, (_ANYWHERE, _ANYWHERE), math.inf, lists.candidates)
     if len(lists.candidates) == 0:
         return CERTIFIED, 0.0, -1, math.inf, table_of(lists.planes)
     width = len(world) // (3 * (len(breaks) - 1))
     curve, whole = whole_curve(points, breaks, width)
     limits = HalvingLimits(width, FINEST * around.size, most_tries, math.inf, False, False)
-    problem = curve, table, around, slide, [NO_DIRECTION]
+    problem = curve, arm, around, slide, [NO_DIRECTION]
     ending = separate_pieces(problem, whole, halves_of_curve, _along_curve, limits, lists, left)
     return (*ending, table_of(lists.planes))

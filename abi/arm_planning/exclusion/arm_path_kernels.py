@@ -73,14 +73,14 @@ class ArmSegments(NamedTuple):
     """Arm and surroundings on the segments of its tool.
 
     Attributes:
-        table: the arm.
+        arm: the arm.
         around: what to keep clear of.
         forearm: middle of a6, [unit].
         slide: how much longer or shorter it may be, [unit].
         most_tries: of a capsule and an obstacle, to prove a segment; those far away do not count.
     """
 
-    table: ArmTable
+    arm: ArmTable
     around: Obstacles
     forearm: float
     slide: float
@@ -105,7 +105,7 @@ def no_contact() -> _LastContact:
 @jitable
 def _touches_again(segments: ArmSegments, latest: _LastContact, first: Vec3, last: Vec3) -> bool:
     """Check if the capsule that touched an obstacle last touches it at places of a segment."""
-    (arm, capsules), around, forearm, _, _ = segments
+    arm, around, forearm, _, _ = segments
     count, (touched, waiting) = len(around.margins), latest
     c, s = touched[0] // count, touched[0] % count
     if touched[0] < 0 or s == count - 1:
@@ -116,13 +116,13 @@ def _touches_again(segments: ArmSegments, latest: _LastContact, first: Vec3, las
             if around.meshes[around.outer[k]] == around.meshes[s]:
                 root = int(around.outer[k])
     way = sub(last, first)
-    need = capsules[CAPSULE * c + 3] + around.margins[s] - ALLOWANCE * around.size
+    need = arm.capsules[CAPSULE * c + 3] + around.margins[s] - ALLOWANCE * around.size
     for parts in _LOOKS:
         for k in range(1, parts, 2):
             tool = axpy(k / parts, way, first)
             if not reaches(arm, tool, forearm):
                 return True
-            a, b = capsule_ends(arm, pose_of(arm, tool, forearm), capsules, c)
+            a, b = capsule_ends(arm, pose_of(arm, tool, forearm), c)
             row = touched_row(around, root, a, b, need, s, waiting)
             if row >= 0:
                 touched[0] = c * count + row
@@ -141,7 +141,7 @@ def arm_is_clear(segments: ArmSegments, contact: _LastContact, first: Vec3, last
     """
     if _touches_again(segments, contact, first, last):
         return False
-    (arm, capsules), around, forearm, slid, most_tries = segments
+    arm, around, forearm, slid, most_tries = segments
     length, way = distance(first, last), sub(last, first)
     pending, at, tries = [(0.0, 1.0, 0, 0)], 0, 0
     lists, latest = new_lists(), [NO_DIRECTION]
@@ -166,8 +166,8 @@ def arm_is_clear(segments: ArmSegments, contact: _LastContact, first: Vec3, last
             )
         allowance = allowance_of(around, neighbourhood.rates)
         if at == 1:  # the whole segment: what boxes do not keep clear of it
-            for c in range(len(capsules) // CAPSULE):
-                capsule, far = capsule_of((segments.table, neighbourhood), c), math.inf
+            for c in range(len(arm.capsules) // CAPSULE):
+                capsule, far = capsule_of((arm, neighbourhood), c), math.inf
                 if bounded:
                     far = capsule.radius + capsule.way + allowance
                 add_pairs_within(around, c, (capsule.first, capsule.last), far, candidates)
@@ -185,7 +185,7 @@ def arm_is_clear(segments: ArmSegments, contact: _LastContact, first: Vec3, last
             capsule_of,
             level_at_ends,
             as_found,
-            (segments.table, neighbourhood),
+            (arm, neighbourhood),
         )
         if outcome == REFUTED:
             contact[0][0] = pair

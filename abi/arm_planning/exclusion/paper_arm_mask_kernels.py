@@ -35,10 +35,8 @@ from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,
     COLUMN,
     NO_ARM,
-    NO_NUMBERS,
     NO_RATES,
     UPPER_ARM,
-    ArmNumbers,
     ArmTable,
     capsule_ends,
     capsule_rates,
@@ -49,15 +47,15 @@ from abi.robot.paper_arm.pose_kernels import (
 )
 
 
-@compiled(example=(FLOATS, NO_NUMBERS, 0.0, 0.0, NEW_FLAGS))
+@compiled(example=(FLOATS, NO_ARM, 0.0, 0.0, NEW_FLAGS))
 def reached_places(
-    points: FloatArray, arm: ArmNumbers, forearm: float, slide: float, reached: BoolArray
+    points: FloatArray, arm: ArmTable, forearm: float, slide: float, reached: BoolArray
 ) -> None:
     """Mark the places that the arm reaches within the limits of q2 and q3.
 
     Args:
         points: flat (3 n,), [unit], world.
-        arm: its numbers.
+        arm: the arm.
         forearm: length a6, [unit].
         slide: how much longer or shorter it may be, [unit].
         reached: (n,); written.
@@ -140,7 +138,7 @@ def is_far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> boo
 
 
 @jitable(forceinline=True)
-def is_beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: float) -> bool:
+def is_beside(around: Obstacles, s: int, arm: ArmTable, tool: Vec3, widest: float) -> bool:
     """Check whether row s is too far from the upright plane of the arm to be touched."""
     k = WIDTH * s + BOUNDS
     primitives = around.primitives
@@ -156,7 +154,7 @@ def is_beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: fl
 
 
 @jitable(forceinline=True)
-def outline(table: ArmTable) -> tuple[int, float, float, float]:
+def outline(arm: ArmTable) -> tuple[int, float, float, float]:
     """Number of capsules that stand still, and how far the others reach from the arm's lines.
 
     Returns:
@@ -164,7 +162,7 @@ def outline(table: ArmTable) -> tuple[int, float, float, float]:
         the largest radius of the others; and how far they stand out from the lines of upper arm and
         forearm, [unit].
     """
-    arm, capsules = table
+    capsules = arm.capsules
     moving, still = len(capsules) // CAPSULE, 0
     while still < moving and capsules[CAPSULE * still] == COLUMN:
         still += 1
@@ -183,7 +181,7 @@ def outline(table: ArmTable) -> tuple[int, float, float, float]:
 @compiled(example=(FLOATS, NO_ARM, NO_OBSTACLES, 0.0, 0.0, FLAGS, NEW_FLAGS))
 def touching_places(
     points: FloatArray,
-    table: ArmTable,
+    arm: ArmTable,
     around: Obstacles,
     forearm: float,
     slide: float,
@@ -194,16 +192,16 @@ def touching_places(
 
     Args:
         points: flat (3 n,), [unit], world.
-        table: the arm.
+        arm: the arm.
         around: what to keep clear of.
         forearm: length a6, [unit].
         slide: how much longer or shorter it may be, [unit].
         reached: places to look at (n,).
         touching: (n,), False at first; written.
     """
-    arm, capsules = table
+    capsules = arm.capsules
     count, moving = len(around.margins), len(capsules) // CAPSULE
-    still, widest, out_of_upper, out_of_fore = outline(table)
+    still, widest, out_of_upper, out_of_fore = outline(arm)
     rows = asked_rows(around, moving)
     own = np.empty(DEPTH, np.int32)
     waiting = borrowed(own)
@@ -243,8 +241,8 @@ def touching_places(
                     continue
                 need = capsules[CAPSULE * c + 3] + around.margins[s]
                 if slide > 0:
-                    need += capsule_rates(arm, rates, capsules, c)[1] * slide
-                a, b = capsule_ends(arm, pose, capsules, c)
+                    need += capsule_rates(arm, rates, c)[1] * slide
+                a, b = capsule_ends(arm, pose, c)
                 if s == count - 1:
                     touching[i] = min(a[2], b[2]) - around.floor < need
                 elif around.inside[2 * s + 1] == 0:  # a call less for most

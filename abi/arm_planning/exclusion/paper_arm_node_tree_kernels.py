@@ -73,13 +73,13 @@ class _Near(NamedTuple):
 
 
 @jitable
-def _widths_of(table: ArmTable, forearm: float) -> _Widths:
+def _widths_of(arm: ArmTable, forearm: float) -> _Widths:
     """How far the capsules stand out from the arm's lines, and past their ends.
 
     A point at a share t of the forearm goes no farther than abs(1 - t) + abs(t) times what goes
     farther, the elbow or the tool.
     """
-    arm, capsules = table
+    capsules = arm.capsules
     most = 1.0
     for c in range(len(capsules) // CAPSULE):
         body = capsules[CAPSULE * c]
@@ -91,7 +91,7 @@ def _widths_of(table: ArmTable, forearm: float) -> _Widths:
                 end += 0.0 if body == FOREARM else forearm - arm.forearm
                 share = end / forearm
                 most = max(most, abs(1.0 - share) + abs(share))
-    _, _, upper, fore = outline(table)
+    _, _, upper, fore = outline(arm)
     return _Widths(forearm, upper, fore, most)
 
 
@@ -123,7 +123,7 @@ def _clear_of(
 
 @jitable
 def _near_ball(
-    table: ArmTable,
+    arm: ArmTable,
     obstacle: tuple[Obstacles, int],
     ball: tuple[Vec3, float],
     known: _Near,
@@ -134,7 +134,7 @@ def _near_ball(
     """Decide from the pose in the middle of a ball of tool positions whether all of it is clear.
 
     Args:
-        table: the arm.
+        arm: the arm.
         obstacle: what to keep clear of, and the row with all of it.
         ball: centre and radius, [unit], world.
         known: of a ball around it.
@@ -142,7 +142,7 @@ def _near_ball(
         widths: how far capsules stand out.
         waiting: room for ``DEPTH`` rows.
     """
-    (arm, capsules), (around, root), (centre, radius) = table, obstacle, ball
+    (around, root), (centre, radius) = obstacle, ball
     if not reaches(arm, centre, widths.forearm):
         return known
     pose = pose_of(arm, centre, widths.forearm)
@@ -151,9 +151,9 @@ def _near_ball(
         return known
     way, margin = widths.stretch * rate * radius + _ROUNDING * around.size, around.margins[root]
     c, row = likely
-    need = capsules[CAPSULE * c + 3] + margin - way
+    need = arm.capsules[CAPSULE * c + 3] + margin - way
     if row >= 0 and need > 0:
-        a, b = capsule_ends(arm, pose, capsules, c)
+        a, b = capsule_ends(arm, pose, c)
         if is_near(around.primitives, row, a, b, need):
             return _Near(known.upper, known.fore, True, known.rows)
     upper, fore, _, (first, second) = known
@@ -169,7 +169,7 @@ def _near_ball(
 @compiled(example=(NO_NODES, NO_ARM, (NO_OBSTACLES, 0), 0.0, FLAGS, NEW_FLAGS))
 def places_touching(
     nodes: NodeTree,
-    table: ArmTable,
+    arm: ArmTable,
     obstacle: tuple[Obstacles, int],
     forearm: float,
     asked: BoolArray,
@@ -179,16 +179,16 @@ def places_touching(
 
     Args:
         nodes: the places (n,).
-        table: the arm.
+        arm: the arm.
         obstacle: what to keep clear of, and the row with all of it.
         forearm: length a6, [unit].
         asked: places to look at, that the arm reaches (n,).
         touching: (n,), False at first; written.
     """
-    (arm, capsules), (around, root) = table, obstacle
+    (around, root), capsules = obstacle, arm.capsules
     count, margin = len(around.margins), around.margins[root]
-    still, _, _, _ = outline(table)
-    widths = _widths_of(table, forearm)
+    still, _, _, _ = outline(arm)
+    widths = _widths_of(arm, forearm)
     own = np.empty(DEPTH, np.int32)
     waiting = borrowed(own)
     latest = np.full(len(capsules) // CAPSULE, -1)  # what each capsule touched last
@@ -201,7 +201,7 @@ def places_touching(
         if level % _EVERY == 0 or branch >= inner:
             ball = vec3_at(nodes.balls, 4 * branch), nodes.balls[4 * branch + 3]
             guess = likely, int(latest[likely])
-            near = _near_ball(table, obstacle, ball, near, guess, widths, waiting)
+            near = _near_ball(arm, obstacle, ball, near, guess, widths, waiting)
             rows = near.rows
         if near.upper and near.fore:
             continue
@@ -225,7 +225,7 @@ def places_touching(
                 if near.upper if capsules[CAPSULE * c] == UPPER_ARM else near.fore:
                     continue
                 need = capsules[CAPSULE * c + 3] + margin
-                a, b = capsule_ends(arm, pose, capsules, c)
+                a, b = capsule_ends(arm, pose, c)
                 row = touched_row(around, root, a, b, need, int(latest[c]), waiting)
                 if row >= 0:
                     latest[c], likely, touching[at] = row, c, True

@@ -24,9 +24,7 @@ from abi.obstacles.vector_kernels import Vec3, axpy, sub, vec3_at
 from abi.robot.paper_arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
-    NO_NUMBERS,
     UPPER_ARM,
-    ArmNumbers,
     ArmTable,
     capsule_ends,
     pose_of,
@@ -39,13 +37,13 @@ _TETRAHEDRA = (
 """Six to a cube, all along its diagonal; corner 4 x + 2 y + z is at (x, y, z)."""
 
 
-@compiled(example=(FLOATS, NO_NUMBERS, 1.0, NEW_FLOATS))
-def reach_rooms(points: FloatArray, arm: ArmNumbers, forearm: float, rooms: FloatArray) -> None:
+@compiled(example=(FLOATS, NO_ARM, 1.0, NEW_FLOATS))
+def reach_rooms(points: FloatArray, arm: ArmTable, forearm: float, rooms: FloatArray) -> None:
     """Margin of places to the arm's reach and limits, as parts of its lengths; < 0 beyond them.
 
     Args:
         points: flat (3 n,), [unit], world.
-        arm: its numbers.
+        arm: the arm.
         forearm: length a6, [unit].
         rooms: (n,), [unit]; written.
     """
@@ -67,7 +65,7 @@ def reach_rooms(points: FloatArray, arm: ArmNumbers, forearm: float, rooms: Floa
 @compiled(example=(FLOATS, NO_ARM, NO_OBSTACLES, 1.0, FLAGS, 1.0, NEW_FLOATS))
 def arm_gaps(
     points: FloatArray,
-    table: ArmTable,
+    arm: ArmTable,
     around: Obstacles,
     forearm: float,
     reached: BoolArray,
@@ -80,16 +78,16 @@ def arm_gaps(
 
     Args:
         points: flat (3 n,), [unit], world.
-        table: the arm.
+        arm: the arm.
         around: what to keep clear of.
         forearm: length a6, [unit].
         reached: places to look at (n,).
         most: distances above count as this, [unit].
         gaps: (n,), [unit]; ``most`` where it is not reached; written.
     """
-    arm, capsules = table
+    capsules = arm.capsules
     count, moving = len(around.margins), len(capsules) // CAPSULE
-    still, widest, out_of_upper, out_of_fore = outline(table)
+    still, widest, out_of_upper, out_of_fore = outline(arm)
     rows = [s for s in asked_rows(around, moving) if s < count - 1]
     for i in range(len(gaps)):
         gaps[i] = most
@@ -110,7 +108,7 @@ def arm_gaps(
                 if upper if capsules[CAPSULE * c] == UPPER_ARM else fore:
                     continue
                 if around.asked[c * count + s]:
-                    a, b = capsule_ends(arm, pose, capsules, c)
+                    a, b = capsule_ends(arm, pose, c)
                     gaps[i] = _gap(around, s, a, b, capsules[CAPSULE * c + 3], gaps[i])
 
 

@@ -44,7 +44,7 @@ def shadow(
     forearm = arm.a4 + arm.a5 + extension
     reached = np.empty(len(points), dtype=np.bool_)
     table = arm.table(elbow)
-    paper_arm_mask_kernels.reached_places(flat(points), table.numbers, forearm, 0.0, reached)
+    paper_arm_mask_kernels.reached_places(flat(points), table, forearm, 0.0, reached)
     gaps = np.empty(len(points))
     most = float(np.subtract(box[1], box[0]).max()) / places
     solids = collision_world.only(collision_world.numbers >= 0).beyond(0.0)
@@ -67,7 +67,7 @@ def reachable(arm: PaperArm, elbow: Elbow, extension: float, lowest: float) -> F
     forearm = arm.a4 + arm.a5 + extension
     points, shape = grid(*box_above(lowest, arm.shoulder, arm.a3 + forearm), _REACH_PLACES)
     rooms = np.empty(len(points))
-    kernels.reach_rooms(flat(points), arm.numbers(elbow), forearm, rooms)
+    kernels.reach_rooms(flat(points), arm.table(elbow), forearm, rooms)
     return surface(points, -rooms, shape)
 
 

@@ -26,7 +26,7 @@ from abi.robot.bodies.urdf_writer import joint, write
 from abi.robot.kinematics.chain import Chain
 from abi.robot.paper_arm import arm_links
 from abi.robot.paper_arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
-from abi.robot.paper_arm.pose_kernels import ArmNumbers, ArmTable, place_capsules
+from abi.robot.paper_arm.pose_kernels import ArmTable, place_capsules
 from abi.robot.urdf.robot_files import packed, robot_from_archive
 from abi.robot.urdf.usual_tip import usual_tip
 
@@ -127,15 +127,15 @@ class PaperArm(ShortRepr):
         """Centre of q2, shape (3,), [unit], world; it never moves."""
         return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
 
-    def numbers(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmNumbers:
-        """The arm in the format of its kernels.
+    def table(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmTable:
+        """The arm and its capsules in the format of the kernels.
 
         Args:
             elbow: its branch.
             spare: distance that q2 and q3 keep from their limits, [rad].
         """
         x, y, z = self.base.tolist()
-        return ArmNumbers(
+        return ArmTable(
             *(x, y, z),
             shoulder=z + self.a1 + self.a2,
             upper=self.a3,
@@ -143,11 +143,8 @@ class PaperArm(ShortRepr):
             side=1.0 if elbow == "up" else -1.0,
             least_cosine_q3=math.cos(self.limits[2, 1] - spare),
             least_cosine_q2=math.cos(self.limits[1, 1] - spare),
+            capsules=self.capsule_rows,
         )
-
-    def table(self, elbow: Literal["up", "down"], spare: float = 0.0) -> ArmTable:
-        """The arm and its capsules in the format of the kernels; see :meth:`numbers`."""
-        return ArmTable(self.numbers(elbow, spare), self.capsule_rows)
 
     @cached_property
     def capsule_links(self) -> tuple[str, ...]:
@@ -235,7 +232,7 @@ class PaperArm(ShortRepr):
         """Ends of the capsules' segments at joint positions (k, 6), (k, c, 2, 3), [unit], world."""
         positions = arguments.numbers("positions", positions, (-1, 6))
         ends = np.empty((len(positions), len(self.capsules), 2, 3))
-        place_capsules(flat(positions), self.numbers(), self.capsule_rows, ends.reshape(-1))
+        place_capsules(flat(positions), self.table(), ends.reshape(-1))
         return ends
 
     def description(self) -> str:

@@ -41,8 +41,8 @@ COLUMN, UPPER_ARM, FOREARM = 0, 1, 2
 """Bodies of capsules; another one slides."""
 
 
-class ArmNumbers(NamedTuple):
-    """Lengths, base and limits of the paper's arm, as numbers.
+class ArmTable(NamedTuple):
+    """The paper's arm as numbers: base, lengths, limits, and its capsules.
 
     Attributes:
         x, y, z: of the base, [unit], world.
@@ -51,6 +51,7 @@ class ArmNumbers(NamedTuple):
         forearm: shortest length from elbow to tool, a4 + a5, [unit].
         side: sign of q3.
         least_cosine_q3, least_cosine_q2: cosines of their limits.
+        capsules: rows, flat (4 c,).
     """
 
     x: float
@@ -62,17 +63,6 @@ class ArmNumbers(NamedTuple):
     side: float
     least_cosine_q3: float
     least_cosine_q2: float
-
-
-class ArmTable(NamedTuple):
-    """The paper's arm as numbers, and the rows of its capsules.
-
-    Attributes:
-        numbers: those of the arm.
-        capsules: rows, flat (4 c,).
-    """
-
-    numbers: ArmNumbers
     capsules: FloatArray
 
 
@@ -111,15 +101,14 @@ class Rates(NamedTuple):
     longest: float
 
 
-NO_NUMBERS = ArmNumbers(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0)
-NO_ARM = ArmTable(NO_NUMBERS, FLOATS)
-"""Examples."""
+NO_ARM = ArmTable(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0, FLOATS)
+"""Example of an arm."""
 NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
 """Where nothing is bounded."""
 
 
 @jitable(forceinline=True)
-def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
+def reaches(arm: ArmTable, tool: Vec3, forearm: float) -> bool:
     """Check if the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
     x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
     reach = math.sqrt(x * x + y * y + z * z)
@@ -132,14 +121,14 @@ def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
 
 
 @jitable(forceinline=True)
-def shoulder_holds(arm: ArmNumbers, pose: PaperArmPose) -> bool:
+def shoulder_holds(arm: ArmTable, pose: PaperArmPose) -> bool:
     """Check whether q2 is within its limit."""
     holds: bool = pose.elbow[2] - arm.shoulder >= arm.upper * arm.least_cosine_q2
     return holds
 
 
 @jitable(forceinline=True)
-def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> PaperArmPose:
+def pose_of(arm: ArmTable, tool: Vec3, forearm: float) -> PaperArmPose:
     """The arm with its tool at a place that it reaches."""
     x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
     across = math.sqrt(x * x + y * y)
@@ -154,7 +143,7 @@ def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> PaperArmPose:
 
 
 @jitable(forceinline=True)
-def rates_near(arm: ArmNumbers, pose: PaperArmPose, tool: float, slide: float) -> Rates:
+def rates_near(arm: ArmTable, pose: PaperArmPose, tool: float, slide: float) -> Rates:
     """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
 
     cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator. Near to
@@ -183,11 +172,11 @@ def rates_near(arm: ArmNumbers, pose: PaperArmPose, tool: float, slide: float) -
 
 
 @jitable(forceinline=True)
-def bend_near(arm: ArmNumbers, pose: PaperArmPose, rates: Rates, tool: float) -> float:
+def bend_near(arm: ArmTable, pose: PaperArmPose, rates: Rates, tool: float) -> float:
     """Bound of the elbow's second derivative while the tool runs straight near a pose, [1/unit].
 
     Args:
-        arm: its numbers.
+        arm: the arm.
         pose: the middle one.
         rates: near it, bounded, with the slide fixed.
         tool: farthest that the tool is from the pose, [unit].
@@ -201,7 +190,7 @@ def bend_near(arm: ArmNumbers, pose: PaperArmPose, rates: Rates, tool: float) ->
 
 @jitable(forceinline=True)
 def limits_hold_near(
-    arm: ArmNumbers, pose: PaperArmPose, rates: Rates, tool: float, slide: float
+    arm: ArmTable, pose: PaperArmPose, rates: Rates, tool: float, slide: float
 ) -> bool:
     """Check whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
     near, long = pose.reach - tool, rates.longest
@@ -213,10 +202,9 @@ def limits_hold_near(
 
 
 @jitable(forceinline=True)
-def capsule_ends(
-    arm: ArmNumbers, pose: PaperArmPose, capsules: FloatArray, c: int
-) -> tuple[Vec3, Vec3]:
+def capsule_ends(arm: ArmTable, pose: PaperArmPose, c: int) -> tuple[Vec3, Vec3]:
     """Both ends of capsule c's segment, [unit], world."""
+    capsules = arm.capsules
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
     if body == COLUMN:
         return (arm.x, arm.y, arm.z + low), (arm.x, arm.y, arm.z + high)
@@ -230,8 +218,9 @@ def capsule_ends(
 
 
 @jitable(forceinline=True)
-def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int) -> float:
+def capsule_share(arm: ArmTable, forearm: float, c: int) -> float:
     """Largest part that points of capsule c's segment have in where the elbow is."""
+    capsules = arm.capsules
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
     if body == COLUMN:
         return 0.0
@@ -244,10 +233,9 @@ def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int)
 
 
 @jitable(forceinline=True)
-def capsule_rates(
-    arm: ArmNumbers, rates: Rates, capsules: FloatArray, c: int
-) -> tuple[float, float]:
+def capsule_rates(arm: ArmTable, rates: Rates, c: int) -> tuple[float, float]:
     """Ways of every point of capsule c's segment, per way of the tool and of the slide."""
+    capsules = arm.capsules
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
     if body == COLUMN:
         return 0.0, 0.0
@@ -268,19 +256,16 @@ def capsule_rates(
     return most, slid
 
 
-@compiled(example=(FLOATS, NO_NUMBERS, FLOATS, NEW_FLOATS))
-def place_capsules(
-    joints: FloatArray, arm: ArmNumbers, capsules: FloatArray, ends: FloatArray
-) -> None:
+@compiled(example=(FLOATS, NO_ARM, NEW_FLOATS))
+def place_capsules(joints: FloatArray, arm: ArmTable, ends: FloatArray) -> None:
     """Both ends of every capsule at joint positions.
 
     Args:
         joints: of each pose q1 to q6, flat (6 n,), [rad], q5 [unit].
-        arm: its numbers.
-        capsules: rows (4 c,).
+        arm: the arm.
         ends: flat (6 n c,), [unit], world; written.
     """
-    count = len(capsules) // CAPSULE
+    count = len(arm.capsules) // CAPSULE
     for i in range(len(joints) // 6):
         q1, q2, q3 = joints[6 * i], joints[6 * i + 1], joints[6 * i + 2]
         forearm = arm.forearm + joints[6 * i + 4]
@@ -293,6 +278,6 @@ def place_capsules(
         pose = PaperArmPose(shoulder, elbow, tool, forearm, out, across, 0.0)
         for c in range(count):
             k = 6 * (i * count + c)
-            a, b = capsule_ends(arm, pose, capsules, c)
+            a, b = capsule_ends(arm, pose, c)
             ends[k], ends[k + 1], ends[k + 2] = a
             ends[k + 3], ends[k + 4], ends[k + 5] = b

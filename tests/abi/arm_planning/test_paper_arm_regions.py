@@ -63,7 +63,7 @@ def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
     points = np.random.default_rng(seed).uniform(scene.workspace.min, scene.workspace.max, (200, 3))
     table, forearm = arm.table(elbow), float(arm.forearm(scene.arm.q5))
     reached = np.zeros(len(points), dtype=np.bool_)
-    reached_places(flat(points), table.numbers, forearm, 0.0, reached)
+    reached_places(flat(points), table, forearm, 0.0, reached)
     gaps = np.empty(len(points))
     arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
     assert (gaps[~reached] == most).all()
@@ -72,11 +72,11 @@ def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
         solids.asked.reshape(-1, len(collision_world.numbers))[:, :-1].any(axis=0)
     )
     for k in np.flatnonzero(reached)[np.argsort(gaps[reached])][:80]:
-        pose = pose_of(table.numbers, tuple(points[k]), forearm)
+        pose = pose_of(table, tuple(points[k]), forearm)
         least = most
         for c in range(len(table.capsules) // CAPSULE):
             if table.capsules[CAPSULE * c]:
-                ends = capsule_ends(table.numbers, pose, table.capsules, c)
+                ends = capsule_ends(table, pose, c)
                 radius = table.capsules[CAPSULE * c + 3]
                 for row in kept.tolist():
                     away = distance_to_segment(solids.primitives, row, np.inf, *ends)

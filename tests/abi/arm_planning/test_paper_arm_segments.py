@@ -36,21 +36,21 @@ def random_arm(random: np.random.Generator) -> PaperArm:
 def test_the_elbow_bends_no_more_than_its_bound(seed: int) -> None:
     random = np.random.default_rng(seed)
     arm = random_arm(random)
-    numbers = arm.numbers("up" if random.random() < 0.5 else "down")
+    table = arm.table("up" if random.random() < 0.5 else "down")
     forearm = arm.a4 + arm.a5
     middle, way = random.uniform(0.5, 5.5, 3), random.normal(size=3)
     way /= np.linalg.norm(way)
     half = float(random.uniform(0.01, 0.5))
-    assume(reaches(numbers, tuple(middle.tolist()), forearm))
-    pose = pose_of(numbers, tuple(middle.tolist()), forearm)
-    rates = rates_near(numbers, pose, half, 0.0)
+    assume(reaches(table, tuple(middle.tolist()), forearm))
+    pose = pose_of(table, tuple(middle.tolist()), forearm)
+    rates = rates_near(table, pose, half, 0.0)
     assume(np.isfinite(rates.elbow))
     steps = np.linspace(-half, half, 81)
     elbows = np.array(
-        [pose_of(numbers, tuple((middle + t * way).tolist()), forearm).elbow for t in steps]
+        [pose_of(table, tuple((middle + t * way).tolist()), forearm).elbow for t in steps]
     )
     second = np.diff(elbows, 2, axis=0) / (steps[1] - steps[0]) ** 2
-    bound = bend_near(numbers, pose, rates, half)
+    bound = bend_near(table, pose, rates, half)
     assert np.linalg.norm(second, axis=1).max() <= bound * (1 + 1e-6) + 1e-7
 
 
