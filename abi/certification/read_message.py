@@ -85,15 +85,21 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
             motion, used = _plain(found), {"times" if "times" in found else "time"}
             notes += _unused(found, _PLAIN | used)
             return replace(motion, start=_only(starts), notes=(*motion.notes, *notes))
-        if isinstance(found.get("scene"), dict):
+        if found.get("scene") is not None:
+            if not isinstance(found["scene"], dict):
+                raise MotionError(f"The file's scene is {short(found['scene'])}, and no scene.")
             planned = found.get("arm")
             if "legs" in found:
                 _check_legs(found["scene"].get("tasks"))
                 planned = found.get("trajectory")
             if isinstance(planned, dict):
                 return _planned(planned, found["scene"], slides)
-            # a verdict, or a motion beside the scene that it was made in
-            starts.append(_state_of_scene(found["scene"], slides))
+            # a verdict, or a motion beside the scene that it was made in: what moves is not held
+            state, beside = _state_of_scene(found["scene"], slides), found.get("motion")
+            moved = beside.get("joints") if isinstance(beside, dict) else None
+            named = moved if isinstance(moved, list) else []
+            held = {name: at for name, at in state.joints.items() if name not in named}
+            starts.append(state._replace(joints=held))
         notes += _unused(found, _MESSAGE | {"scene"})
         found = next((found[name] for name in _INSIDE if name in found), None)
     if isinstance(found, list) and len(found) > 1:

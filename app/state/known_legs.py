@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
+import numpy as np
+
+from abi.arrays import FloatArray
 from abi.errors import AbiError, SceneError
+from abi.obstacles.pose import METRES, rotation
 from abi.planner.plan import Plan
 from abi.planner.task_scenes import scene_from
-from abi.robot.urdf_arm import urdf_arm
+from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene
 
 _LARGEST = 1e6
+_NEAR = 1e-5
+"""Accepted error where a leg ends, of a joint [rad] or [m], and of the tool over the reach."""
 
 
 class KnownLeg(NamedTuple):
@@ -80,17 +87,38 @@ def _legs(whole: Scene, ends: Sequence[tuple[dict[str, float], float]]) -> tuple
     """
     found: list[KnownLeg] = []
     scene = whole
-    for number, (joints, duration) in enumerate(ends):
-        if number:
-            settings, last = scene.arm, scene
-            stands = settings.base, settings.exact_axis, last.unit, settings.base_wxyz
-            arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper)
-            before = dict(found[-1].joints)
-            if tuple(before) != arm.joints:
-                raise SceneError("tasks", [*before], f"the joints {', '.join(arm.joints)}")
-            scene = scene_from(whole, number, last, arm, before)
+    for number, (joints, duration) in enumerate(ends, start=1):
+        settings = scene.arm
+        stands = settings.base, settings.exact_axis, scene.unit, settings.base_wxyz
+        arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper)
+        if tuple(joints) != arm.joints:
+            raise SceneError("tasks", [*joints], f"the joints {', '.join(arm.joints)}")
+        if not _is_at_goal(scene, arm, np.array([*joints.values()])):
+            raise SceneError("tasks", joints, f"the goal of leg {number}")
         found.append(KnownLeg(scene, tuple(joints.items()), duration))
+        if number < len(ends):
+            scene = scene_from(whole, number, scene, arm, joints)
     return tuple(found)
+
+
+def _is_at_goal(scene: Scene, arm: UrdfArm, positions: FloatArray) -> bool:
+    """Check whether joint positions (n,), [rad] or [unit], are what a leg's scene ends in."""
+    low, high = arm.limits.T
+    if (positions < low - _NEAR).any() or (positions > high + _NEAR).any():
+        return False
+    end, metres = scene.arm.goal, METRES[scene.unit]
+    pose = arm.chain.poses(positions[None] / arm.scales)[0, -1]
+    away = np.abs(pose[:, 3] / metres - np.array(scene.goal)).max()
+    near = _NEAR * arm.reach + (0.0 if end is None else end.position_tolerance)
+    if away > near:
+        return False
+    if end is not None and end.is_pose:
+        turn = pose[:, :3] @ rotation(end.wxyz).T
+        cosine = (float(np.trace(turn)) - 1) / 2
+        return math.acos(min(max(cosine, -1.0), 1.0)) <= end.angle_tolerance + 2 * _NEAR
+    asked = scene.arm.joints_at("goal", metres) or {}
+    there = dict(zip(arm.joints, positions / arm.scales, strict=True))
+    return all(abs(there[name] - at) <= _NEAR for name, at in asked.items())
 
 
 def _end(data: object) -> tuple[dict[str, float], float] | None:

@@ -561,6 +561,11 @@ def test_a_plan_is_certified_only_where_its_robot_stands_and_holds_the_same(
     # as a verdict has it
     beside = read_message({"scene": scenes[1].to_dict(), "motion": table}, ["s"])
     assert beside.start == motion.start
+    moved = {"joints": ["p", "q", "s"], "positions": [[0.0] * 3, [0.1] * 3]}
+    own_column = read_message({"scene": scenes[1].to_dict(), "motion": moved}, ["s"])
+    assert own_column.start == motion.start._replace(joints={})
+    with pytest.raises(MotionError, match="and no scene"):
+        read_message({"scene": [scenes[1].to_dict()], "motion": table}, ["s"])
     if "base_link" not in changed:  # from which p does not move anything
         assert not any("as it is here" in one for one in robot_motion(motion, scenes[1]).notes)
     if why is None or " by " in why:

@@ -176,7 +176,11 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
     assert [(leg.joints, leg.duration) for leg in card._legs] == ends
     # what tells another sequence is not taken for this one
     whole, number = state.tasks.whole, state.tasks.number
+    # the second leg does not end there
+    aside = {name: at + 0.01 * (name == ends[0][0][0][0]) for name, at in ends[1][0]}
+    turned = [[dict(ends[0][0]), ends[0][1]], [aside, 1.0], [dict(ends[2][0]), 1.0]]
     for data in (
+        [number, turned],
         [number, []],
         [len(whole.tasks), [[{}, 1.0]] * 6],
         [number, [[{"a": "b"}, 1.0]] * 3],
