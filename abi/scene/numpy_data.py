@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, MappingView, Set
 from typing import Any
 
 import numpy as np
@@ -34,8 +34,8 @@ def plain(field: str, value: object) -> object:
         value: what was given for it.
 
     Raises:
-        SceneError: an array (4, 4) is no pose, one is not of real numbers, a mesh is none, or a
-            whole number has thousands of digits.
+        SceneError: an array (4, 4) is no pose, one is not of real numbers, a mesh is none, there is
+            a set, or a whole number has thousands of digits.
     """
     if isinstance(value, BaseModel | str | bytes) or value is None:
         return value
@@ -53,6 +53,8 @@ def plain(field: str, value: object) -> object:
     if isinstance(value, list | tuple):
         items = [plain(f"{field}[{k}]", one) for k, one in enumerate(value)]
         return items if isinstance(value, list) else tuple(items)
+    if isinstance(value, Set | MappingView):
+        raise SceneError(field, Described("a set"), "a list, since a set has no order of its own")
     if hasattr(value, "vertices") and hasattr(value, "faces"):
         return _mesh(field, value)
     return value

@@ -35,6 +35,7 @@ _MOST_EVENTS = 60_000
 """Most YAML events, such as scalars and starts of lists: some 2,500 obstacles."""
 _SHORT = 20_000
 """Characters of a YAML text that is kept, as all shipped ones are."""
+_VERSION = re.compile(r"^%YAML[ \t]+(\S{1,20})", re.MULTILINE)
 _TAG = "tag:yaml.org,2002:"
 _AMBIGUOUS = re.compile(
     r"[-+]?(?:0o?[0-9]+|0b[01_]+|[0-9][0-9.]*_[0-9_.]*(?:[eE][-+]?[0-9_]+)?)"
@@ -200,6 +201,9 @@ def _refuse_ending(path: Path) -> None:
 
 
 def _of_yaml(text: str) -> object:
+    declared = _VERSION.search(text)
+    if declared and declared[1] != "1.2":
+        raise SceneError("scene", "", f"YAML 1.2, the text declares {declared[1]}")
     _refuse_traps(text)
     return YAML(typ="safe", pure=True).load(text)
 

@@ -76,7 +76,7 @@ def _ply(data: bytes) -> int:
     """Corners of faces and strips, row by row."""
     end = re.search(rb"(?<=[\r\n])end_header[ \t]*(\r\n|\n|\r)", data)
     assert end is not None
-    header = [line.split() for line in data[: end.start()].decode("latin-1").splitlines()]
+    header = [line.decode("latin-1").split() for line in data[: end.start()].splitlines()]
     kind = next(words[1] for words in header if words[:1] == ["format"])
     if kind == "ascii":
         rows: Iterator[tuple[str, str, list[float]]] = _text_lists(data[end.end() :], header)
@@ -128,7 +128,7 @@ def _binary_lists(
                 (length,) = struct.unpack_from(order + _CODES[one[2]], body, at)
                 at += _SIZES[one[2]]
                 values: list[float] = [0.0] * length
-                if element == "tristrips":
+                if element == "tristrips" and one[4] in ("vertex_indices", "vertex_index"):
                     values = list(struct.unpack_from(f"{order}{length}{_CODES[one[3]]}", body, at))
                 yield element, one[4], values
                 at += length * _SIZES[one[3]]

@@ -14,13 +14,11 @@ import numpy as np
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.units import commented
-from abi.obstacles.mesh_files.words import counted, shown
+from abi.obstacles.mesh_files.words import counted, lines_of, shown
 
 _INDEX = re.compile(r"[+-]?[0-9]{1,9}").fullmatch
 _USUAL_FACE = re.compile("f" + 3 * r"\s+([0-9]{1,9})(?:/\S*)?" + r"\s*").fullmatch
 """Pattern of a triangle's line, the fast path for all but a few files."""
-_COMMENT = re.compile(r"^[ \t]*#.*$", re.MULTILINE)
-_LINE_END = re.compile(r"\r\n|\r|\n")
 _UNIT = re.compile(r"# abi unit (\S{1,40})")
 """First line of a file written by this package, with the unit of the original file."""
 _LONGEST_UNIT = 1e4
@@ -130,7 +128,9 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         first = ", ".join(f"{kind} in line {number:,}" for kind, number in [*unknown.items()][:3])
         notes.append(f"What is no statement of OBJ is left out: {first}.")
     parts = Parts(points, cut.faces)
-    said, unknown_units = commented("\n".join(_COMMENT.findall(text)))
+    said, unknown_units = commented(
+        "\n".join(line for line in lines_of(text) if line.lstrip(" \t")[:1] == "#")
+    )
     notes += [*loose_points(parts), *unknown_units]
     return MeshFile(parts, _unit(text), (*cut.notes, *notes), commented=said)
 
@@ -138,7 +138,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
 def _lines(text: str) -> Iterator[tuple[int, str]]:
     """Lines with their numbers; a final backslash continues a line of numbers."""
     begun, start = "", 0
-    for number, line in enumerate(_LINE_END.split(text), 1):
+    for number, line in enumerate(lines_of(text), 1):
         start = start or number
         if line.endswith("\\") and (begun or not _TEXT(line)):
             begun += line[:-1] + " "

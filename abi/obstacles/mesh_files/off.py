@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.obstacles.mesh_files.parts import MeshFile, Parts, check_count, loose_points
 from abi.obstacles.mesh_files.polygons import triangulate
-from abi.obstacles.mesh_files.words import counted, float_words, shown
+from abi.obstacles.mesh_files.words import counted, float_words, lines_of, shown
 
 _HEADER = re.compile(r"(?:ST)?C?N?OFF")
 _COUNT = re.compile(r"[0-9]{1,9}").fullmatch
@@ -23,7 +23,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     """
     lines = [
         (number, words)
-        for number, line in enumerate(data.decode("latin-1").splitlines(), 1)
+        for number, line in enumerate(lines_of(data.decode("latin-1")), 1)
         if (words := line.partition("#")[0].split())
     ]
     if not lines or not _HEADER.fullmatch(lines[0][1][0]):

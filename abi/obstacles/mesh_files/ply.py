@@ -11,7 +11,7 @@ from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_co
 from abi.obstacles.mesh_files.ply_tables import PlyLists, Table, binary_tables, header, text_tables
 from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.units import commented
-from abi.obstacles.mesh_files.words import counted, shown
+from abi.obstacles.mesh_files.words import counted, lines_of, shown
 
 _END = re.compile(rb"(?<=[\r\n])end_header[ \t]*(?:\r\n|\n|\r)")
 _MOST_HEADER = 100_000
@@ -29,7 +29,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
     end = _END.search(data, 0, _MOST_HEADER)
     if not data.startswith(b"ply") or end is None:
         raise ValueError("a PLY file, whose header ends with a line end_header")
-    lines = data[: end.start()].decode("utf-8", "replace").splitlines()
+    lines = lines_of(data[: end.start()].decode("utf-8", "replace"))[:-1]
     order, elements = header(lines)
     body = data[end.end() :]
     if order is None:

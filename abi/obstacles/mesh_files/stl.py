@@ -9,7 +9,7 @@ import numpy as np
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count
 from abi.obstacles.mesh_files.units import commented
-from abi.obstacles.mesh_files.words import float_table
+from abi.obstacles.mesh_files.words import float_table, lines_of
 
 _HEADER = b"abi".ljust(80)
 _COLOURED = 1 << 15
@@ -59,7 +59,7 @@ def read(data: bytes, most_faces: int) -> MeshFile:
         )
     vertices = corners.reshape(-1, 3).astype(np.float64)
     faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
-    title = data[:80].decode("latin-1").splitlines()[0]  # of text its first line, with its name
+    title = lines_of(data[:80].decode("latin-1"))[0]  # of text its first line, with its name
     metres, notes = commented(title)
     return MeshFile(Parts(vertices, faces, colours), notes=notes, commented=metres)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from contextlib import suppress
 
@@ -11,6 +12,12 @@ from numpy.typing import NDArray
 from abi.arrays import FloatArray
 
 _LONGEST = 40
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+
+def lines_of(text: str) -> list[str]:
+    """Lines of a text, with the ends of lines that files have, and no other of Unicode's."""
+    return _LINE_END.split(text)
 
 
 def float_words(words: Sequence[bytes], what: str) -> FloatArray:

@@ -102,7 +102,9 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
         plain, parts = ~crosses[number], parts - int(winds_back.sum())
         sheets = np.concatenate([sheets, faces[winds_back[number]]])
         rest = faces[(crosses & ~winds_back)[number]]
-        merged = united(vertices, faces[plain], number[plain]) if (~crosses).sum() > 1 else None
+        merged = (
+            united(vertices, faces[plain], number[plain], _MOST) if (~crosses).sum() > 1 else None
+        )
         if merged is not None:
             notes = (*notes, f"Its {(~crosses).sum()} parts count as one solid.")
             corners, faces = in_order(*merged)

@@ -12,6 +12,8 @@ _ROUNDS = 6
 """A triangle is split along one of its edges at a time; pieces may have to be split again."""
 _MOST = 5_000_000
 """Most pairs of an edge and a corner near it that are looked at."""
+_AT_ONCE = 100
+"""Edges whose pairs are counted before it is asked whether they are too many."""
 
 
 def split_at_corners(
@@ -54,9 +56,13 @@ def _split_once(
     lengths = np.linalg.norm(b - a, axis=1)
     tree = scipy.spatial.cKDTree(vertices[ends])
     around = (a + b) / 2, lengths / 2 + size
-    counts = tree.query_ball_point(*around, return_length=True)
-    if counts.sum() > _MOST:
-        return none, faces[:0], none
+    several, total = list[IntArray](), 0
+    for one in np.split(np.arange(len(free)), range(_AT_ONCE, len(free), _AT_ONCE)):
+        several.append(tree.query_ball_point(*(each[one] for each in around), return_length=True))
+        total += int(several[-1].sum())
+        if total > _MOST:
+            return none, faces[:0], none
+    counts = np.concatenate(several)
     near = ends[np.concatenate(tree.query_ball_point(*around)).astype(np.intp)]
     at = np.repeat(np.arange(len(free)), counts)
     along = (b - a)[at] / lengths[at, None]

@@ -6,15 +6,18 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows
+from abi.obstacles.triangle_mesh.rays import near_boxes
 
 _MOST_SHELLS = 2000
+_MOST_CROSSING = 500_000
+"""Most pairs of triangles of different shells that are near each other; each may make others."""
 _ROUNDING = 1e-6
 _TURNED = -0.5
 """Cosine below which a triangle of the union faces the other way than the one it is a part of."""
 
 
 def united(
-    vertices: FloatArray, faces: IntArray, label: IntArray
+    vertices: FloatArray, faces: IntArray, label: IntArray, most: int
 ) -> tuple[FloatArray, IntArray] | None:
     """Vertices (n, 3) and faces (m, 3) of the union of shells that face outward.
 
@@ -26,11 +29,12 @@ def united(
         vertices: (n, 3).
         faces: (m, 3) ids of the corners.
         label: (m,) the shell of each face, any numbers.
+        most: triangles that the union may have.
 
     Returns:
         The union; None if the library refuses a shell or takes other triangles for it, as where
-        more than two meet in an edge, if shells run into themselves, or if the result is smaller
-        than the input.
+        more than two meet in an edge, if shells run into themselves, if the result is smaller than
+        the input, or if it has too many triangles, or would have.
         The shells as they are have the same outside.
     """
     import manifold3d
@@ -38,7 +42,7 @@ def united(
     shells, normals = [], dict[int, FloatArray]()
     _, number = np.unique(label, return_inverse=True)
     count = int(number.max()) + 1
-    if count > _MOST_SHELLS:
+    if count > _MOST_SHELLS or _are_many(vertices[faces], number.astype(np.int32)):
         return None
     order = np.argsort(number, kind="stable")
     for rows in np.split(order, np.cumsum(np.bincount(number, minlength=count))[:-1]):
@@ -56,7 +60,7 @@ def united(
         shells.append(shell)
         normals[int(taken.run_original_id[0])] = _normals(corners, triangles)
     union = manifold3d.Manifold.batch_boolean(shells, manifold3d.OpType.Add)
-    if union.status() != manifold3d.Error.NoError or union.is_empty():
+    if union.status() != manifold3d.Error.NoError or not 0 < union.num_tri() <= most:
         return None
     mesh = union.to_mesh64()
     points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
@@ -78,6 +82,16 @@ def united(
         if (same < _TURNED).any():
             return None
     return points, merged
+
+
+def _are_many(corners: FloatArray, number: IntArray) -> bool:
+    """Whether too many triangles (m, 3, 3) of different shells (m,) may cross."""
+    boxes, count = (corners.min(axis=1), corners.max(axis=1)), 0
+    for one, other in near_boxes(boxes, boxes):
+        count += int((number[one] < number[other]).sum())
+        if count > _MOST_CROSSING:
+            return True
+    return False
 
 
 def _are_same(one: FloatArray, other: FloatArray) -> bool:

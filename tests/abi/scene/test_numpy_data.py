@@ -74,6 +74,12 @@ def test_numbers_that_would_be_read_otherwise_are_refused(start: object) -> None
         Scene.from_dict(WHOLE | {"start": start})
 
 
+@pytest.mark.parametrize("start", [{6, 5, 0}, frozenset((6, 5, 0)), {6: 1, 5: 1, 0: 1}.keys()])
+def test_a_point_is_no_set_which_has_no_order(start: object) -> None:
+    with pytest.raises(SceneError, match=r"start .* a list"):
+        Scene.from_dict(WHOLE | {"start": start})
+
+
 class Place(NamedTuple):
     x: float
     y: float

@@ -191,6 +191,8 @@ def test_what_would_do_for_a_missing_field_does(shape: str) -> None:
         ("a.yaml", "a: &x [1]\nb: *x", "anchors"),
         ("a.yaml", "a: [1]\n<<: {a: [2]}", "merge keys"),
         ("a.yaml", "a: [1_000]", "1_000"),
+        ("a.yaml", "%YAML 1.3\n---\na: 1", "declares 1.3"),
+        ("a.yaml", "%YAML 1.1\n---\na: [1:30]", "declares 1.1"),
         ("a.yaml", "a: !!python/object/apply:os.system [x]", "tags"),
         ("a.yaml", "a: [", "YAML"),
         ("a.json", '{"a": NaN}', "NaN"),

@@ -136,6 +136,39 @@ def test_a_unit_that_is_not_known_is_told_and_others_count() -> None:
     assert read_file(b"# units = km\n" + text, "a.obj").commented == 1000
 
 
+def test_strips_may_have_lists_of_other_numbers() -> None:
+    header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz")
+    header += "element tristrips 1\nproperty list uchar int vertex_indices\n"
+    header += "property list uchar float texcoord\nend_header\n"
+    places = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4").tobytes()
+    strip = b"\3" + np.array([0, 1, 2], dtype="<i4").tobytes()
+    strip += b"\2" + np.array([0.5, 1], dtype="<f4").tobytes()
+    assert read_file(header.encode() + places + strip, "a.ply").parts.faces.tolist() == [[0, 1, 2]]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_comments_end_where_lines_of_a_file_do(end: str) -> None:
+    """And at no other of Unicode's ends of lines, as the second byte of some letters is one."""
+    said = "\u0441 \xc5\x0b v 9 9 9 \u2028 f 1 2 3"
+    comments = (f"{said}", "units = km", "c")
+    obj = ["v 0 0 0", "v 1 0 0", "v 0 1 0", "f 1 2 3"]
+    files = {
+        "a.obj": [*(f"# {one}" for one in comments), *obj],
+        "a.off": ["OFF", f"# {said}", "3 1 0", "0 0 0", "1 0 0", "0 1 0", "3 0 1 2"],
+        "a.ply": [
+            *("ply", "format ascii 1.0", *(f"comment {one}" for one in comments)),
+            *("element vertex 3", *(f"property float {axis}" for axis in "xyz")),
+            *("element face 1", "property list uchar int vertex_indices", "end_header"),
+            *("0 0 0", "1 0 0", "0 1 0", "3 0 1 2", ""),
+        ],
+    }
+    for name, lines in files.items():
+        file = read_file(end.join(lines).encode(), name)
+        assert file.parts.faces.tolist() == [[0, 1, 2]]
+        assert file.commented == (None if name == "a.off" else 1000)
+
+
 def test_no_room_is_made_for_rows_that_are_not_there() -> None:
     properties = "".join(f"property uchar p{k}\n" for k in range(3000))
     for kind in ("ascii", "binary_little_endian"):

@@ -1,14 +1,17 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.triangle_mesh import repair
+from abi.obstacles.triangle_mesh import repair, t_junctions, union
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.shells import shells_of
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -159,6 +162,45 @@ def test_a_wall_between_solids_is_told_from_a_sheet_by_points_of_each_patch(
     monkeypatch.setattr(repair, "_MOST_WOUND", 60)
     np.testing.assert_array_equal(repair._is_thin(mesh[0], shells), exact)
     assert asked == [1, 1]
+
+
+def test_solids_that_cross_too_often_to_be_united_are_solid_as_they_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A grating has as many crossings as bars along times bars across."""
+    bars = [meshes.box((4, 0.2, 0.2), (0, y, 0.05)) for y in (-1, 0, 1)]
+    bars += [meshes.box((0.2, 4, 0.2), (x, 0, 0)) for x in (-1, 0, 1)]
+    united = clean(*meshes.joined(*bars))
+    assert any("6 parts count as one" in note for note in united.notes)
+    for module, name in ((repair, "_MOST"), (union, "_MOST_CROSSING")):
+        with monkeypatch.context() as patched:
+            patched.setattr(module, name, 100)
+            surface = clean(*meshes.joined(*bars))
+        assert len(surface.faces) == 12 * len(bars)
+        probes = RNG.uniform((-2.2, -2.2, -0.2), (2.2, 2.2, 0.2), (500, 3))
+        both = [windings(one.vertices, one.faces, probes) != 0 for one in (united, surface)]
+        np.testing.assert_array_equal(*both)
+
+
+def test_pairs_of_edges_and_corners_are_not_counted_once_they_are_too_many(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    counted = [0]
+
+    class Tree(scipy.spatial.cKDTree):  # type: ignore[misc]
+        def query_ball_point(self, *where: Any, **how: Any) -> Any:
+            found = super().query_ball_point(*where, **how)
+            counted[0] += int(np.sum(found)) if how.get("return_length") else 0
+            return found
+
+    monkeypatch.setattr(scipy.spatial, "cKDTree", Tree)
+    monkeypatch.setattr(t_junctions, "_MOST", 1000)
+    ends = RNG.normal(size=(1000, 3, 3))
+    ends[:, 1] = -ends[:, 0]
+    faces = np.arange(3000, dtype=np.int32).reshape(-1, 3)
+    split, _ = t_junctions.split_at_corners(ends.reshape(-1, 3), faces, 1e-9)
+    assert split is faces
+    assert counted[0] < 1000 + 3000 * t_junctions._AT_ONCE
 
 
 def test_the_union_has_no_faces_inside() -> None:
