@@ -49,6 +49,7 @@ class MeshLookup:
         self._read: dict[str, Parts] = {}
         self._taken: set[str] = set()
         self._guessed: dict[str, str] = {}
+        self._several: dict[str, str] = {}
         own = {file: file for file in files}
         self._names = {file.removesuffix(_PLAIN): file for file in files} | own
         self._triangles = 0
@@ -96,7 +97,11 @@ class MeshLookup:
         """
         exact = places(self._folder, name, self._packages)
         found = next((one for one in exact if one in self._names), None)
-        if found is None and package_of(name) in self._packages:
+        package = package_of(name) or ""
+        of_name = self._packages.get(package, ())
+        if found is not None and len(of_name) > 1:
+            self._several[package] = found
+        if found is None and len(of_name) == 1:
             expected = f"a file that came with the URDF, as {exact[0] if exact else name}"
             raise SceneError("arm.urdf mesh", name, expected)
         return self._names[self._alike(name) if found is None else found]
@@ -111,7 +116,11 @@ class MeshLookup:
             for (package, found), n in counts.items()
         )
         single = (f"Taken for {k}: {file}." for k, file in self._guessed.items() if not folders[k])
-        return (*others, *single, *self._notes_on_files)
+        several = (
+            f"Several packages are called {name}; {file} is taken."
+            for name, file in self._several.items()
+        )
+        return (*others, *single, *several, *self._notes_on_files)
 
     @property
     def _notes_on_files(self) -> tuple[str, ...]:

@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePosixPath
 
+from abi.robot.urdf.strict_xml import package_name
+
+Folders = Mapping[str, Sequence[PurePosixPath]]
+"""Folders of packages by their names."""
 PACKAGE = "package://"
 PACKAGE_FILE = "package.xml"
 """Name of the file that names a package."""
-_NAME = re.compile(rb"<name>([^<]{1,200})</name>")
 _SCHEME = re.compile(r"\A(package|model)://")
 
 
@@ -34,21 +37,15 @@ def reference(text: str) -> str | None:
     return PACKAGE + inside.as_posix() if inside is not None and path != name else name
 
 
-def packages(files: Mapping[str, bytes]) -> dict[str, PurePosixPath]:
-    """Folders of the ROS packages among files, by the name that each ``package.xml`` gives.
-
-    A name that several have is left out.
-    """
-    found: dict[str, PurePosixPath] = {}
-    several = set[str]()
+def packages(files: Mapping[str, bytes]) -> dict[str, tuple[PurePosixPath, ...]]:
+    """Folders of the ROS packages among files, by the name that each ``package.xml`` gives."""
+    found: dict[str, tuple[PurePosixPath, ...]] = {}
     for file, content in files.items():
         path = PurePosixPath(file)
-        named = _NAME.search(content) if path.name == PACKAGE_FILE else None
-        if named is not None:
-            name = named[1].decode(errors="replace").strip()
-            several |= {name} & found.keys()
-            found[name] = path.parent
-    return {name: folder for name, folder in found.items() if name not in several}
+        name = package_name(content) if path.name == PACKAGE_FILE else None
+        if name is not None:
+            found[name] = (*found.get(name, ()), path.parent)
+    return found
 
 
 def package_of(name: str) -> str | None:
@@ -57,7 +54,7 @@ def package_of(name: str) -> str | None:
     return None if path == name else path.partition("/")[0]
 
 
-def places(folder: PurePosixPath, name: str, known: Mapping[str, PurePosixPath]) -> tuple[str, ...]:
+def places(folder: PurePosixPath, name: str, known: Folders) -> tuple[str, ...]:
     """Paths at which a name says that a mesh is; the first that exists is used.
 
     That of a package ``package://NAME/REST`` is REST in the folder whose ``package.xml`` gives this
@@ -74,8 +71,8 @@ def places(folder: PurePosixPath, name: str, known: Mapping[str, PurePosixPath])
         return _inside_all([folder / name])
     path = name.removeprefix(PACKAGE)
     rest = path.partition("/")[2]
-    if package in known:
-        return _inside_all([known[package] / rest])
+    if len(known.get(package, ())) == 1:
+        return _inside_all([known[package][0] / rest])
     above = (folder, *folder.parents)
     paths = [one / rest for one in above if one.name == package]
     return _inside_all(paths + [one / path for one in above])

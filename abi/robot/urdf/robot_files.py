@@ -17,7 +17,14 @@ from abi.obstacles.mesh_files.zip_archive import DAMAGED_ZIP
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.link_names import names_anew
 from abi.robot.urdf.mesh_lookup import MeshLookup, is_plain
-from abi.robot.urdf.mesh_places import PACKAGE_FILE, guesses, package_of, packages, places
+from abi.robot.urdf.mesh_places import (
+    PACKAGE_FILE,
+    Folders,
+    guesses,
+    package_of,
+    packages,
+    places,
+)
 from abi.robot.urdf.robot import Robot, require_motion
 from abi.robot.urdf.srdf import with_srdf
 from abi.robot.urdf.strict_xml import parse
@@ -327,7 +334,10 @@ def _with_meshes(source: MeshSource, urdf: str) -> dict[str, bytes]:
 
 
 def _mesh_of(
-    source: MeshSource, folder: PurePosixPath, name: str, known: Mapping[str, PurePosixPath]
+    source: MeshSource,
+    folder: PurePosixPath,
+    name: str,
+    known: Folders,
 ) -> tuple[str, bytes]:
     """Path and content of a mesh that a URDF names, from the first place that has one."""
     fault = SceneError("arm.urdf mesh", name, "a file inside the scene's folder")

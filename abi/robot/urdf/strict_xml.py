@@ -248,6 +248,21 @@ def parse(content: bytes, name: str) -> etree._Element:
     return root
 
 
+def package_name(content: bytes) -> str | None:
+    """Name that a ``package.xml`` gives its package; None if it gives none, or is no plain XML."""
+    if len(content) > MAX_BYTES:
+        return None
+    try:
+        text = decoded(content)
+        if _MARKUP.search(text):
+            return None
+        root = _root_of(_DECLARATION.sub("", text.rstrip("\0")).encode())
+    except (UnicodeDecodeError, etree.XMLSyntaxError, ValueError):
+        return None
+    name = next((one.text for one in root.iter("{*}name") if one.getparent() is root), None)
+    return name.strip() if name else None
+
+
 def _root_of(content: bytes) -> etree._Element:
     """Root element of a text; an undeclared prefix, such as ``drake:``, is accepted.
 

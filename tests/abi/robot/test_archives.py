@@ -96,6 +96,13 @@ OTHER_PACKAGES: Mapping[str, Files] = {
         "ws/src/gripper/meshes/a.stl": ball(7),
         "ws/src/robot/package.xml": PACKAGE_XML.format("robot"),
     },
+    "named by XML of all kinds": {
+        "ws/src/gripper/package.xml": "<package ><name >g</name></package>".encode("utf-16"),
+        "ws/src/gripper/meshes/a.stl": ball(7),
+        "ws/src/robot/package.xml": "<package><!-- <name>g</name> --><author><name>g</name>"
+        "</author><name>robot</name></package>",
+        "ws/src/robot/g/meshes/a.stl": ball(5),
+    },
 }
 
 
@@ -116,6 +123,18 @@ def test_a_mesh_of_another_package_is_not_taken_from_the_robots_own(
     alone = from_zip(own)
     assert triangles(alone) == [3]
     assert alone.notes == ("Package g is not there: 1 mesh is taken from ws/src/robot/.",)
+
+
+def test_where_two_packages_have_one_name_it_is_told_which_is_taken() -> None:
+    files: Files = {
+        "robot/r.urdf": using("package://g/meshes/a.stl"),
+        "g/meshes/a.stl": ball(7),
+        "g/package.xml": PACKAGE_XML.format("g"),
+        "copy/package.xml": PACKAGE_XML.format("g"),
+    }
+    robot = from_zip(files)
+    assert triangles(robot) == [7]
+    assert robot.notes == ("Several packages are called g; g/meshes/a.stl is taken.",)
 
 
 def test_a_mesh_that_its_known_package_lacks_is_refused(tmp_path: Path) -> None:
