@@ -61,11 +61,10 @@ class StudiesPanel:
             self._compared = None
             self.table.content, self.table.visible = _PRESS_AGAIN, True
         elif asked or changed:
-            self._compared, self.table.visible = plan, True
-            if plan.graph is None:
-                self.table.content = _NO_GRAPH
-            else:
-                self.table.content, self._ms = comparison(plan, frame.before)
+            self._compared, text = plan, _NO_GRAPH
+            if plan.graph is not None:
+                text, self._ms = comparison(plan, frame.before)
+            self.table.content, self.table.visible = text, True
 
     def _draw_plots(self, scene: Scene) -> None:
         """Plan and plot if that was asked for; hide what is of another scene."""
