@@ -64,24 +64,6 @@ class JointNode:
         self.frame.position, self.frame.wxyz = place, rotation.wxyz
 
 
-class LinkBody:
-    """A link as it looks, and in red once it has touched something."""
-
-    def __init__(self, scene: viser.SceneApi, name: str, glb: bytes, red: bytes) -> None:
-        self._scene, self._name = scene, name
-        self._own = scene.add_glb(f"{name}/mesh", glb)
-        self._red_glb = red
-        self._red: viser.GlbHandle | None = None
-
-    def redden(self, on: bool) -> None:
-        """Draw it in red, or in its own colours."""
-        if on and self._red is None:
-            self._red = self._scene.add_glb(f"{self._name}/red", self._red_glb)
-        if self._red is not None:
-            self._red.visible = on
-        self._own.visible = not on
-
-
 class ArmKind(Protocol):
     """What is drawn of a kind of arm: its nodes, other poses and regions. A module is one."""
 
@@ -141,7 +123,9 @@ class ArmNodes:
         self.joint_nodes: list[JointNode] = []
         self._arm: AnyArm | None = None
         self._base: viser.FrameHandle | None = None
-        self._bodies: list[tuple[str, LinkBody]] = []
+        self._bodies: dict[str, viser.GlbHandle] = {}
+        self._red: dict[str, viser.GlbHandle] = {}
+        self._red_glbs: dict[str, bytes] = {}
         self._look: object = None
         self._touching: frozenset[str] = frozenset()
 
@@ -153,7 +137,7 @@ class ArmNodes:
                 self._base.remove()
             self._base = self._scene.add_frame(self._base_name, show_axes=False)
             self._look, self._touching = look, frozenset()
-            self.joint_nodes, self._bodies = [], []
+            self.joint_nodes, self._bodies, self._red, self._red_glbs = [], {}, {}, {}
             self._kind.build(self, arm, self._base_name)
         self._base.position, self._base.wxyz = arm.base, np.array(arm.wxyz)
 
@@ -181,8 +165,13 @@ class ArmNodes:
         if links == self._touching:
             return False
         self._touching = links
-        for link, body in self._bodies:
-            body.redden(link in links)
+        for link in links & self._red_glbs.keys():
+            name = self._bodies[link].name.removesuffix("mesh")
+            self._red[link] = self._scene.add_glb(f"{name}red", self._red_glbs.pop(link))
+        for link, body in self._bodies.items():
+            body.visible = link not in links
+        for link, body in self._red.items():
+            body.visible = link in links
         return True
 
     def add_joint(
@@ -203,8 +192,12 @@ class ArmNodes:
         self.joint_nodes.append(JointNode(frame, column, prismatic, axis, origin))
 
     def add_body(self, link: str, name: str, glbs: tuple[bytes, bytes]) -> None:
-        """Add a body made by :func:`app.layers.arm.link_body.link_glbs` to the node of a name."""
-        self._bodies.append((link, LinkBody(self._scene, name, *glbs)))
+        """Add a link's body, by :func:`app.layers.arm.link_body.link_glbs`, to the node of a name.
+
+        In red it is not sent before it touches something.
+        """
+        own, self._red_glbs[link] = glbs
+        self._bodies[link] = self._scene.add_glb(f"{name}/mesh", own)
 
     def add_frame(self, name: str, height: float) -> None:
         """Add a node without a body, at a height along the z axis of the one that it is in."""
