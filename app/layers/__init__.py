@@ -1,1 +1,1 @@
-"""Layers: what is drawn of a frame in the scene and in the panels, one class each."""
+"""Layers: what is drawn of a frame in the scene and in the panels."""

@@ -1,1 +1,1 @@
-"""Panels: the controls of a tab, one class each, with what they read and write of a scene."""
+"""Panels: the controls of a tab, with what they read and write of a scene."""
