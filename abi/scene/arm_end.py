@@ -200,7 +200,7 @@ def check_said_once(data: Mapping[str, Any]) -> None:
         ("goal", data.get("goal"), "tasks[0].goal", of_leg.get("goal")),
         *(
             (f"arm.{name}", of_arm.get(name), f"tasks[0].{name}", of_leg.get(name))
-            for name in ("goal", "gripper", "axis")
+            for name in ("goal", "axis")
         ),
     ]
     for name, value, other, again in pairs:

@@ -233,6 +233,7 @@ class ArmSettings(Settings):
         """
         if self.model != "urdf":
             return
+        self._still(metres)
         for name, end, wanted, held in self._held_elsewhere(metres):
             other = {one: at for one, at in wanted.items() if one not in self.gripper}
             if other:
@@ -243,6 +244,15 @@ class ArmSettings(Settings):
                     f"{first} is held at {held[first]:.6g}"
                 )
                 raise SceneError(f"arm.{name}.state", end.state, expected)
+
+    def _still(self, metres: float) -> dict[str, float]:
+        """Positions of the joints that are not planned, by name, [rad] or [m].
+
+        Raises:
+            SceneError: ``gripper`` names no joint to hold, or exceeds its limits.
+        """
+        held = held_in_metres(self.robot, self.gripper, metres)
+        return positions_held(self.robot, planned_joints(self.robot, self.tool), held)
 
     def _held_elsewhere(
         self, metres: float
@@ -259,8 +269,7 @@ class ArmSettings(Settings):
         ends: dict[str, ArmEnd | None] = {name: getattr(self, name) for name in ENDS}
         if not any(end is not None and end.state is not None for end in ends.values()):
             return
-        held = held_in_metres(self.robot, self.gripper, metres)
-        still = positions_held(self.robot, planned_joints(self.robot, self.tool), held)
+        still = self._still(metres)
         free = {one.name for one in self.robot.joints if one.mimic is None} & still.keys()
         states = {one.name: one.positions for one in self.robot.states}
         for name, end in ends.items():

@@ -32,7 +32,13 @@ from abi.scene.arm_end import (
 )
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.field_errors import first_error
-from abi.scene.leg import MOST_LEGS, Leg, with_first_leg
+from abi.scene.leg import (
+    MOST_LEGS,
+    Leg,
+    check_held_alike,
+    held_on_first_leg,
+    with_first_leg,
+)
 from abi.scene.numpy_data import plain, plain_fields
 from abi.scene.scene_changes import (
     changed_value,
@@ -156,9 +162,12 @@ class Scene(Settings):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        arm, tasks = held_on_first_leg(self.arm, self.tasks)
+        object.__setattr__(self, "arm", arm)  # frozen from here on
+        object.__setattr__(self, "tasks", tasks)
         for end in ENDS:
             place = self.arm.tool_at(end, METRES[self.unit])
-            if place is not None:  # what the arm's joints or pose say counts; frozen from here on
+            if place is not None:  # what the arm's joints or pose say counts
                 object.__setattr__(self, end, place)
         for name in ("start", "goal"):
             point = getattr(self, name)
@@ -213,6 +222,7 @@ class Scene(Settings):
         check_said_once(plain_data)
         scene = cls._checked(plain_data, MeshSource.of(folder))
         check_said_so(plain_data, scene.arm, {name: getattr(scene, name) for name in ENDS})
+        check_held_alike(plain_data, scene.arm, METRES[scene.unit])
         return scene
 
     @classmethod

@@ -45,7 +45,8 @@ class LinkSolids:
     @cached_property
     def edges(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Ends (k, 3) and (k, 3) of all edges, and the radius of what each stands for, (k,)."""
-        parts = [_edges(shape) for shape in self.shapes]
+        none = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)  # a link may have no shapes
+        parts = [none, *map(_edges, self.shapes)]
         return tuple(read_only(np.concatenate(column)) for column in zip(*parts, strict=True))  # type: ignore[return-value]
 
     @cached_property

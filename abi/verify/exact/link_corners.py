@@ -82,17 +82,19 @@ def check_lines(chain: ExactChain, robot: Robot, bodies: Mapping[str, Sequence[L
         bodies: pieces of each link.
 
     Raises:
-        Fault: an end of such a line is in no piece.
+        Fault: no piece holds both ends of such a line, and with them all of it.
     """
     if has_own_shape(chain, robot):
         return
+    attached = None if robot.attached is None else robot.attached.link
     for frame, (_, origin) in zip(chain.before, chain.origins, strict=True):
         if frame >= 0:
             ends = np.array([[0.0] * 3, [*map(float, origin)]])
-            links = (link for link, number in chain.frames.items() if number == frame)
+            moved = (link for link, number in chain.frames.items() if number == frame)
+            links = (link for link in moved if link != attached)
             pieces = [one for link in links for one in bodies.get(link, ())]
             allowed = _NEAR * max(float(chain.units), float(np.abs(ends).max()))
-            if not _are_held(ends, pieces, allowed):
+            if not any(_inside(ends, one, allowed).all() for one in pieces):
                 raise Fault("no lines stand for its links, which have no shapes")
 
 
@@ -107,10 +109,15 @@ def _are_held(points: FloatArray, pieces: Sequence[LinkPiece], allowed: float) -
     """Check whether each of points (n, 3) is in one of a link's pieces, up to a distance."""
     held = np.zeros(len(points), dtype=np.bool_)
     for one in pieces:
-        inside = _distances(points, one.ends) <= one.radius + allowed
-        inside[inside] = _in_hull(points[inside], one, allowed)
-        held |= inside
+        held |= _inside(points, one, allowed)
     return bool(held.all())
+
+
+def _inside(points: FloatArray, one: LinkPiece, allowed: float) -> BoolArray:
+    """Check which of points (n, 3) are in a piece, capsule and hull, up to a distance."""
+    inside = np.asarray(_distances(points, one.ends) <= one.radius + allowed)
+    inside[inside] = _in_hull(points[inside], one, allowed)
+    return inside
 
 
 def _in_hull(corners: FloatArray, body: LinkPiece, allowed: float) -> BoolArray:

@@ -146,6 +146,42 @@ def test_a_leg_holds_what_the_legs_before_held_and_it_does_not_name() -> None:
     assert all(one.proven for one in verify(made.to_dict(), scene.meshes))
 
 
+def test_what_the_first_leg_does_not_name_stays_as_the_arm_holds_it() -> None:
+    joint = '<joint name="left_joint" value="0.02"/>'
+    state = f'<group_state name="open" group="hand">{joint}</group_state>'
+    files = {"a.zip": archive(f"<robot name='r'>{state}</robot>")}
+    data: dict[str, Any] = {
+        "version": 1,
+        "unit": "mm",
+        "workspace": {"min": [-9e3] * 3, "max": [9e3] * 3},
+        "mesh": {"pitch": 9e3},
+        "start": {"joints": [0, 0, 0]},
+        "arm": {"model": "urdf", "urdf": "a.zip", "tip": "d", "gripper": {"right_joint": 40.0}},
+    }
+    scene = Scene.from_dict(data | {"goal": {"joints": [0.1, 0, 0]}}, files)
+    named: dict[str, float] = {"left_joint": 20.0}
+    goal = {"joints": [0.1, 0, 0]}
+    for gripper in (named, "open"):
+        leg = {"goal": goal, "gripper": gripper}
+        changed = scene.replace(tasks=[leg])
+        assert changed.arm.gripper == pytest.approx({"right_joint": 40.0} | named)
+        assert changed.tasks[0].gripper is None
+        assert Scene.from_dict(data | {"tasks": [leg]}, files) == changed
+        assert Scene.from_dict(changed.to_dict(), files) == changed
+        # in whichever of the two a word is, and where both name a joint
+        for own in (named | {"right_joint": 40.0}, "open"):
+            arm = data["arm"] | {"gripper": own}
+            both = Scene.from_dict(data | {"arm": arm, "tasks": [leg]}, files)
+            assert both.arm.gripper["left_joint"] == pytest.approx(20)
+        arm = data["arm"] | {"gripper": {"left_joint": 30.0}}
+        with pytest.raises(SceneError, match=r"^tasks\[0\]\.gripper is .* left_joint at 30, as in"):
+            Scene.from_dict(data | {"arm": arm, "tasks": [leg]}, files)
+        # a change from Python says anew what it names
+        assert scene.replace(arm={"gripper": {"left_joint": 30.0}}, tasks=[leg]).arm.gripper == (
+            pytest.approx(named)
+        )
+
+
 def test_an_arm_without_a_gripper_says_so() -> None:
     with pytest.raises(SceneError, match="behind the planned ones"):
         gripper_at("arm.gripper", load_robot("ur5e", MeshSource()), "tool0", "open")

@@ -11,10 +11,10 @@ from abi.arrays import FloatArray
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import robot_from_archive
-from abi.verify.exact.link_corners import LinkPiece, _corners, check_corners
+from abi.verify.exact.link_corners import LinkPiece, _corners, check_corners, check_lines
 from abi.verify.exact.robot_chain import exact_chain
 from abi.verify.fault import Fault
-from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.robots import arm, joint, packed, urdf
 from tests.abi.robot.test_robot_files import ball
 
 BOX = '<box size="0.1 0.1 0.3"/>'
@@ -71,3 +71,19 @@ def test_corners_of_a_file_that_no_triangle_uses_are_no_part_of_a_link() -> None
     robot = robot_from_archive(packed({"r.urdf": arm((BOX, OBJ)), "a.obj": STRAY}))
     bodies = link_bodies(robot.links["a"])
     check(robot, [around(one.points, one.rounding) for one in bodies])
+
+
+def test_one_piece_stands_for_all_of_a_line_between_two_joints() -> None:
+    joints = [joint(name, *pair) for name, pair in zip("pq", ("ab", "bc"), strict=True)]
+    bare = [f'<link name="{name}"/>' for name in "abc"]
+    robot = robot_from_archive(packed({"r.urdf": urdf(*bare, *joints)}))
+    chain = exact_chain(robot, "c", (0, 0, 0), 1)
+    ends = np.array([[0.0] * 3, [*map(float, chain.origins[1].origin)]])
+    assert np.linalg.norm(ends[1]) > 0.1
+    tip = around(np.zeros((1, 3)), 1e-3)
+    check_lines(chain, robot, {"b": [around(ends, 1e-3)], "c": [tip]})
+    balls = [around(end[None], 1e-3) for end in ends]
+    halves = [around(np.stack([end, ends.mean(axis=0)]), 1e-3) for end in ends]
+    for pieces in (balls, halves[:1]):
+        with pytest.raises(Fault, match="no lines stand"):
+            check_lines(chain, robot, {"b": pieces, "c": [tip]})
