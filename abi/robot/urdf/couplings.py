@@ -11,8 +11,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
+import numpy as np
 from lxml import etree
 
+from abi.arrays import FloatArray
 from abi.errors import SceneError
 from abi.robot.urdf.held_joints import positions_held
 from abi.robot.urdf.joint import Joint
@@ -21,6 +23,9 @@ from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 
 _WORLD = "world"
+_POSES = 12
+_OPEN, _SMALL = 1e-3, 0.01
+"""Accepted gap of a loop, over how far its ends are apart and 1 cm."""
 _LISTS = ("group", "group_state")
 
 
@@ -102,7 +107,9 @@ def _closing(
             end = above[end].parent
         ways.append(way)
     joints = tuple(one for one in {**ways[0], **ways[1]} if (one in ways[0]) != (one in ways[1]))
-    return Coupling(name, joints, closes=True, rests=True) if joints else None
+    if not joints:
+        return None
+    return Coupling(name, joints, closes=True, rests=True, ends=tuple(ends))
 
 
 def coupling_notes(couplings: Sequence[Coupling]) -> list[str]:
@@ -117,7 +124,8 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
     """Refuse a robot with links that a loop or a coupling moves otherwise than they are posed.
 
     They are posed right where no joint of it moves and all are at 0, at which the file closes it;
-    and, in a loop, where ``<mimic>`` tells how its other joints follow those that are planned.
+    and, in a loop, where ``<mimic>`` tells how its other joints follow those that are planned, so
+    that it stays closed.
 
     Args:
         robot: the robot.
@@ -135,7 +143,7 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
         there = [joints[name] for name in one.joints if name in joints]
         rests = one.rests and all(held.get(joint.name) == 0 for joint in there)
         all_move = bool(there) and all(joint.coordinate in planned for joint in there)
-        told = one.closes and all_move and any(joint.mimic is not None for joint in there)
+        told = one.closes and all_move and _stays_closed(robot, one)
         if not rests and not told:
             does = "closes a loop" if one.closes else "follows another"
             name = one.name or "without a name"
@@ -145,3 +153,40 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
                 "a <mimic> for each joint that moves with the planned ones, as links that move "
                 "otherwise than they are drawn cannot be proven clear",
             )
+
+
+def _stays_closed(robot: Robot, loop: Coupling) -> bool:
+    """Check whether both ends of a loop stay joined at random positions of its joints.
+
+    Then they have a point in common that moves in neither, or slide along one line.
+    """
+    random = np.random.default_rng(0)
+    joints = [joint for joint in robot.joints if joint.kind != "fixed"]
+    above = {joint.child: joint for joint in robot.joints}
+    beside = []
+    for _ in range(_POSES):
+        at = {one.name: random.uniform(one.low, one.high) for one in joints if one.mimic is None}
+        first, second = (_pose(above, end, at) for end in loop.ends)
+        beside.append(np.linalg.inv(first) @ second)
+    turns, places = np.array(beside)[:, :3, :3], np.array(beside)[:, :3, 3]
+    room = _OPEN * (float(np.abs(places).max()) + _SMALL)
+    rows = np.concatenate([np.tile(np.eye(3), (_POSES, 1)), -turns.reshape(-1, 3)], axis=1)
+    point = np.linalg.lstsq(rows, places.reshape(-1))[0]
+    if np.abs(rows @ point - places.reshape(-1)).max() <= room:
+        return True
+    ways = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
+    return bool(np.abs(turns - turns[0]).max() <= _OPEN and ways[1] <= room)
+
+
+def _pose(above: Mapping[str, Joint], link: str, at: Mapping[str, float]) -> FloatArray:
+    """Pose of a link in its robot's root, (4, 4), [m], at positions of the joints by name."""
+    pose = np.eye(4)
+    while link in above:
+        joint = above[link]
+        if joint.kind != "fixed":
+            follows, position = joint.mimic, at.get(joint.coordinate, 0.0)
+            if follows is not None:
+                position = follows.factor * position + follows.offset
+            pose = joint.motion(position) @ pose
+        pose, link = joint.origin @ pose, joint.parent
+    return pose

@@ -46,12 +46,14 @@ class Coupling(NamedTuple):
             does not tell.
         closes: whether it closes a loop.
         rests: whether it holds where all these joints are at 0.
+        ends: links that it joins; empty where it closes no loop, or the file does not tell.
     """
 
     name: str
     joints: tuple[str, ...]
     closes: bool
     rests: bool
+    ends: tuple[str, ...] = ()
 
 
 class AttachedObject(NamedTuple):

@@ -82,7 +82,6 @@ def test_no_motion_is_planned_certified_or_verified_of_links_posed_otherwise(ele
     ("element", "crank"),
     [
         (_LOOP.format("f", "e"), _LIMIT),  # of joints that all rest where the file closes it
-        (_LOOP.format("f", "b"), _MIMIC + "{v}"),  # all of whose joints follow
         (_LOOP.format("world", "a"), _LIMIT),
         (_PLUGIN.format("u", "v", "<multiplier>-2</multiplier>"), _LIMIT),  # both rest
         (_PLUGIN.format("p", "u", "<multiplier>-1</multiplier>"), _MIMIC),  # as by <mimic>
@@ -91,10 +90,35 @@ def test_no_motion_is_planned_certified_or_verified_of_links_posed_otherwise(ele
     ],
 )
 def test_a_robot_is_planned_whose_links_are_where_they_are_posed(element: str, crank: str) -> None:
-    follows = crank.endswith("{v}")
-    robot = read_of(element, crank=crank.removesuffix("{v}"), rod=_MIMIC if follows else _LIMIT)
+    robot = read_of(element, crank=crank)
     assert urdf_arm(robot, "d", (0, 0, 0)).joints == ("p", "q", "s")
     assert exact_chain(robot, "d", (0, 0, 0), 1).coordinates == ("p", "q", "s")
+
+
+@pytest.mark.parametrize(("rod", "closed"), [(-1.0, True), (1.0, False), (None, False)])
+@pytest.mark.parametrize("follows", [True, False])
+def test_a_loop_counts_as_told_where_what_follows_keeps_it_closed(
+    rod: float | None, closed: bool, follows: bool
+) -> None:
+    # a parallelogram: b and e turn alike on a, and f, on b, stays as it was
+    def turn(name: str, parent: str, child: str, place: str, factor: float | None) -> str:
+        mimic = "" if factor is None else f'<mimic joint="p" multiplier="{factor}"/>'
+        whole = joint(name, parent, child, axis="0 1 0", extra=mimic + _LIMIT)
+        return whole.replace("0 0 0.4", place).replace('rpy="0.3 0.2 0.1"', "")
+
+    text = urdf(
+        *map(link, "abef"),
+        turn("p", "a", "b", "0 0 0.2", None),
+        turn("v", "b", "f", "0 0 0.4", rod),
+        turn("u", "a", "e", "0.3 0 0.2", 1.0 if follows else None),
+        _LOOP.format("f", "e"),
+    )
+    robot = load_robot("r.urdf", MeshSource({"r.urdf": text.encode()}))
+    if closed and follows:
+        assert urdf_arm(robot, "f", (0, 0, 0)).joints == ("p",)
+    else:
+        with pytest.raises(SceneError, match="joint loop, which closes a loop"):
+            urdf_arm(robot, "f", (0, 0, 0))
 
 
 def test_a_loop_is_not_held_where_one_of_its_joints_is_not_where_the_file_closes_it() -> None:
