@@ -8,6 +8,7 @@ mischief from succeeding; they are no wall against somebody who wants to break o
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
 import pickle
@@ -23,9 +24,12 @@ _REFUSED = frozenset(
     {"ctypes.dlopen", "os.chmod", "os.chown", "os.exec", "os.fork", "os.forkpty", "os.kill"}
     | {"os.killpg", "os.link", "os.mkdir", "os.posix_spawn", "os.remove", "os.rename", "os.rmdir"}
     | {"os.spawn", "os.startfile", "os.symlink", "os.system", "os.truncate", "os.utime"}
-    | {"shutil.rmtree", "signal.pthread_kill", "subprocess.Popen", "winreg.CreateKey"}
+    | {"shutil.rmtree", "signal.pthread_kill", "sqlite3.connect", "subprocess.Popen"}
+    | {"winreg.CreateKey"}
 )
 """Audit events that no exercise needs."""
+_UNHEARD = "mkfifo", "mknod"
+"""Functions of ``os`` that make files without an audit event."""
 _NETWORK = "socket."
 _WRITTEN = "files to write to"
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -35,11 +39,13 @@ _NEW_USER_AND_NETWORK = 0x10000000 | 0x40000000  # CLONE_NEWUSER, CLONE_NEWNET
 def main() -> None:
     """Run the job from standard input, and print one line of answer for each call.
 
+    Each line begins with the job's word, which no function is told: what else it writes is none.
     The command line has the limits: memory in bytes, bytes of the answers, and processor time in
     seconds.
     """
     memory, answer, seconds = map(int, sys.argv[1:])
     job = json.loads(sys.stdin.buffer.read())
+    word = job.pop("word")
     # what the student prints must not stand among the answers
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     silence = os.open(os.devnull, os.O_RDWR)
@@ -52,8 +58,11 @@ def main() -> None:
     _leave_the_network(ctypes)
     _restrict(memory, answer, seconds)
     sys.addaudithook(_refuse)
+    for module, name in itertools.product((os, sys.modules[os.name]), _UNHEARD):
+        if hasattr(module, name):
+            setattr(module, name, _make_no_file)
     for answer_line in answers_of(job):
-        _write(answers, answer_line)
+        _write(answers, word, answer_line)
 
 
 def answers_of(job: dict[str, Any]) -> Iterator[dict[str, Any]]:
@@ -95,6 +104,8 @@ def _function(job: dict[str, Any]) -> Callable[..., Any]:
 
 def _plain(value: Any) -> Any:
     """Convert a value for JSON: numpy's numbers and arrays to Python's."""
+    if isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise OverflowError("it returns a whole number that no float can hold")
     if isinstance(value, (bool, int, float, str)) or value is None:
         return value
     if hasattr(value, "tolist"):
@@ -125,8 +136,8 @@ def _is_in(frame: traceback.FrameSummary, file: str) -> bool:
     return frame.filename == file
 
 
-def _write(answers: TextIO, line: dict[str, Any]) -> None:
-    answers.write(json.dumps(line) + "\n")
+def _write(answers: TextIO, word: str, line: dict[str, Any]) -> None:
+    answers.write(f"{word}{json.dumps(line)}\n")
     answers.flush()
 
 
@@ -165,6 +176,10 @@ def _refuse(event: str, arguments: tuple[Any, ...]) -> None:
     elif event not in _REFUSED and not event.startswith(_NETWORK):
         return
     raise PermissionError(f"an exercise may not use {_WRITTEN if event == 'open' else event}")
+
+
+def _make_no_file(*_: Any, **__: Any) -> None:
+    raise PermissionError(f"an exercise may not use {_WRITTEN}")
 
 
 if __name__ == "__main__":

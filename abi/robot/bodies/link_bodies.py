@@ -351,5 +351,7 @@ def _around_solid(shape: LinkShape) -> trimesh.Trimesh:
         solid.apply_scale(radius / float(flattest))  # type: ignore[no-untyped-call]
     else:
         around = radius / math.cos(math.pi / _SECTIONS)
-        solid = trimesh.creation.cylinder(radius=around, height=length, sections=_SECTIONS)
+        # scaled afterwards, as small triangles would be left out
+        solid = trimesh.creation.cylinder(radius=1.0, height=1.0, sections=_SECTIONS)
+        solid.vertices *= (around, around, length)
     return solid

@@ -39,7 +39,10 @@ def _judge(trial: Trial, values: list[Any]) -> Counterexample | None:
 
 
 def first_fault(graph: Graph, order: list[int]) -> tuple[int, str] | None:
-    """The first step that A* would not take, and why; None if there is none."""
+    """The first step that A* would not take, and why; None if there is none.
+
+    One that is missing is the step after the last.
+    """
     heuristic = straight_lines(graph)
     cost = {graph.start: 0.0}
     closed: set[int] = set()
@@ -56,6 +59,8 @@ def first_fault(graph: Graph, order: list[int]) -> tuple[int, str] | None:
                 f"{_sum(cost, heuristic, best)}."
             )
         _expand(graph, node, cost, closed)
+    if not order or order[-1] != graph.goal:
+        return len(order), f"Your search ends after step {len(order)}, before it is at the goal."
     return None
 
 

@@ -92,6 +92,19 @@ def test_bodies_contain_primitives_and_are_hardly_larger(shape: str) -> None:
         assert hull.volume + 1.1 * hull.area * body.rounding < 1.04 * size
 
 
+@pytest.mark.parametrize("shape", ["sphere", "cylinder", "box"])
+def test_bodies_are_as_large_as_their_shapes_however_small(shape: str) -> None:
+    reach = []
+    for size in (0.3, 1e-4, 1e-6):
+        sizes = {"sphere": f'radius="{size}"', "box": f'size="{size} {size} {2 * size}"'}
+        written = sizes.get(shape, f'radius="{size}" length="{2 * size}"')
+        text = arm(('<box size="0.1 0.1 0.3"/>', f"<{shape} {written}/>"))
+        bodies = link_bodies(robot_from_archive(packed({"a.urdf": text})).links["a"])
+        corners = np.concatenate([one.points for one in bodies])
+        reach.append((np.ptp(corners, axis=0) + 2 * max(one.rounding for one in bodies)) / size)
+    np.testing.assert_allclose(reach[1:], [reach[0]] * 2, rtol=0.03)
+
+
 FITS: tuple[tuple[Fit, int, float], ...] = (
     ("quick", 6, 1.5),
     ("finer", 12, 1.3),

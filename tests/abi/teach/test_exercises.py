@@ -18,8 +18,8 @@ from abi.teach.boxes import segment_meets
 from abi.teach.exercise import Exercise, Trial
 from abi.teach.hidden_scenes import SCENES, hidden_scenes
 from abi.teach.student_main import answers_of
-from abi.teach.student_process import job_of, read
-from abi.teach.topics.priority import expanded_by_a_star
+from abi.teach.student_process import Answers, job_of, read
+from abi.teach.topics.priority import expanded_by_a_star, first_fault
 from abi.teach.verdict import SEED, ExerciseVerdict, judged
 from tests.abi.teach.right_students import RIGHT
 from tests.abi.teach.wrong_students import WRONG
@@ -57,6 +57,28 @@ def test_a_wrong_function_is_caught_with_a_case(name: str, function: Callable[..
     assert case.scene.obstacles
     assert found.sentence.endswith(".")
     assert len(found.sentence) < 420
+
+
+@pytest.mark.parametrize("one", _ALL, ids=lambda one: one.name)
+def test_whole_numbers_beyond_all_floats_are_no_answers(one: Exercise) -> None:
+    large = 10**400
+    for value in (large, [large, 0], [large] * 3, [[large] * 3] * 2):
+        assert not verdict_of(one, lambda *_, value=value: value).passed
+        trials = trials_of(one, SEED)
+        answers = Answers(tuple([value] * len(trial.calls) for trial in trials))
+        assert one.name == "priority" or not judged(one, trials, answers).passed
+    long = verdict_of(one, lambda *_: 10**5000)
+    assert one.name == "priority" or "that no float can hold" in long.sentence
+
+
+def test_a_search_that_stops_before_the_goal_is_no_right_one() -> None:
+    graph = hidden_scenes(SEED)[0].graph
+    order = list(expanded_by_a_star(graph))
+    assert first_fault(graph, order) is None
+    for steps in (0, 1, len(order) - 1):
+        number, sentence = first_fault(graph, order[:steps]) or (-1, "")
+        assert number == steps
+        assert "before it is at the goal" in sentence
 
 
 def test_there_are_thirty_of_each() -> None:
