@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from abi import arguments
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.primitive_kernels import WIDTH, axes_of, centre_of, core_of, in_body
 from abi.obstacles.vector_kernels import sub
@@ -34,6 +35,7 @@ def nearest(
 
 def distances_to_each(points: FloatArray, primitives: FloatArray) -> FloatArray:
     """Signed distances (k, n) of points, flat (3 n,), to primitives."""
+    points = arguments.numbers("points", points, (-1,))
     # arrays in place of numbers
     x: Any = tuple(points.reshape(-1, 3).T.copy())
     columns: Any = [*primitives.reshape(-1, WIDTH).T[..., None].copy()]

@@ -18,9 +18,17 @@ ARRAYS = ("FloatArray", "IntArray", "BoolArray", "ByteArray", "ArrayLike", "NDAr
 _MADE = "def __post_init__"
 
 RESULTS = {
-    *("ArmCertificate", "ArmClearance", "ArmMotion", "Certificate", "ChainJointPath", "JointRates"),
-    *("JointSearch", "JointTrajectory", "LimitsKept", "Reason", "Repair", "SearchResult"),
-    *("SearchTrace", "Shells", "Solid", "Subset", "TautPath"),
+    *("ArmCertificate", "ArmClearance", "ArmMotion", "Certificate", "ChainJointPath", "Edges"),
+    *(
+        "JointRates",
+        "JointSearch",
+        "JointTrajectory",
+        "LimitsKept",
+        "Reason",
+        "Repair",
+        "SearchResult",
+    ),
+    *("SearchResult", "SearchTrace", "Shells", "Solid", "Subset", "TautPath"),
 }
 """Dataclasses that hold what was computed: who hands their arrays on has them checked again."""
 EXACT = {"ExactMesh"}

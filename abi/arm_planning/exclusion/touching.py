@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from abi import progress
+from abi import arguments, progress
 from abi.arm_planning.certificates.separate_chain_kernels import place_bodies
 from abi.arm_planning.exclusion.node_configuration_kernels import (
     one_by_one,
@@ -46,6 +46,9 @@ def touching(
         slack: distance that capsules keep from each other, [unit]; below 0 they are not looked at.
         asked: those to look at, (k,).
     """
+    asked = arguments.flags("asked", asked, (len(asked),))
+    count = len(asked) * len(arm.scales)
+    configurations = arguments.numbers("configurations", configurations, (count,))
     found, open_ = np.zeros(len(asked), dtype=np.bool_), asked
     if not touching_configurations.compiled and np.count_nonzero(asked) > _FEW:
         open_, every = asked.copy(), configurations.reshape(len(asked), -1)
