@@ -85,13 +85,13 @@ def _between(
 ) -> tuple[JointSearch, TimedMotion] | None:
     """A motion between a start and a goal, (1, n) each; None where no effort leads to one."""
     asked, space = (hold.begin, hold.end), held.space
+    if (pair[0] == pair[1]).all():
+        raise NoJointMotion("same")
     for effort in efforts:
         found = path_holding(held, asked, *pair, effort)
         if found is None:
             continue
         search, inner = found
-        if search.length == 0:
-            raise NoJointMotion("same")
         assert search.path is not None
         spline = spline_near(space, search.path)
         if spline is None:

@@ -184,6 +184,11 @@ def _may_stand(
     )
 
 
+def not_compared(links: Sequence[str]) -> str:
+    """What is said of links that move and are not compared with the floor, as a sentence's end."""
+    return f"; not compared with the floor: {', '.join(links)}" if links else ""
+
+
 def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) -> bool:
     """Check whether a link stands still, or the first joint brings it no nearer to the floor.
 

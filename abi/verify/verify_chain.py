@@ -22,7 +22,7 @@ from abi.obstacles.pose import METRES, Quaternion, rotation
 from abi.scene.arm_end import ENDS
 from abi.scene.held_axis import HeldAxis
 from abi.scene.scene import Scene
-from abi.verify.allowed_contacts import Other, allowed_contacts
+from abi.verify.allowed_contacts import Other, allowed_contacts, not_compared
 from abi.verify.certificate import (
     ARM,
     CapsuleKey,
@@ -133,7 +133,8 @@ def check_chain(
     words = words_of(margin, scene.unit)
     if scene.arm.grasping:
         words += ", those behind the last joint only apart from it"
-    left_out = _left_out(certificate)
+    sunk = sorted(a for a, other in allowed if other == "floor" and chain.frames[a] >= 0)
+    left_out = f"{_left_out(certificate)}{not_compared(sunk)}"
     return (
         f"{words}, and clear of the floor and each other ({len(pairs)} pairs), by {count} "
         f"directions{kept}{left_out}"

@@ -22,7 +22,7 @@ from abi.obstacles.pose import METRES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
-from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor
+from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor, not_compared
 from abi.verify.certificate import MOTION, planes_of, words_of
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.link_corners import LinkPiece, check_corners, has_own_shape
@@ -71,6 +71,11 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     links = {body.link for body in bodies}
     standing = {one for one in links if may_touch_floor(one, scene, motion.chain, pieces)}
+    stated = {one.get("link") for one in data["allowed"] if one.get("other") == "floor"}
+    stated |= {bodies[number].link for number, other in planes if other == "floor"}
+    sunk = sorted(one for one in standing if motion.chain.frames[one] >= 0)
+    if unsaid := [one for one in sunk if one not in stated]:
+        raise Fault(f"it does not say that {unsaid[0]} is not compared with the floor")
     for number, body in enumerate(bodies):
         least = partial(motion.least, body)
         for k, obstacle in enumerate(obstacles if body.frame >= 0 else ()):
@@ -95,6 +100,7 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     return (
         f"{kept}, and clear of the floor and each other "
         f"({len(pairs)} pairs), by {count} directions{direction}; {_excepted(data)}"
+        f"{not_compared(sunk)}"
     )
 
 

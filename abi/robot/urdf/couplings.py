@@ -120,6 +120,19 @@ def coupling_notes(couplings: Sequence[Coupling]) -> list[str]:
     return [f"Loops and couplings are followed from <mimic> alone, not: {some_of(names)}."]
 
 
+def unfollowed_notes(root: XmlElement, joints: Sequence[Joint]) -> list[str]:
+    """A sentence on joints whose ``<mimic>`` ros2_control says not to follow; none without any.
+
+    Args:
+        root: the robot's element.
+        joints: its joints.
+    """
+    free = {one.get("name") for one in root.xml.iter("joint") if one.get("mimic") == "false"}
+    names = [one.name for one in joints if one.mimic is not None and one.name in free]
+    told = f"Moved by <mimic>, though ros2_control says otherwise: joint {some_of(names)}."
+    return [told] if names else []
+
+
 def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str, float]) -> None:
     """Refuse a robot with links that a loop or a coupling moves otherwise than they are posed.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from abi.errors import MISSING
-from abi.robot.urdf.couplings import coupling_notes, read_couplings
+from abi.robot.urdf.couplings import coupling_notes, read_couplings, unfollowed_notes
 from abi.robot.urdf.joint import Joint
 from abi.robot.urdf.link import Link
 from abi.robot.urdf.link_names import names_anew, rename_links
@@ -63,7 +63,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         f"Link {name} is called {new} here, for {name} is the world's."
         for name, new in renamed.items()
     ]
-    notes += [*unused(root), *coupling_notes(couplings)]
+    notes += [*unused(root), *coupling_notes(couplings), *unfollowed_notes(root, ordered)]
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, links, ordered, tuple(notes), couplings=couplings)

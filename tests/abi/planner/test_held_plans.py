@@ -195,3 +195,12 @@ def test_each_leg_keeps_its_own_direction() -> None:
     source = MeshSource.of(None)
     with pytest.raises(Fault, match="another direction"):
         check_tasks(written, Scene.from_dict(written["scene"], source), source)
+
+
+def test_where_the_joints_are_at_the_goal_already_no_part_is_sought() -> None:
+    start = planned(0.0, 0.5).scene.arm.start
+    held = {"axis": {**DOWN, "to": 0.5}, "goal": start}
+    scene = planned(0.0, 0.5).scene.replace(arm=held)
+    error = plan(scene).error
+    assert error is not None
+    assert "at the goal already" in error.message

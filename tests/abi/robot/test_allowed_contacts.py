@@ -353,6 +353,13 @@ def test_a_link_that_is_below_the_floor_wherever_it_turns_is_told(down: float) -
     for notes in (remarks(verdict), verdict.to_dict()["notes"], found.to_dict()["notes"]):
         told = ["plate reaches 0.2 m below the floor" in note for note in notes]
         assert any(told) == (down > 0)
+    data = json.loads(json.dumps(verdict.to_dict()))
+    for one in (data, json.loads(json.dumps(found.to_dict()))):
+        checked = verify(one, scene.meshes)[-1]
+        assert checked.proven
+        assert checked.reason.endswith("; not compared with the floor: plate")
+    data["allowed"] = [one for one in data["allowed"] if one["other"] != "floor"]
+    assert "does not say that plate is not compared" in verify(data, scene.meshes)[-1].reason
 
 
 def test_links_that_no_random_pose_shows_apart_have_to_touch_where_the_motion_begins(

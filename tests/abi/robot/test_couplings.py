@@ -134,6 +134,13 @@ def test_a_follower_that_the_same_mimic_tells_of_is_not_noted() -> None:
     assert other == "Loops and couplings are followed from <mimic> alone, not: joint u."
 
 
+def test_a_follower_that_ros2_control_moves_by_itself_is_noted() -> None:
+    element = '<ros2_control><joint name="u" mimic="{}"/></ros2_control>'
+    told = [any("joint u" in one for one in read_of(element.format(says), crank=_MIMIC).notes)
+            for says in ("true", "false")]  # fmt: skip
+    assert told == [False, True]
+
+
 @pytest.mark.parametrize("tag", ["group", "group_state"])
 def test_a_joint_that_a_group_names_closes_no_loop(tag: str) -> None:
     named = f'<{tag} name="arm"><joint name="p" type="fixed"/><joint name="q"/></{tag}>'
