@@ -209,7 +209,7 @@ class NoJointMotion(StageError):
                 message = f"{tried} {poses_there} at the {where} {touched}."
         hint = "Move an obstacle or the arm's base, or ask for another start or goal."
         super().__init__("arm", "no_joint_motion", message, hint)
-        self.where = where
+        self.where, self.obstacle = where, obstacle
 
 
 class DirectionNotHeld(StageError):

@@ -14,7 +14,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from abi.arm_planning.arm_errors import ArmNotClear
+from abi.arm_planning.arm_errors import (
+    ArmNotClear,
+    DirectionNotHeld,
+    NoJointMotion,
+    OutOfReach,
+)
 from abi.arrays import FloatArray
 from abi.errors import SceneError, StageError
 from abi.explain.base_map import BaseMap, BaseTrial
@@ -35,7 +40,7 @@ _SPLIT_BLINDLY = 16
 """Cells that are split in a round while no base has a plan."""
 _FARTHEST = 1e6
 _THREE = "three numbers from -1,000,000 to 1,000,000"
-_RANKS = {"start": 1, "goal": 2, "path": 3, "curve": 4}
+_RANKS = {"start": 1, "goal": 2, "same": 2, "path": 3, "curve": 4}
 _COARSER = 2 ** (1 / 3)
 
 
@@ -202,7 +207,7 @@ def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
     """The cell with the result of a plan from its middle, and a reason if no base can help."""
     arm = scene.arm.model_copy(update={"base": cell.base})
     plan = planner(scene.model_copy(update={"arm": arm}), chosen_only=True)
-    if plan.error is not None and plan.error.stage != "arm":
+    if plan.error is not None and plan.error.stage != "arm" and plan.error.kind != "too_slow":
         return plan.error.message
     fault, rank = _fault(plan)
     if fault or plan.motion is None or plan.arm_clearance is None:
@@ -216,15 +221,8 @@ def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
 
 def _fault(plan: Plan) -> tuple[str, int]:
     """Reason why a plan is not certified, empty if it is, and the last stage reached."""
-    error: StageError | None = plan.error
-    if isinstance(error, ArmNotClear):
-        rank = _RANKS[error.where]
-        if error.where in ("start", "goal"):
-            what = "out of reach" if error.obstacle is None else "a link in the way"
-            return f"{what} at the {error.where}", rank
-        return {3: "no path for the whole arm", 4: "no curve proven clear"}[rank], rank
-    if error is not None:
-        return "out of reach on the way", 0
+    if plan.error is not None:
+        return _reason(plan.error)
     assert plan.motion is not None
     assert plan.arm_clearance is not None
     if not plan.motion.within_limits:
@@ -236,6 +234,24 @@ def _fault(plan: Plan) -> tuple[str, int]:
     if plan.followed_curve is not None and not plan.followed_curve.holds:
         return "the curve not proven clear", 4
     return "", 5
+
+
+def _reason(error: StageError) -> tuple[str, int]:
+    """An error of the arm in a few words, and the last stage reached."""
+    if isinstance(error, OutOfReach):
+        return "out of reach on the way", 0
+    if not isinstance(error, ArmNotClear | NoJointMotion | DirectionNotHeld):
+        return error.kind.replace("_", " "), 0
+    turned = isinstance(error, DirectionNotHeld)
+    rank = _RANKS[error.where]
+    if error.where in ("start", "goal"):
+        blocked = not isinstance(error, DirectionNotHeld) and error.obstacle is not None
+        what = "a link in the way" if blocked else "out of reach"
+        return f"{'the direction not kept' if turned else what} at the {error.where}", rank
+    if turned:
+        return "no motion that keeps the direction", rank
+    found = {"path": "no path for the whole arm", "curve": "no curve proven clear"}
+    return found.get(error.where, "the joints at the goal already"), rank
 
 
 def _confirmed(found: BaseMap, best: BaseTrial, planner: Planner) -> tuple[BaseMap, bool]:

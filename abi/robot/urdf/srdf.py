@@ -73,8 +73,8 @@ def _may_touch(root: XmlElement, robot: Robot) -> frozenset[frozenset[str]]:
     """Pairs of links whose collisions are disabled, one by one or for a whole link."""
     links = robot.links.keys()
     pairs = {_pair(one) for one in root.all("disable_collisions")}
-    for one in root.all("disable_default_collisions"):
-        pairs |= {frozenset((one.text("link"), other)) for other in links}
+    alone = {one.text("link") for one in root.all("disable_default_collisions")}
+    pairs |= {frozenset((one, other)) for one in alone & links for other in links}
     pairs -= {_pair(one) for one in root.all("enable_collisions")}
     return frozenset(pair for pair in pairs if len(pair) == 2 and pair <= links)
 

@@ -9,8 +9,16 @@ import numpy as np
 import pytest
 
 import abi
+from abi.arm_planning.arm_errors import (
+    ArmNotClear,
+    DirectionNotHeld,
+    NoJointMotion,
+    OutOfReach,
+)
+from abi.errors import StageError
 from abi.explain.base_map import BaseMap, BaseTrial
-from abi.explain.find_base import base_maps, default_region, find_base
+from abi.explain.find_base import _tried, base_maps, default_region, find_base
+from abi.planner.plan import Plan
 
 _LOW, _HIGH = (-4.0, -6.0, 0.0), (10.0, 10.0, 0.0)
 
@@ -79,6 +87,30 @@ def test_cells_cover_the_region_once(found: BaseMap) -> None:
 def test_reasons_are_counted(found: BaseMap) -> None:
     assert sum(found.faults.values()) == sum(t.length is None for t in found.trials)
     assert "" not in found.faults
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (OutOfReach(0.0, 1.0, 0.1, None), "out of reach on the way"),
+        (ArmNotClear("Here", "goal", "a", 0), "a link in the way at the goal"),
+        (NoJointMotion("goal", "a", 0), "a link in the way at the goal"),
+        (NoJointMotion("start"), "out of reach at the start"),
+        (NoJointMotion("path"), "no path for the whole arm"),
+        (NoJointMotion("curve"), "no curve proven clear"),
+        (NoJointMotion("same"), "the joints at the goal already"),
+        (DirectionNotHeld("start", 0.1, (0.0, 1.0)), "the direction not kept at the start"),
+        (DirectionNotHeld("path", 0.1, (0.0, 1.0)), "no motion that keeps the direction"),
+        (StageError("timing", "too_slow", "Slow.", "Go."), "too slow"),
+    ],
+)
+def test_a_reason_is_that_of_the_plan(scene: abi.Scene, error: StageError, reason: str) -> None:
+    def planner(scene: abi.Scene, chosen_only: bool) -> Plan:
+        return Plan(scene=scene, error=error)
+
+    tried = _tried(planner, scene, BaseTrial((0.0, 0.0, 0.0), (1.0, 1.0, 0.0)))  # type: ignore[arg-type]
+    assert isinstance(tried, BaseTrial)
+    assert tried.fault == reason
 
 
 def test_a_tool_without_a_path_is_told_at_once() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -84,6 +85,18 @@ def test_all_pairs_of_a_link_may_be_disabled_but_for_some() -> None:
         '<disable_default_collisions link="d"/><enable_collisions link1="d" link2="a"/>'
     )
     assert robot.may_touch == {frozenset("db"), frozenset("dc")}
+
+
+def test_links_that_a_robot_has_not_take_no_room_for_each_link_that_it_has() -> None:
+    robot, count = with_srdf(), 5_000
+    lines = (f'<disable_default_collisions link="none{k}"/>' for k in range(count))
+    text = f'<robot name="r">{"".join(lines)}</robot>'
+    files = packed({"a.urdf": arm(), "a.srdf": text})
+    tracemalloc.start()
+    assert robot_from_archive(files).may_touch == robot.may_touch
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 800 * count
 
 
 def test_an_srdf_of_another_robot_is_told_of() -> None:
