@@ -41,4 +41,8 @@ def in_order(items: list[pytest.Item]) -> None:
     """
     slow = Counter(item.path for item in items if item.get_closest_marker("slow") is not None)
     first = -len(items)  # not in the key: a list that is being sorted has no length
-    items.sort(key=lambda item: first if item.path.parent == _BROWSER else -slow[item.path])
+    ranks = {
+        path: first if path.parent == _BROWSER else -slow[path]
+        for path in {item.path for item in items}
+    }
+    items.sort(key=lambda item: ranks[item.path])

@@ -28,8 +28,9 @@ _NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    paths = {path for path in {item.path for item in items} if _HERE in path.parents}
     for item in items:
-        if _HERE in item.path.parents:
+        if item.path in paths:
             item.add_marker(pytest.mark.browser)
             # beside all the others a software renderer may be slower than any patience
             item.add_marker(pytest.mark.flaky(reruns=2))
