@@ -53,6 +53,9 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
             tag == "joint" and "type" in one.attrib and told is not root.xml
         ):
             fault = _closing(above, base, joint.strip(), [*_ends(one)])
+            if fault is not None:
+                welds = one.get("type", "").strip() == "fixed"
+                fault = fault._replace(anchor=_anchor(one), welds=welds)
         elif tag == "mimic" and told is not None and told.getparent() is not root.xml:
             fault = Coupling(told.get("name") or "", (), closes=False, rests=False)
         else:
@@ -89,6 +92,25 @@ def _ends(element: etree._Element) -> Iterator[str]:
         tag = re.sub(".*[}:]", "", str(one.tag))
         if tag in ("parent", "child", "link1", "link2"):
             yield (one.get("link") or one.text or "").strip().rpartition("::")[2]
+
+
+def _anchor(element: etree._Element) -> tuple[float, ...] | None:
+    """Where a joint that closes a loop is in the frame of its second link, [m]; None if untold.
+
+    Of SDF that is its child, and the frame's origin where no pose says otherwise.
+    """
+    told = "0 0 0"
+    for one in element.iter(etree.Element):
+        tag = re.sub(".*[}:]", "", str(one.tag))
+        if tag == "link2":
+            told = one.get("xyz") or "unknown"
+        elif tag == "pose":
+            told = "unknown" if one.attrib else one.text or told
+    try:
+        place = tuple(map(float, told.split()[:3]))
+    except ValueError:
+        return None
+    return place if len(place) == 3 else None
 
 
 def _closing(
@@ -156,7 +178,8 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
         there = [joints[name] for name in one.joints if name in joints]
         rests = one.rests and all(held.get(joint.name) == 0 for joint in there)
         all_move = bool(there) and all(joint.coordinate in planned for joint in there)
-        told = one.closes and all_move and _stays_closed(robot, one)
+        follows = any(joint.mimic is not None for joint in there)
+        told = one.closes and all_move and follows and _stays_closed(robot, one)
         if not rests and not told:
             does = "closes a loop" if one.closes else "follows another"
             name = one.name or "without a name"
@@ -171,7 +194,7 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
 def _stays_closed(robot: Robot, loop: Coupling) -> bool:
     """Check whether both ends of a loop stay joined at random positions of its joints.
 
-    Then they have a point in common that moves in neither, or slide along one line.
+    Then the joint that closes it stays where it is in both, or they slide along one line.
     """
     random = np.random.default_rng(0)
     joints = [joint for joint in robot.joints if joint.kind != "fixed"]
@@ -183,12 +206,13 @@ def _stays_closed(robot: Robot, loop: Coupling) -> bool:
         beside.append(np.linalg.inv(first) @ second)
     turns, places = np.array(beside)[:, :3, :3], np.array(beside)[:, :3, 3]
     room = _OPEN * (float(np.abs(places).max()) + _SMALL)
-    rows = np.concatenate([np.tile(np.eye(3), (_POSES, 1)), -turns.reshape(-1, 3)], axis=1)
-    point = np.linalg.lstsq(rows, places.reshape(-1))[0]
-    if np.abs(rows @ point - places.reshape(-1)).max() <= room:
-        return True
     ways = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
-    return bool(np.abs(turns - turns[0]).max() <= _OPEN and ways[1] <= room)
+    if np.abs(turns - turns[0]).max() <= _OPEN:
+        return bool(ways[0 if loop.welds else 1] <= room)
+    if loop.welds or loop.anchor is None:
+        return False
+    joined = turns @ np.array(loop.anchor) + places
+    return bool(np.abs(joined - joined[0]).max() <= room)
 
 
 def _pose(above: Mapping[str, Joint], link: str, at: Mapping[str, float]) -> FloatArray:

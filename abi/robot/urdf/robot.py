@@ -47,6 +47,9 @@ class Coupling(NamedTuple):
         closes: whether it closes a loop.
         rests: whether it holds where all these joints are at 0.
         ends: links that it joins; empty where it closes no loop, or the file does not tell.
+        anchor: place of that joint in the frame of the second of these, [m]; None where that is not
+            told.
+        welds: whether it lets them not move at all beside each other.
     """
 
     name: str
@@ -54,6 +57,8 @@ class Coupling(NamedTuple):
     closes: bool
     rests: bool
     ends: tuple[str, ...] = ()
+    anchor: tuple[float, ...] | None = None
+    welds: bool = False
 
 
 class AttachedObject(NamedTuple):

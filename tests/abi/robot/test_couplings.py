@@ -111,9 +111,15 @@ def test_a_loop_counts_as_told_where_what_follows_keeps_it_closed(
         turn("p", "a", "b", "0 0 0.2", None),
         turn("v", "b", "f", "0 0 0.4", rod),
         turn("u", "a", "e", "0.3 0 0.2", 1.0 if follows else None),
-        _LOOP.format("f", "e"),
+        _LOOP.format("f", "e").replace("</parent>", "</parent><pose>0 0 0.4 0 0 0</pose>"),
     )
     robot = load_robot("r.urdf", MeshSource({"r.urdf": text.encode()}))
+    # at another place, or welded, it would not stay closed
+    for other in (("0 0 0.4 0", "0 0 0.1 0"), ('"revolute"><parent>f', '"fixed"><parent>f')):
+        assert other[0] in text
+        changed = load_robot("r.urdf", MeshSource({"r.urdf": text.replace(*other).encode()}))
+        with pytest.raises(SceneError, match="joint loop, which closes a loop"):
+            urdf_arm(changed, "f", (0, 0, 0))
     if closed and follows:
         assert urdf_arm(robot, "f", (0, 0, 0)).joints == ("p",)
     else:
