@@ -64,14 +64,19 @@ def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shel
     faces = np.empty((int(number.max()) + 1, 3), dtype=np.int32)
     faces[number] = np.sort(shells.faces[whole], axis=1)
     a, b, c = shells.faces[whole].T
-    turns = np.where((a < b) ^ (b < c) ^ (c < a), 1, -1) * shells.is_solid[whole]
+    turns = np.where((a < b) ^ (b < c) ^ (c < a), -1, 1) * shells.is_solid[whole]
     winding = np.bincount(number, turns, len(faces)).astype(np.int32)
     gone = np.zeros(len(faces), dtype=np.bool_)
     solids, sheets, outer = list[IntArray](), list[IntArray](), list[IntArray]()
+    in_file = np.stack([in_rows(faces, _all_turns(one)) for one in (given, given[:, ::-1])])
     told = False
-    for rows in _groups(faces, winding):
+    solid = shells.is_solid[whole]
+    for rows in _groups(faces, winding, (number[solid], shells.label[whole][solid])):
         cells = _Cells(vertices, faces[rows])
-        are_wound, (cycles, loose) = cells.are_wound(winding[rows]), cells.cycles()
+        are_wound, most = cells.are_wound(winding[rows], in_file[:, rows])
+        if are_wound and most <= 1:
+            continue
+        cycles, loose = cells.cycles()
         if are_wound and not cycles:
             continue
         gone[rows], told = True, told or (not are_wound and bool(cycles))
@@ -97,38 +102,52 @@ def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shel
     )
 
 
-def _groups(faces: IntArray, winding: IntArray) -> list[IntArray]:
+def _groups(
+    faces: IntArray, winding: IntArray, solids: tuple[IntArray, IntArray]
+) -> list[IntArray]:
     """Rows of faces that share edges, in groups, where patches bound something together only.
+
+    Patches belong together that meet in an edge of which either has an odd number of sides, and
+    those of one solid. Without such an edge a patch is closed by itself.
 
     Args:
         faces: (m, 3), each once.
         winding: (m,) how often each counts in solids; 0 where it is in none.
+        solids: rows (k,) of faces, and the number of the solid that each is in.
     """
     edges = Edges.of(faces)
     if edges.sides.max() <= 2:
         return []
-    same = np.flatnonzero(edges.edge[1:] == edges.edge[:-1])
-    count, group = components(edges.face[same], edges.face[same + 1], len(faces))
-    shared = (edges.sides > 2)[edges.edge]
-    patch = edges.patches()[1][edges.face].astype(np.int64)
-    order, is_first = in_groups(edges.edge * (patch.max() + 1) + patch)
+    patches, patch = edges.patches()
+    key = edges.edge.astype(np.int64) * patches + patch[edges.face]
+    order, is_first = in_groups(key)
     places = np.flatnonzero(is_first)
-    is_odd = np.diff(places, append=len(order)) % 2 == 1
-    asked, has_shared = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
-    asked[group[edges.face[order[places[is_odd]]]]] = True
-    asked[group[winding == 0]] = True
-    has_shared[group[edges.face[shared]]] = True
-    rows = np.flatnonzero((asked & has_shared)[group])
+    odd = key[order[places[np.diff(places, append=len(order)) % 2 == 1]]]
+    edge, of_edge = odd // patches, odd % patches
+    nodes = patches + len(edges.sides)
+    rows, solid = solids
+    tails = np.concatenate([of_edge, patch[rows]]).astype(np.int32)
+    heads = np.concatenate([patches + edge, nodes + solid]).astype(np.int32)
+    count, group = components(tails, heads, nodes + int(solid.max(initial=0)) + 1)
+    asked = np.zeros(count, dtype=np.bool_)
+    asked[group[of_edge]] = True
+    asked[group[patch[winding == 0]]] = True
+    group = group[patch]
+    rows = np.flatnonzero(asked[group]).astype(np.int32)
     rows = rows[np.argsort(group[rows], kind="stable")]
-    starts = np.flatnonzero(np.diff(group[rows], prepend=-1))[:_MOST_GROUPS]
-    return [np.asarray(one, np.int32) for one in np.split(rows, starts) if len(one)]
+    begins = np.flatnonzero(np.diff(group[rows], prepend=-1))[:_MOST_GROUPS]
+    return [np.asarray(one, np.int32) for one in np.split(rows, begins) if len(one)]
+
+
+def _all_turns(faces: IntArray) -> IntArray:
+    """Faces (3m, 3) that begin with each of the corners, seen from the same side."""
+    return np.concatenate([faces, faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]])
 
 
 def _inside_out(outer: IntArray, given: IntArray) -> tuple[str, ...]:
     """Sentence on faces, which face outward, that are turned in the file."""
-    sides = np.roll(outer, -1, axis=1), np.roll(outer, 1, axis=1)
-    kept = np.any([in_rows(one, given) for one in (outer, *sides)], axis=0)
-    count = len(first_of_distinct_rows(np.sort(outer[~kept], axis=1).astype(np.int64)))
+    turned = np.sort(outer[~in_rows(outer, _all_turns(given))], axis=1)
+    count = len(first_of_distinct_rows(turned.astype(np.int64)))
     return (f"{counted(count, 'triangle')} inside out, and turned.",) if count else ()
 
 
@@ -249,19 +268,25 @@ class _Cells:
     def are_few(self) -> bool:
         return bool(self.patch.max() < _MOST_PATCHES)
 
-    def are_wound(self, winding: IntArray) -> bool:
-        """Check whether all that is enclosed is wound around, at points beside the faces.
+    def are_wound(self, winding: IntArray, in_file: BoolArray) -> tuple[bool, int]:
+        """Whether all that is enclosed is wound around, at points beside the faces; most times.
+
+        Where patches are too many to tell what is enclosed, what is behind any face as it is in
+        the file has to be.
 
         Args:
-            winding: how often each of the sorted faces counts from its front, less from behind.
+            winding: (m,) how often each of the faces counts from its front, less from behind.
+            in_file: (2, m) whether the file has each as it is here, and turned.
         """
         flipped = (self.oriented != self.faces).any(axis=1)
-        wound = self.wound(np.where(flipped, -winding, winding)) != 0
+        times = self.wound(np.where(flipped, -winding, winding))
+        wound, most = times != 0, int(times.max())
         if self.are_few:
             cell, sure = self.cell
-            return bool((wound | (cell == 0) | ~sure).all())
+            return bool((wound | (cell == 0) | ~sure).all()), most
         before, behind = wound.reshape(2, -1)
-        return bool((before | behind | (winding[self.points[1]] == 0)).all())
+        as_here, turned = np.where(flipped, in_file[::-1], in_file)[:, self.points[1]]
+        return bool(((behind | ~as_here) & (before | ~turned)).all()), most
 
     def outer(self) -> IntArray:
         """Faces (k, 3), facing outward, of patches with all cells on one side."""

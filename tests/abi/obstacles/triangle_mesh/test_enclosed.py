@@ -94,3 +94,47 @@ def test_boxes_too_many_to_tell_apart_are_solid_or_told(
     points = np.concatenate([places + above for above in ([0, 0.5, 0], [0, -0.5, 0])])
     told = any("thin shell" in note for note in surface.notes)
     assert told or is_solid(surface, points).all()
+
+
+def cut_box(low: tuple[int, int, int], high: tuple[int, int, int]) -> Mesh:
+    """A box whose sides are cut into squares of side 1, as those of voxels are."""
+    vertices, faces = list[FloatArray](), list[list[int]]()
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for outward, height in ((False, low[axis]), (True, high[axis])):
+            for i in range(low[u], high[u]):
+                for j in range(low[v], high[v]):
+                    square = np.zeros((4, 3))
+                    square[:, axis] = height
+                    square[:, u], square[:, v] = i + np.array([0, 1, 1, 0]), j + np.arange(4) // 2
+                    first = 4 * len(vertices)
+                    both = [[first, first + 1, first + 2], [first, first + 2, first + 3]]
+                    faces += both if outward else [one[::-1] for one in both]
+                    vertices.append(square)
+    return np.concatenate(vertices), np.array(faces, dtype=np.int32)
+
+
+@pytest.mark.parametrize("most", [1, 1000])
+def test_valid_boxes_are_solid_or_told_however_many_more_there_are(
+    most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(enclosed, "_MOST_PATCHES", most)
+    rest = [cut_box((1, 0, 2), (3, 2, 3)), meshes.box((2, 2, 1), (2, 1, 1.5))]
+    surface = clean(*meshes.joined(cut_box((0, 1, 2), (2, 3, 4)), *rest))
+    told = any("thin shell" in note for note in surface.notes)
+    points = np.array([[1.3, 1.3, 2.4], [1.7, 1.6, 2.6], [0.5, 2.5, 3.5], [2.5, 0.5, 1.5]])
+    assert told != is_solid(surface, points).all()
+    assert not told or most == 1
+
+
+def test_cubes_that_touch_in_edges_leave_flush_boxes_beside_them_solid(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They are no part of what the boxes enclose, however many they are."""
+    monkeypatch.setattr(enclosed, "_MOST_PATCHES", 10)
+    outer, inner = meshes.box((2, 2, 2)), meshes.box((2, 1, 2), (0, 0.5, 0))
+    places = [(1.5 + k, 1.5 + k, 0) for k in range(8)]
+    cubes = [meshes.box((1, 1, 2), place) for place in places]
+    surface = clean(*meshes.joined(meshes.inverted(outer), inner, *cubes))
+    assert is_solid(surface, np.array([(0, 0.5, 0), (0, -0.5, 0), *places])).all()
+    assert not any("thin shell" in note for note in surface.notes)
