@@ -19,7 +19,8 @@ Where sentences about a plan are chosen and put together for the page is ``expla
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -141,6 +142,28 @@ class StageError(AbiError):
         copy.__dict__.update(self.__dict__)
         copy.message, copy.hint = in_unit(self._sentences, unit)
         copy.args = (copy.message,)
+        return copy
+
+    def renumbered(self, number: Callable[[int], int]) -> Self:
+        """A copy whose sentences, and ``obstacle``, count obstacles as another scene does.
+
+        Args:
+            number: the number there, from 0, of an obstacle by its number here.
+        """
+
+        def again(sentence: str) -> str:
+            parts = re.split(r"(?<=\bobstacle )(\d+)", sentence)
+            parts[1::2] = (str(number(int(one) - 1) + 1) for one in parts[1::2])
+            return "".join(parts)
+
+        copy = type(self).__new__(type(self))
+        copy.__dict__.update(self.__dict__)
+        message, hint = self._sentences
+        copy._sentences = again(message), again(hint)
+        copy.message, copy.hint = again(self.message), again(self.hint)
+        copy.args = (copy.message,)
+        if isinstance(obstacle := getattr(self, "obstacle", None), int):
+            copy.__dict__["obstacle"] = number(obstacle)
         return copy
 
 

@@ -7,8 +7,9 @@ attaches is no obstacle any more but a body of the arm, until it is released whe
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from abi.planner import plan_json
 from abi.planner.joined_legs import joined_clearance, joined_motion
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
-from abi.planner.task_scenes import first_scene, next_scene
+from abi.planner.task_scenes import first_scene, next_scene, number_in_scene
 from abi.scene.scene import Scene, require_scene
 
 _FAR = 0.25
@@ -44,8 +45,13 @@ class TaskPlan(ShortRepr):
 
     @property
     def error(self) -> StageError | None:
-        """Why the sequence ends early, or None."""
-        return self.legs[-1].error
+        """Why the sequence ends early, or None; it counts obstacles as the scene does."""
+        error = self.legs[-1].error
+        return error and error.renumbered(self._numbers(len(self.legs) - 1))
+
+    def _numbers(self, leg: int) -> Callable[[int], int]:
+        """Number in the scene of an obstacle by its number in that of a leg."""
+        return partial(number_in_scene, self.scene, leg)
 
     @property
     def trajectory(self) -> ArmMotion | None:
@@ -69,9 +75,14 @@ class TaskPlan(ShortRepr):
     def joined(self) -> Plan:
         """One plan with the motions of all legs, as far as they come, for files of a motion.
 
-        Its other results are those of the first leg.
+        Its other results are those of the first leg. Obstacles have the numbers of the scene.
         """
         legs = tuple(leg for leg in self.legs if leg.motion is not None)
+        clearances = [
+            leg.arm_clearance.renumbered(self._numbers(number))
+            for number, leg in enumerate(self.legs)
+            if leg.motion is not None and leg.arm_clearance is not None
+        ]
         first = self.legs[0]
         if not legs:
             return replace(first, scene=self.scene)
@@ -81,7 +92,7 @@ class TaskPlan(ShortRepr):
             profile=None,
             motion=joined_motion(self._motions),
             arm_clearance=joined_clearance(
-                [leg.arm_clearance for leg in legs if leg.arm_clearance is not None],
+                clearances,
                 [float(motion.time[-1]) for motion in self._motions],
             ),
             legs=legs,

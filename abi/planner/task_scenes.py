@@ -23,6 +23,20 @@ def first_scene(scene: Scene) -> Scene:
     return scene.replace(tasks=[], arm={"grasping": scene.arm.grasping})
 
 
+def number_in_scene(scene: Scene, leg: int, obstacle: int) -> int:
+    """Number of an obstacle in the scene of all tasks; while one is held, those after it have less.
+
+    Args:
+        scene: the scene with all tasks.
+        leg: number of a leg, from 0.
+        obstacle: its number in that leg's scene, from 0.
+    """
+    held = None
+    for task in scene.tasks[:leg]:
+        held = None if task.release else held if task.attach is None else task.attach
+    return obstacle + (held is not None and obstacle >= held)
+
+
 def next_scene(scene: Scene, number: int, last: Plan) -> Scene:
     """Scene of a leg, from the end of the one before.
 

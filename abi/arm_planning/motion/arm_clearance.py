@@ -118,6 +118,23 @@ class ArmClearance(ShortRepr):
         """A copy with further contacts."""
         return replace(self, contacts=_deepest_first((*self.contacts, *others)))
 
+    def renumbered(self, number: Callable[[int], int]) -> ArmClearance:
+        """A copy that counts obstacles as another scene does, but for its certificate.
+
+        Args:
+            number: the number there of an obstacle by its number here.
+        """
+
+        def again(other: int | str) -> int | str:
+            return number(other) if isinstance(other, int) else other
+
+        return replace(
+            self,
+            obstacle=self.obstacle if self.obstacle < 0 else number(self.obstacle),
+            contacts=tuple(one._replace(obstacle=again(one.obstacle)) for one in self.contacts),
+            allowed=tuple(one._replace(other=again(one.other)) for one in self.allowed),
+        )
+
     def touching(self, time: float) -> frozenset[str]:
         """Names of the links that touch something, or each other, at a time [s]."""
         now = [one for one in self.contacts if one.first <= time <= one.last]

@@ -17,7 +17,8 @@ import trimesh
 from mcap.reader import make_reader
 from scipy.spatial.transform import Rotation
 
-from abi.arm_planning.arm_errors import NoJointMotion
+from abi.arm_planning.arm_errors import ArmNotClear, NoJointMotion
+from abi.arm_planning.motion.arm_clearance import Contact
 from abi.arrays import FloatArray
 from abi.certification.certify import certify
 from abi.certification.read_motion import read_motion
@@ -235,6 +236,27 @@ def test_a_note_tells_of_an_object_that_is_taken_from_afar() -> None:
     moved = replace(planned(), legs=(replace(leg, motion=far),))
     (note,) = (note for note in moved.notes if "taken from" in note)
     assert note.startswith(f"On leg 1 obstacle {taken + 1} is taken from 0.")
+
+
+def test_what_is_told_of_all_legs_counts_obstacles_as_their_scene_does() -> None:
+    whole = planned()
+    for number, leg in enumerate(whole.legs):
+        for k, obstacle in enumerate(leg.scene.obstacles):
+            error = ArmNotClear("Here", "goal", "d", k)
+            stopped = replace(whole, legs=(*whole.legs[:number], replace(leg, error=error)))
+            assert stopped.error is not None
+            there = stopped.error.obstacle  # type: ignore[attr-defined]
+            size = whole.scene.obstacles[there].model_dump(exclude={"position", "wxyz"})
+            assert size == obstacle.model_dump(exclude={"position", "wxyz"})
+            assert f"obstacle {there + 1}" in stopped.error.message
+            assert (there == k) == (leg.scene.arm.attached is None)
+            assert leg.arm_clearance is not None
+            contact = Contact("d", k, 0.0, 0.1, 0.1, 0.01)
+            touches = replace(leg.arm_clearance, contacts=(contact,))
+            (told,) = replace(
+                whole, legs=(*whole.legs[:number], replace(leg, arm_clearance=touches))
+            ).joined.arm_clearance.contacts  # type: ignore[union-attr]
+            assert told.obstacle == there
 
 
 def test_a_certified_motion_has_what_is_held_as_a_body() -> None:
