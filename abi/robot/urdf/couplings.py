@@ -8,8 +8,9 @@ the coupling holds whatever is planned.
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from lxml import etree
@@ -52,7 +53,7 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
         elif tag in ("loop_joint", "ball_constraint") or (
             tag == "joint" and "type" in one.attrib and told is not root.xml
         ):
-            fault = _closing(above, base, joint.strip(), [*_ends(one)])
+            fault = _closing(above, base, joint.strip(), _ends(one))
             if fault is not None:
                 welds = one.get("type", "").strip() == "fixed"
                 fault = fault._replace(anchor=_anchor(one), welds=welds)
@@ -86,12 +87,14 @@ def _following(
     return Coupling(name, (name, master) if known else (), closes=False, rests=rests)
 
 
-def _ends(element: etree._Element) -> Iterator[str]:
-    """Names of the links that a joint which closes a loop joins."""
+def _ends(element: etree._Element) -> list[str]:
+    """Names of the links that a joint which closes a loop joins, its child last."""
+    found: dict[str, list[str]] = {"parent": [], "link1": [], "child": [], "link2": []}
     for one in element.iter(etree.Element):
         tag = re.sub(".*[}:]", "", str(one.tag))
-        if tag in ("parent", "child", "link1", "link2"):
-            yield (one.get("link") or one.text or "").strip().rpartition("::")[2]
+        if tag in found:
+            found[tag].append((one.get("link") or one.text or "").strip().rpartition("::")[2])
+    return [*itertools.chain(*found.values())]
 
 
 def _anchor(element: etree._Element) -> tuple[float, ...] | None:

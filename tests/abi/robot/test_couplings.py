@@ -96,9 +96,9 @@ def test_a_robot_is_planned_whose_links_are_where_they_are_posed(element: str, c
 
 
 @pytest.mark.parametrize(("rod", "closed"), [(-1.0, True), (1.0, False), (None, False)])
-@pytest.mark.parametrize("follows", [True, False])
+@pytest.mark.parametrize(("follows", "child_first"), [(True, False), (True, True), (False, False)])
 def test_a_loop_counts_as_told_where_what_follows_keeps_it_closed(
-    rod: float | None, closed: bool, follows: bool
+    rod: float | None, closed: bool, follows: bool, child_first: bool
 ) -> None:
     # a parallelogram: b and e turn alike on a, and f, on b, stays as it was
     def turn(name: str, parent: str, child: str, place: str, factor: float | None) -> str:
@@ -113,9 +113,16 @@ def test_a_loop_counts_as_told_where_what_follows_keeps_it_closed(
         turn("u", "a", "e", "0.3 0 0.2", 1.0 if follows else None),
         _LOOP.format("f", "e").replace("</parent>", "</parent><pose>0 0 0.4 0 0 0</pose>"),
     )
+    if child_first:
+        text = text.replace("<parent>f</parent>", "").replace(
+            "</child>", "</child><parent>f</parent>"
+        )
     robot = load_robot("r.urdf", MeshSource({"r.urdf": text.encode()}))
     # at another place, or welded, it would not stay closed
-    for other in (("0 0 0.4 0", "0 0 0.1 0"), ('"revolute"><parent>f', '"fixed"><parent>f')):
+    for other in (
+        ("0 0 0.4 0", "0 0 0.1 0"),
+        ('name="loop" type="revolute"', 'name="loop" type="fixed"'),
+    ):
         assert other[0] in text
         changed = load_robot("r.urdf", MeshSource({"r.urdf": text.replace(*other).encode()}))
         with pytest.raises(SceneError, match="joint loop, which closes a loop"):
