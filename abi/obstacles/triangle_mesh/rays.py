@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 
-_MOST_PLACED = 16
-"""Most cells of a grid, for each triangle on average, that these are noted in."""
+_Numbers = NDArray[np.int64]
 _CHUNK = 2_000_000
-"""Most pairs of a point and a triangle that are in memory at once."""
+"""Most pairs of boxes that are compared at once."""
+_FEW_PAIRS = 20_000
+"""Pairs of boxes that are compared one by one."""
+_WORTH = 0.8
+"""Share of the pairs that has to be left for space to be halved again."""
 
 
 def rays_met(
@@ -43,60 +48,76 @@ def rays_met(
 
 def near_boxes(
     ones: tuple[FloatArray, FloatArray], others: tuple[FloatArray, FloatArray]
-) -> Iterator[tuple[IntArray, IntArray]]:
+) -> Iterator[tuple[_Numbers, _Numbers]]:
     """Numbers of boxes and of other boxes that overlap them, each pair once, some at a time.
 
+    Space is halved until few are in each part, so that what is small is found fast in what is
+    large. A pair is told in the part in which the lowest corner is that is in both.
+
     Args:
-        ones: low and high corners (p, d), of any d of 2 or more.
+        ones: low and high corners (p, d), of any d.
         others: low and high corners (m, d).
     """
-    lowest, highest = others[0].min(axis=0), others[1].max(axis=0)
-    size = np.where(highest > lowest, highest - lowest, 1.0)
-    for cells in (512, 256, 64, 16, 4, 1):
-        (cell, other), (places, one) = (
-            _placed(low, high, lowest, size, cells) for low, high in (others, ones)
+    axes = ones[0].shape[1]
+    everywhere = np.full(axes, -np.inf), np.full(axes, np.inf)
+    first, second = (np.arange(len(boxes[0]), dtype=np.int64) for boxes in (ones, others))
+    waiting = [(first, second, everywhere)]
+    while waiting:
+        a, b, (low, high) = waiting.pop()
+        cut = None if len(a) * len(b) <= _FEW_PAIRS else _cut(ones, others, a, b)
+        if cut is None:
+            yield from _overlapping(ones, others, a, b, (low, high))
+            continue
+        axis, at = cut
+        below, above = high.copy(), low.copy()
+        below[axis] = above[axis] = at
+        for part, side in (((low, below), -1), ((above, high), 1)):
+            near = [
+                rows[boxes[0][rows, axis] < at if side < 0 else boxes[1][rows, axis] >= at]
+                for rows, boxes in ((a, ones), (b, others))
+            ]
+            if len(near[0]) and len(near[1]):
+                waiting.append((near[0], near[1], part))
+
+
+def _cut(
+    ones: tuple[FloatArray, FloatArray],
+    others: tuple[FloatArray, FloatArray],
+    a: _Numbers,
+    b: _Numbers,
+) -> tuple[int, float] | None:
+    """Axis and place that part two sets of boxes best; None where that saves little."""
+    best, least = None, _WORTH * len(a) * len(b)
+    for axis in range(ones[0].shape[1]):
+        lows, highs = (
+            [boxes[side][rows, axis] for rows, boxes in ((a, ones), (b, others))] for side in (0, 1)
         )
-        if max(len(cell) / len(others[0]), len(places) / max(len(ones[0]), 1)) <= _MOST_PLACED:
-            break
-    order = np.argsort(cell, kind="stable")
-    other, starts = other[order], np.searchsorted(cell[order], np.arange(cells**2 + 1))
-    many = starts[places + 1] - starts[places]
-    chunk = np.cumsum(many) // _CHUNK
-    for rows in np.split(np.arange(len(places)), np.flatnonzero(np.diff(chunk)) + 1):
-        row = np.repeat(rows, many[rows])
-        step = np.arange(len(row)) - np.repeat(np.cumsum(many[rows]) - many[rows], many[rows])
-        a, b = one[row], other[starts[places[row]] + step]
-        for axis in reversed(range(len(size))):
-            near = ones[0][a, axis] <= others[1][b, axis]
-            near &= ones[1][a, axis] >= others[0][b, axis]
-            row, a, b = row[near], a[near], b[near]
-        # in the first of the cells that both are in
-        low = np.maximum(ones[0][a, :2], others[0][b, :2])
-        is_first = _cell(low, lowest, size, cells) == places[row]
-        yield a[is_first], b[is_first]
+        at = float(np.median(np.concatenate(lows) + np.concatenate(highs))) / 2
+        pairs = math.prod(int((one < at).sum()) for one in lows)
+        pairs += math.prod(int((one >= at).sum()) for one in highs)
+        if pairs < least:
+            best, least = (axis, at), float(pairs)
+    return best
 
 
-def _cell(points: FloatArray, lowest: FloatArray, size: FloatArray, cells: int) -> IntArray:
-    """Number (n,) of the cell of a square of cells that each point is in, or next to."""
-    at = np.clip((points[:, :2] - lowest[:2]) / size[:2] * cells, 0, cells - 1).astype(np.int64)
-    return at[:, 0] * cells + at[:, 1]
-
-
-def _placed(
-    low: FloatArray, high: FloatArray, lowest: FloatArray, size: FloatArray, cells: int
-) -> tuple[IntArray, IntArray]:
-    """Numbers (k,) of cells that boxes are in, and of these boxes; too many of one are not told."""
-    first, last = (_cell(one, lowest, size, cells) for one in (low, high))
-    wide = last // cells - first // cells + 1
-    deep = last % cells - first % cells + 1
-    each = wide * deep
-    if each.sum() > _MOST_PLACED * len(low) and cells > 1:
-        return np.zeros(_MOST_PLACED * len(low) + 1, np.int64), first
-    box = np.repeat(np.arange(len(low)), each)
-    step = np.arange(len(box)) - np.repeat(np.cumsum(each) - each, each)
-    column, row = np.divmod(step, deep[box])
-    cell = first[box] + column * cells + row
-    return np.asarray(cell, np.int64), np.asarray(box, np.int64)
+def _overlapping(
+    ones: tuple[FloatArray, FloatArray],
+    others: tuple[FloatArray, FloatArray],
+    a: _Numbers,
+    b: _Numbers,
+    part: tuple[FloatArray, FloatArray],
+) -> Iterator[tuple[_Numbers, _Numbers]]:
+    """Pairs of boxes that overlap, and whose lowest common corner is in a part of space."""
+    step = max(_CHUNK // max(len(b), 1), 1)
+    for begin in range(0, len(a), step):
+        rows = a[begin : begin + step, None]
+        near = np.ones((len(rows), len(b)), dtype=np.bool_)
+        for axis in range(ones[0].shape[1]):
+            low = np.maximum(ones[0][rows, axis], others[0][b, axis])
+            near &= low <= np.minimum(ones[1][rows, axis], others[1][b, axis])
+            near &= (low >= part[0][axis]) & (low < part[1][axis])
+        one, other = np.nonzero(near)
+        yield a[begin + one], b[other]
 
 
 def _left_of(a: FloatArray, b: FloatArray, at: FloatArray) -> BoolArray:
