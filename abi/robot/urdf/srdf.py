@@ -12,6 +12,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from abi.obstacles.mesh_files.words import counted, shown
+from abi.robot.urdf.joint_limits import TURN
 from abi.robot.urdf.link_names import rename_links
 from abi.robot.urdf.robot import NamedState, Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
@@ -25,6 +26,7 @@ _ELEMENTS = (
 )
 _PASSIVE = "Moved like any other joint, though its SRDF says that nothing drives it:"
 _UNUSED = "Not used of its SRDF:"
+_TURNED = "Whole turns are left off where a state of its SRDF has more than one:"
 _BEYOND = "The limit counts where a state of its SRDF is beyond:"
 
 
@@ -108,6 +110,7 @@ def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
     """Named states, each with positions of existing joints within their limits."""
     count = Counter(element.text("name") for element in root.all("group_state"))
     limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
+    endless = {one.name for one in robot.joints if one.kind == "continuous"}
     found = []
     for element in root.all("group_state"):
         positions = {}
@@ -116,6 +119,9 @@ def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
             if name not in limits or len(joint.text("value").split()) != 1:
                 continue
             position, (low, high) = joint.number("value", None, -math.inf, math.inf), limits[name]
+            if name in endless and math.isfinite(position) and not low <= position <= high:
+                position -= TURN * round(position / TURN)
+                root.told.setdefault(_TURNED, []).append(f"{name} of {element.text('name')}")
             positions[name] = min(max(position, low), high)
             if abs(positions[name] - position) > _PAST:
                 root.told.setdefault(_BEYOND, []).append(f"{name} of {element.text('name')}")

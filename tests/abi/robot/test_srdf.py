@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
 import tracemalloc
 from pathlib import Path
@@ -14,7 +15,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import load_robot, robot_from_archive
 from abi.scene.scene import Scene, load_scene
-from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.robots import arm, joint, link, packed, urdf
 
 
 def with_srdf(*parts: str) -> Robot:
@@ -51,6 +52,17 @@ def test_states_hold_positions_within_the_limits() -> None:
     for copied in (copy.deepcopy(robot), pickle.loads(pickle.dumps(robot))):
         assert copied.states == robot.states
         assert copied.groups == dict(robot.groups)
+
+
+def test_whole_turns_of_a_joint_without_limits_are_left_off_in_states() -> None:
+    turn = joint("p", "a", "b", "continuous")
+    srdf = '<robot name="r"><group_state name="far" group="g"><joint name="p" value="-20"/>'
+    files: dict[str, str | bytes] = {"a.srdf": f"{srdf}</group_state></robot>"}
+    files["a.urdf"] = urdf(link("a"), link("b"), turn)
+    robot = robot_from_archive(packed(files))
+    (far,) = robot.states
+    assert far.positions["p"] == pytest.approx(-20 + 6 * math.pi)
+    assert any("Whole turns are left off" in note for note in robot.notes)
 
 
 def test_states_of_one_name_are_told_apart_by_their_groups() -> None:
