@@ -26,6 +26,7 @@ from abi.certification.kept_direction import KeptDirection, kept_direction
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch
+from abi.obstacles.mesh_shape import MeshShape
 from abi.scene.scene import Scene
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
@@ -261,12 +262,31 @@ def _doubt(problem: MotionProblem, pair: UndecidedPair, clearance: float) -> Dou
     if pair.spent:
         why = "More tries would decide it."
     elif distance > max(clearance, _FINEST * problem.around.size) and pair.overlaps.any():
-        why = f"Convex pieces that fit {pair.link} more closely would decide it."
+        why = _what_fits(problem, pair)
     elif distance < clearance:
         why = "It is nearer than the clearance asked for, and does not touch: ask for less."
     else:
         why = "Shapes so near to each other cannot be decided in floating point: keep away."
     return Doubt(first, last, pair.link, pair.other, distance, why)
+
+
+def _what_fits(problem: MotionProblem, pair: UndecidedPair) -> str:
+    """Sentence on what stands for a pair's shapes, is larger than these, and so decides nothing.
+
+    A box is its own piece; a triangle of a mesh is in a flat box that is larger.
+    """
+    link, other = pair.link, pair.other
+    links = problem.chain.robot.links
+    named = [one for one in (link, other) if isinstance(one, str) and one in links]
+    loose = [one for one in named if any(shape.kind != "box" for shape in links[one].shapes)]
+    larger = []
+    if isinstance(other, int) and isinstance(problem.around.obstacles[other], MeshShape):
+        larger.append(f"smaller triangles of obstacle {other + 1}")
+    if loose or not larger:
+        fitting = " and ".join(loose or [link])
+        larger.insert(0, f"convex pieces that fit {fitting} more closely")
+    text = " or ".join(larger)
+    return f"{text[0].upper()}{text[1:]} would decide it."
 
 
 def _stretches(

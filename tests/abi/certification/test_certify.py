@@ -15,8 +15,8 @@ import pytest
 import abi
 from abi.arrays import FloatArray
 from abi.certification import exact_contact
-from abi.certification.certify_motion import certify_motion
-from abi.certification.clearance_proof import nearest
+from abi.certification.certify_motion import _what_fits, certify_motion
+from abi.certification.clearance_proof import UndecidedPair, nearest
 from abi.certification.joint_limits import joint_limits
 from abi.certification.motion import Motion
 from abi.certification.read_motion import load_motion
@@ -220,6 +220,32 @@ def test_a_link_inside_a_mesh_from_the_first_waypoint_on_is_told(tmp_path: Any) 
     verdict = verdict_of(scene, still)
     assert verdict.state == "touches"
     assert verdict.touches[0].first == 0.0
+
+
+def test_what_would_decide_names_what_is_larger_than_its_shape() -> None:
+    import trimesh
+
+    content = trimesh.creation.icosphere(subdivisions=1, radius=0.1).export(file_type="stl")
+    assert isinstance(content, bytes)
+    place = {"position": [2.0, 2.0, 2.0]}
+    box = {"shape": "box", "size": [0.1, 0.1, 0.1], **place}
+    mesh = {"shape": "mesh", "file": "ball.stl", "unit": "m", **place}
+    scene = robot_scene("ur5e").replace(files={"ball.stl": content}, obstacles=[box, mesh])
+    scene = scene.replace(arm={"attached": {**box, "position": [0.0, 0.0, 0.2]}})
+    problem = verdict_of(scene, swing()).problem
+    told = {
+        (link, other): _what_fits(
+            problem,
+            UndecidedPair(link, other, np.zeros((1, 3)), np.ones(1, dtype=bool), spent=False),
+        )
+        for link in ("held_object", "wrist_3_link")
+        for other in (0, 1, "forearm_link")
+    }
+    assert told["held_object", 1] == "Smaller triangles of obstacle 2 would decide it."
+    assert "fit wrist_3_link more closely would" in told["wrist_3_link", 0]
+    assert "or smaller triangles of obstacle 2" in told["wrist_3_link", 1]
+    assert "fit forearm_link more" in told["held_object", "forearm_link"]
+    assert "fit wrist_3_link and forearm_link" in told["wrist_3_link", "forearm_link"]
 
 
 def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
