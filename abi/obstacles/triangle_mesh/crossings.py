@@ -16,6 +16,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows
 from abi.obstacles.triangle_mesh.rays import near_boxes, rays_met
 from abi.obstacles.triangle_mesh.welding import compact
+from abi.obstacles.triangle_mesh.winding import windings
 
 _TOUCHES = 1e-13
 """Distance of a corner from a triangle, over the size of all, at which it is on it."""
@@ -26,6 +27,8 @@ _TRIES = 3
 _BESIDE = 1e-11
 """Distance from a line at which it is asked what is there, over the size of all."""
 _DIRECTION = np.array([0.283, 0.531, 0.799])
+_MOST_ASKED = 20
+"""Shells that wind back of which it is asked whether they meet others; more are taken to."""
 _MOST_LINES = 20_000
 _WEDGES = np.array([(1, 1), (1, -1), (-1, 1), (-1, -1)])
 
@@ -56,7 +59,7 @@ def crossing_shells(
 
     Returns:
         Mask (s,) of those that cross themselves; and of those of them that wind around something a
-        negative number of times, or may, as where triangles lie on each other.
+        negative number of times, or may, as where triangles lie on each other, and meet others.
     """
     corners, count = vertices[faces], int(label.max()) + 1
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
@@ -79,7 +82,27 @@ def crossing_shells(
         back = _winds_back(vertices, faces[label == shell])
         crosses[shell] |= back is not None
         winds_back[shell] = bool(back)
+    found = np.flatnonzero(winds_back)
+    for shell in found[:_MOST_ASKED]:
+        winds_back[shell] = _meets_others(vertices, faces, label, int(shell))
     return crosses, winds_back
+
+
+def _meets_others(vertices: FloatArray, faces: IntArray, label: IntArray, shell: int) -> bool:
+    """Whether a shell may touch others, is within one, or winds back around one."""
+    mine = label == shell
+    corners = vertices[faces]
+    boxes = corners.min(axis=1), corners.max(axis=1)
+    one, other = ((low[rows], high[rows]) for low, high in [boxes] for rows in (mine, ~mine))
+    if any(len(near) for near, _ in near_boxes(one, other)):
+        return True
+    numbers, first = np.unique(label, return_index=True)
+    places = vertices[faces[first[numbers != shell], 0]]
+    if (windings(vertices, faces[mine], places) < 0).any():
+        return True
+    place = vertices[faces[mine][:1, 0]]
+    around = numbers[numbers != shell]
+    return any(windings(vertices, faces[label == each], place)[0] for each in around)
 
 
 def _winds_back(vertices: FloatArray, faces: IntArray) -> bool | None:

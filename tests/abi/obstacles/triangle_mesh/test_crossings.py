@@ -66,3 +66,21 @@ def test_a_spike_through_its_own_solid_hollows_no_other(seed: int) -> None:
     assert surface.closed
     assert (windings(surface.vertices, surface.faces, points) != 0).all()
     assert any("thin shell" in note for note in surface.notes)
+
+
+@pytest.mark.parametrize(
+    ("at", "told"),
+    [((0.9, 0.9, -1.2), False), ((0.03, 0.02, -1.6), True), ((0.03, 0.02, -2.1), True)],
+)
+def test_a_shell_that_winds_back_is_solid_where_it_meets_no_other(
+    at: tuple[float, float, float], told: bool
+) -> None:
+    """Beside another, with that in its spike, or about the spike's end."""
+    vertices, faces = meshes.sphere(1)
+    vertices[vertices[:, 2].argmax()] = [0.03, 0.02, -2]
+    box = meshes.box((0.2, 0.2, 0.3) if at[2] < -2 else (0.02, 0.02, 0.02), at)
+    surface = clean(*meshes.joined((vertices, faces), box))
+    assert any("thin shell" in note for note in surface.notes) == told
+    assert windings(surface.vertices, surface.faces, np.array([at]) + 0.005)[0] != 0
+    middle = np.array([[0.5, 0, 0]])
+    assert told or windings(surface.vertices, surface.faces, middle)[0] != 0
