@@ -44,7 +44,7 @@ def polynomials_are_clear(plan: Plan) -> bool:
         first = last
         if any(one.quantity == "position" for one in joint_limits(moves).passed):
             return False
-        if (paper_arm := _paper_arm(leg)) is not None:
+        if (paper_arm := leg.paper_arm) is not None:
             clearance, away = leg.arm_clearance, _departure(paper_arm, moves)
             if clearance is None or clearance.distance <= away + _from_curve(leg):
                 return False
@@ -53,11 +53,6 @@ def polynomials_are_clear(plan: Plan) -> bool:
         elif not _is_proven(moves, leg.scene):
             return False
     return True
-
-
-def _paper_arm(plan: Plan) -> PaperArm | None:
-    """The plan's arm if it is the paper's, which is proven along a curve and not along joints."""
-    return plan.arm if isinstance(plan.arm, PaperArm) else None
 
 
 def _polynomials(plan: Plan, leg: Plan, rows: slice) -> RobotMotion:
@@ -99,7 +94,7 @@ def rows_warning(plan: Plan) -> str:
     motion, clearance = plan.motion, plan.arm_clearance
     if motion is None or clearance is None or not clearance.certified:
         return ""
-    arm = _paper_arm(plan)
+    arm = plan.paper_arm
     if arm is None or (_from_curve(plan) < clearance.distance and _own_distance(plan, arm) > 0):
         return ""
     return (

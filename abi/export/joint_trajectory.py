@@ -15,7 +15,6 @@ from abi.export.carried_objects import carried_objects
 from abi.obstacles.pose import METRES
 from abi.planner.arm_words import UNPAIRED_SENTENCE
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.paper_arm import PaperArm
 
 _LONGEST = 2.0**31
 """Seconds that builtin_interfaces/msg/Duration holds, [s]."""
@@ -73,7 +72,7 @@ def motion_state(plan: Plan) -> str:
         state = f"The arm's motion is NOT proven clear. {warning}"
     if past := limits_warning(plan):
         state += f" It PASSES LIMITS of the joints. {past}"
-    if isinstance(plan.arm, PaperArm):
+    if plan.paper_arm is not None:
         state += f" {UNPAIRED_SENTENCE}"
     return " ".join((state, *holding(plan)))
 

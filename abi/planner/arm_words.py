@@ -8,7 +8,6 @@ from abi.arm_planning.motion.arm_clearance import Contact
 from abi.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
 from abi.robot.bodies.allowed_contacts import Reason
-from abi.robot.paper_arm.paper_arm import PaperArm
 
 _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}
 
@@ -81,7 +80,7 @@ def contact_sentence(contact: Contact, unit: str) -> str:
 
 def allowed_sentences(plan: Plan) -> tuple[str, ...]:
     """What of the arm may touch what, one sentence for each reason."""
-    if isinstance(plan.arm, PaperArm) and plan.arm_clearance is not None:
+    if plan.paper_arm is not None and plan.arm_clearance is not None:
         return (UNPAIRED_SENTENCE,)
     found: dict[Reason, list[str]] = {}
     for link, other, reason in () if plan.arm_clearance is None else plan.arm_clearance.allowed:

@@ -30,6 +30,7 @@ from abi.planner.joined_legs import begins, joined_violations
 from abi.planner.stage_results import AnyFit, CurveName
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.floor_contacts import floor_notes
+from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
@@ -279,6 +280,11 @@ class Plan(ShortRepr):
             "error": plan_json.error(self.error),
             "notes": list(self.notes),
         }
+
+    @property
+    def paper_arm(self) -> PaperArm | None:
+        """The arm if it is the paper's, which is proven along a curve and not along joints."""
+        return self.arm if isinstance(self.arm, PaperArm) else None
 
     @property
     def notes(self) -> tuple[str, ...]:

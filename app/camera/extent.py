@@ -8,7 +8,6 @@ from abi.arm_planning.motion.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
-from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from app.drawing.box import box_corners
 
@@ -51,7 +50,7 @@ def _positions(plan: Plan) -> FloatArray:
         positions = plan.motion.positions
         chosen = np.linspace(0, len(positions) - 1, _POSES).astype(int)
         return np.asarray(positions[chosen])
-    if isinstance(plan.arm, PaperArm):
+    if plan.paper_arm is not None:
         scene = plan.scene
-        return np.asarray(rest_pose(plan.arm, scene.arm, scene.start))[None, :]
+        return np.asarray(rest_pose(plan.paper_arm, scene.arm, scene.start))[None, :]
     return np.empty((0, 0))
