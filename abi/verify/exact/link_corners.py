@@ -86,12 +86,13 @@ def check_lines(chain: ExactChain, robot: Robot, bodies: Mapping[str, Sequence[L
     """
     if has_own_shape(chain, robot):
         return
-    attached = None if robot.attached is None else robot.attached.link
+    moving = (joint for joint in robot.joints if joint.kind != "fixed")
+    between = {link for joint in moving for link in (joint.parent, joint.child)}
     for frame, (_, origin) in zip(chain.before, chain.origins, strict=True):
         if frame >= 0:
             ends = np.array([[0.0] * 3, [*map(float, origin)]])
-            moved = (link for link, number in chain.frames.items() if number == frame)
-            links = (link for link in moved if link != attached)
+            # what is fixed to these may be allowed to touch, as a held object is
+            links = (link for link in between if chain.frames.get(link) == frame)
             pieces = [one for link in links for one in bodies.get(link, ())]
             allowed = _NEAR * max(float(chain.units), float(np.abs(ends).max()))
             if not any(_inside(ends, one, allowed).all() for one in pieces):

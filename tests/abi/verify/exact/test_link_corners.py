@@ -75,8 +75,9 @@ def test_corners_of_a_file_that_no_triangle_uses_are_no_part_of_a_link() -> None
 
 def test_one_piece_stands_for_all_of_a_line_between_two_joints() -> None:
     joints = [joint(name, *pair) for name, pair in zip("pq", ("ab", "bc"), strict=True)]
-    bare = [f'<link name="{name}"/>' for name in "abc"]
-    robot = robot_from_archive(packed({"r.urdf": urdf(*bare, *joints)}))
+    bare = [f'<link name="{name}"/>' for name in "abcd"]
+    beside = joint("fixed", "b", "d", "fixed")
+    robot = robot_from_archive(packed({"r.urdf": urdf(*bare, *joints, beside)}))
     chain = exact_chain(robot, "c", (0, 0, 0), 1)
     ends = np.array([[0.0] * 3, [*map(float, chain.origins[1].origin)]])
     assert np.linalg.norm(ends[1]) > 0.1
@@ -84,6 +85,7 @@ def test_one_piece_stands_for_all_of_a_line_between_two_joints() -> None:
     check_lines(chain, robot, {"b": [around(ends, 1e-3)], "c": [tip]})
     balls = [around(end[None], 1e-3) for end in ends]
     halves = [around(np.stack([end, ends.mean(axis=0)]), 1e-3) for end in ends]
-    for pieces in (balls, halves[:1]):
+    whole = [around(ends, 1e-3)]
+    for bodies in ({"b": balls}, {"b": halves[:1]}, {"d": whole}, {"a": whole}):
         with pytest.raises(Fault, match="no lines stand"):
-            check_lines(chain, robot, {"b": pieces, "c": [tip]})
+            check_lines(chain, robot, {**bodies, "c": [tip]})
