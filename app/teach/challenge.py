@@ -10,6 +10,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from abi.planner.plan import Plan
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
 from app.shared.computed_once import once_a_plan
 from app.state.frame import Frame
@@ -23,9 +24,22 @@ _FARTHER = 1 / 30
 """Distance to gain, over the workspace's longest side."""
 _LEAST_GAP = 0.005
 """Relative excess over the optimum below which there is nothing left to gain."""
-_SAME = "with start, goal and obstacles as they are"
-TASK = ("unit", "start", "goal", "obstacles")
-"""Fields of a scene that define the planning problem."""
+_OF_ARM = tuple(f"arm.{name}" for name in ArmSettings.model_fields)
+_SAME = "with start, goal, obstacles and arm as they are"
+MAY_CHANGE = (
+    *("workspace", "mesh", "search", "spline", "quadratic", "motion"),
+    *("arm.base", "arm.base_wxyz", "arm.q5", "arm.elbow", "arm.search", "arm.avoid"),
+    "arm.clearance",
+)
+"""Fields of a scene that are a student's own choice where nothing else is said."""
+TASK = tuple(
+    name
+    for section in Scene.model_fields
+    for name in (_OF_ARM if section == "arm" else (section,))
+    if name not in ("version", *MAY_CHANGE)
+)
+"""Fields of a scene that define the planning problem: all but those of :data:`MAY_CHANGE`."""
+_ARM_OF_TASK = frozenset(TASK) & {*_OF_ARM}
 _COMPLETE = Condition(measure="plan.complete", at_least=1)
 _TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)
 _CODE = ' style="overflow-wrap:anywhere;user-select:all;pointer-events:auto"'
@@ -50,14 +64,15 @@ class Challenge(BaseModel):
     until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=4)]
     task: Annotated[str, Field(max_length=64)] = ""
     scene: str = ""
-    keep: Annotated[tuple[str, ...], Field(max_length=12)] = TASK
+    keep: Annotated[tuple[str, ...], Field(max_length=64)] = TASK
     homework: bool = False
 
     def is_met(self, frame: Frame) -> bool:
         """Check whether all conditions hold now."""
-        return self._keeps_task(frame) and all(one.holds(frame) for one in self.until)
+        return self.keeps_task(frame) and all(one.holds(frame) for one in self.until)
 
-    def _keeps_task(self, frame: Frame) -> bool:
+    def keeps_task(self, frame: Frame) -> bool:
+        """Check whether all that must stay is as it was."""
         return self.task in ("", _task(frame.plan, self.keep))
 
     def html(self, met: bool, frame: Frame) -> str:
@@ -66,16 +81,19 @@ class Challenge(BaseModel):
         now = ", ".join(text(one.measure, frame) for one in self.until if one.measure in _SHOWN)
         sign = f'<b style="color:{colour}">{"✓ Done" if met else "Challenge"}:</b>'
         number = f" (now {now})" if now else ""
-        moved = "" if self._keeps_task(frame) else f" <b>{self._changed} have changed.</b>"
+        moved = (
+            "" if self.keeps_task(frame) else f" <b>{html.escape(self.changed)} have changed.</b>"
+        )
         code = _code(frame.plan, self.keep) if met and self.homework else ""
         handed_in = f"<br>To hand in: <code{_CODE}>{code}</code>" if code else ""
         return f"{sign} {html.escape(self.text)}{number}.{moved}{handed_in}"
 
     @property
-    def _changed(self) -> str:
-        """Names of protected parts that may have been changed."""
-        *most, last = [one for one in self.keep if one != "unit"] or ["units"]
-        return html.escape(f"{', '.join(most)} or {last}" if most else last).capitalize()
+    def changed(self) -> str:
+        """Names of protected parts that may have been changed, the arm's usual ones as one."""
+        names = ("arm" if one in _ARM_OF_TASK else one for one in self.keep if one != "unit")
+        *most, last = dict.fromkeys(names) or ["units"]
+        return (f"{', '.join(most)} or {last}" if most else last).capitalize()
 
 
 @once_a_plan

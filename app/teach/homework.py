@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from abi.errors import AbiError
 from abi.planner.planner import Planner, plan
+from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene
 from abi.scene.scene_file import parse
 from app.state.frame import Frame
@@ -28,8 +29,9 @@ class Homework(BaseModel):
         scene: name of a shipped scene, or a scene file beside it.
         change: fields of the scene to change after that.
         until: conditions, all of which must hold.
-        keep: fields that must stay beside start, goal and obstacles, such as ``search.taut``.
-        free: fields of these three that may change all the same.
+        keep: fields that must stay beside those of the task, such as ``search.taut``.
+        free: fields of the task that may change all the same; a section's name frees all of it, and
+            ``start`` or ``goal`` what the arm has there, too.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -44,7 +46,9 @@ class Homework(BaseModel):
     @property
     def kept(self) -> tuple[str, ...]:
         """Names of all protected fields."""
-        return (*(name for name in TASK if name not in self.free), *self.keep)
+        free = {*self.free, *(f"arm.{end}" for end in ENDS if end in self.free)}
+        task = (name for name in TASK if not {name, name.partition(".")[0]} & free)
+        return tuple(dict.fromkeys((*task, *self.keep)))
 
 
 def read_homework(file: Path) -> tuple[Scene, Challenge]:
@@ -118,6 +122,8 @@ def _faults(code: str, task: Scene, challenge: Challenge, planner: Planner) -> t
     except AbiError as error:
         return (error.message,)
     frame = Frame(planner(scene))
+    if not challenge.keeps_task(frame):  # what is free, such as tasks, may say where the goal is
+        return (f"{challenge.changed} have changed.",)
     missed = [one for one in challenge.until if not one.holds(frame)]
     return tuple(f"{one.missed(frame)}." for one in missed)
 

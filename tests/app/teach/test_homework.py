@@ -12,12 +12,14 @@ from hypothesis import strategies as st
 
 from abi import load_scene, plan
 from abi.errors import AbiError
+from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
 from app.cli.command_line import cli
 from app.state.frame import Frame
-from app.teach.challenge import TASK, parsed
-from app.teach.homework import read_homework
-from app.teach.result_code import result_code, scene_of_code
+from app.teach.challenge import MAY_CHANGE, TASK, parsed
+from app.teach.homework import Homework, read_homework
+from app.teach.lesson import Condition
+from app.teach.result_code import fingerprint, result_code, scene_of_code
 
 KEEP = (*TASK, "search.taut")
 FILE = """text: Bring the path along the edges down to 12.2 cm
@@ -25,6 +27,7 @@ scene: paper
 until: [{measure: path.length, at_most: 12.2}]
 keep: [search.taut]
 """
+GOAL = Condition(measure="path.length", at_most=9)
 MOVED = {"shape": "box", "size": [1, 1, 1], "position": [1, 4, 1]}
 
 
@@ -77,6 +80,40 @@ def test_a_code_cannot_change_what_has_to_stay() -> None:
     assert scene_of_code(code, task, ("goal",)).start == (1, 0, 0)
     kept = scene_of_code(code, task, KEEP)
     assert (kept.start, kept.search.taut) == (task.start, task.search.taut)
+
+
+def test_every_field_has_to_stay_or_is_a_choice() -> None:
+    of_arm = [f"arm.{name}" for name in ArmSettings.model_fields]
+    sections = [name for name in Scene.model_fields if name not in ("version", "arm")]
+    assert sorted((*TASK, *MAY_CHANGE)) == sorted((*sections, *of_arm))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"tasks": []},
+        *({"arm": {end: None}} for end in ("start", "goal")),
+        {"arm": {"allowed": [["panda_hand", 0]]}},
+        {"arm": {"gripper": "closed"}},
+        {"tasks": [], "arm": {"attached": MOVED}},
+        {"arm": {"axis": {"direction": [0, 0, -1], "tolerance": 0.1}}},
+    ],
+)
+def test_what_else_defines_the_problem_has_to_stay(change: dict[str, Any]) -> None:
+    task = load_scene("pick-and-place")
+    own = task.replace(**change)
+    assert fingerprint(own, TASK) != fingerprint(task, TASK)
+    assert scene_of_code(result_code(own, TASK), task, TASK) == task
+
+
+def test_a_part_that_is_free_is_free_with_what_the_arm_has_there() -> None:
+    def kept(*free: str) -> set[str]:
+        return {*Homework(text="a", until=(GOAL,), free=free).kept}
+
+    assert kept() == {*TASK}
+    assert {*TASK} - kept("goal") == {"goal", "arm.goal"}
+    assert {*TASK} - kept("arm.a3", "obstacles") == {"arm.a3", "obstacles"}
+    assert not any(name.startswith("arm") for name in kept("arm"))
 
 
 def test_who_reaches_the_goal_is_given_a_code_that_is_right(file: Path, tmp_path: Path) -> None:
