@@ -13,6 +13,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
+import scipy
 from lxml import etree
 
 from abi.arrays import FloatArray
@@ -24,6 +25,7 @@ from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 
 _WORLD = "world"
+_ABOUT_ONE_AXIS = ("revolute", "continuous", "hinge")
 _POSES = 12
 _OPEN, _SMALL = 1e-3, 0.01
 """Accepted gap of a loop, over how far its ends are apart and 1 cm."""
@@ -55,8 +57,8 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
         ):
             fault = _closing(above, base, joint.strip(), _ends(one))
             if fault is not None:
-                welds = one.get("type", "").strip() == "fixed"
-                fault = fault._replace(anchor=_anchor(one), welds=welds)
+                kind = one.get("type", "").strip()
+                fault = fault._replace(anchor=_anchor(one), kind=kind)
         elif tag == "mimic" and told is not None and told.getparent() is not root.xml:
             fault = Coupling(told.get("name") or "", (), closes=False, rests=False)
         else:
@@ -197,7 +199,8 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
 def _stays_closed(robot: Robot, loop: Coupling) -> bool:
     """Check whether both ends of a loop stay joined at random positions of its joints.
 
-    Then the joint that closes it stays where it is in both, or they slide along one line.
+    Then the joint that closes it stays where it is in both, with its axis if it turns about one;
+    or they slide along one line.
     """
     random = np.random.default_rng(0)
     joints = [joint for joint in robot.joints if joint.kind != "fixed"]
@@ -211,9 +214,13 @@ def _stays_closed(robot: Robot, loop: Coupling) -> bool:
     room = _OPEN * (float(np.abs(places).max()) + _SMALL)
     ways = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
     if np.abs(turns - turns[0]).max() <= _OPEN:
-        return bool(ways[0 if loop.welds else 1] <= room)
-    if loop.welds or loop.anchor is None:
+        return bool(ways[1 if loop.kind == "prismatic" else 0] <= room)
+    if loop.kind in ("fixed", "prismatic") or loop.anchor is None:
         return False
+    if loop.kind in _ABOUT_ONE_AXIS:
+        rotations = scipy.spatial.transform.Rotation.from_matrix(turns @ turns[0].T)
+        if np.linalg.svd(rotations.as_rotvec(), compute_uv=False)[1] > _OPEN * _POSES:
+            return False
     joined = turns @ np.array(loop.anchor) + places
     return bool(np.abs(joined - joined[0]).max() <= room)
 

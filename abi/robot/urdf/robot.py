@@ -49,7 +49,7 @@ class Coupling(NamedTuple):
         ends: links that it joins; empty where it closes no loop, or the file does not tell.
         anchor: place of that joint in the frame of the second of these, [m]; None where that is not
             told.
-        welds: whether it lets them not move at all beside each other.
+        kind: of that joint, as the file says; empty where it does not.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Coupling(NamedTuple):
     rests: bool
     ends: tuple[str, ...] = ()
     anchor: tuple[float, ...] | None = None
-    welds: bool = False
+    kind: str = ""
 
 
 class AttachedObject(NamedTuple):
