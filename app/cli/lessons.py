@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 
@@ -11,6 +12,9 @@ import click
 
 from app.cli.exit_code import INCOMPLETE
 from app.cli.output import cause, print_text
+
+_LONGEST_WORD = 24
+"""Most letters of a heading of one word; the code of any change to a scene has more."""
 
 
 @click.group(short_help="Check lessons of your own, and take lessons home.")
@@ -119,7 +123,7 @@ def grade(file: Path, codes: TextIO) -> None:
     """Check the codes in CODES of the homework in FILE, each by planning its scene again.
 
     CODES is CSV, a code in the last column of each line and whose it is in the first, or - for
-    standard input. What is printed is CSV, too.
+    standard input. A first line without a code is taken for headings. What is printed is CSV, too.
 
     Exit code 0: all reach the goal; 3: one does not.
     """
@@ -129,6 +133,9 @@ def grade(file: Path, codes: TextIO) -> None:
     results = [
         (row[0].strip() if row[1:] else f"line {k}", row[-1]) for k, row in enumerate(rows, 1)
     ]
+    if _has_headings(results):
+        click.echo(f"Not graded, as its first line has no code: {', '.join(rows[0])}", err=True)
+        results = results[1:]
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(("name", "reached", "why not"))
@@ -138,3 +145,15 @@ def grade(file: Path, codes: TextIO) -> None:
     print_text(target.getvalue().rstrip())
     if any(found):
         raise SystemExit(INCOMPLETE)
+
+
+def _has_headings(results: Sequence[tuple[str, str]]) -> bool:
+    """Check whether the first of several results is words over a table.
+
+    A code that was copied in part is neither short nor has it blanks.
+    """
+    from app.teach.result_code import is_whole
+
+    if len(results) < 2 or is_whole(code := results[0][1].strip()):
+        return False
+    return len(code) <= _LONGEST_WORD or len(code.split()) > 1

@@ -52,9 +52,9 @@ def scene_of_code(code: str, task: Scene, keep: Sequence[str]) -> Scene:
         AbiError: it is no such code.
         SceneError: a field of it is wrong.
     """
-    check, body = code.strip()[:_CHECK], code.strip()[_CHECK:]
-    if not body or _checked(body) != check:
+    if not is_whole(code):
         raise AbiError("This is no whole code; copy all of its letters.")
+    body = code.strip()[_CHECK:]
     try:
         packed = base64.urlsafe_b64decode(body + "=" * (-len(body) % 4))
         changes = json.loads(zlib.decompressobj(-zlib.MAX_WBITS).decompress(packed, _MOST))
@@ -64,6 +64,12 @@ def scene_of_code(code: str, task: Scene, keep: Sequence[str]) -> Scene:
         raise AbiError("This is no code of a result.")
     fields = _merged(_free(Scene(version=1), keep), changes)
     return task.replace(**{name: fields[name] for name in fields if name not in keep})
+
+
+def is_whole(code: str) -> bool:
+    """Check whether a text is a code of which no letter is missing or wrong."""
+    check, body = code.strip()[:_CHECK], code.strip()[_CHECK:]
+    return body != "" and _checked(body) == check
 
 
 def _checked(body: str) -> str:

@@ -134,6 +134,13 @@ def test_who_reaches_the_goal_is_given_a_code_that_is_right(file: Path, tmp_path
     assert rows[2] == 'bob,no,"path.length is 12.4388, asked is at most 12.2."'
     assert rows[3] == "eve,no,the same code as ada."
     assert rows[4].startswith("kim,no,")
+    heads, part = "Your name,Code", f"ida,{code[:-1]}"
+    for first, names in ((heads, ["ada"]), (part, ["ida", "ada"])):
+        codes.write_text(f"{first}\nada,{code}\n", encoding="utf-8")
+        run = CliRunner().invoke(cli, ["lessons", "grade", str(file), str(codes)])
+        assert [row.split(",")[0] for row in run.stdout.splitlines()[1:]] == names
+        assert ("Your name, Code" in run.stderr) == (first == heads)
+        assert run.exit_code == (0 if first == heads else 3)
 
 
 @pytest.mark.parametrize("keep", [[], ["unit"], ["nothing", "start.x", "mesh.x.y", "."]])
