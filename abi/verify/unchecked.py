@@ -12,7 +12,7 @@ _OF_PLANS = (
     *("arm.clearances", "arm.clearance_time", "arm.clearance_obstacle", "arm.nearest"),
     *("arm.contacts", "arm.limits_passed", "arm.capsules"),
     *("arm.torques", "arm.peak_joint_torque", "arm.joint_torque_limits"),
-    *("arm.axis.angle", "arm.axis.bound"),
+    *("arm.axis.angle", "arm.axis.bound", "arm.state"),
 )
 _PHASES = ("timing.t1", "timing.t2", "timing.t3", "timing.peak_speed")
 """Read where a force moves the slide of the paper's arm."""
