@@ -58,13 +58,13 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
             fault = _closing(above, base, joint.strip(), _ends(one))
             if fault is not None:
                 kind = one.get("type", "").strip()
-                fault = fault._replace(anchor=_anchor(one), kind=kind)
+                fault = fault._replace(anchor=_anchor(one), kind=kind, axis=_axis(one))
         elif tag == "mimic" and told is not None and told.getparent() is not root.xml:
             fault = Coupling(told.get("name") or "", (), closes=False, rests=False)
         else:
             continue
         if fault is not None:
-            found.setdefault(fault.name, fault)
+            found.setdefault(fault.name or f"{len(found)}", fault)
     return tuple(found.values())
 
 
@@ -116,6 +116,23 @@ def _anchor(element: etree._Element) -> tuple[float, ...] | None:
     except ValueError:
         return None
     return place if len(place) == 3 else None
+
+
+def _axis(element: etree._Element) -> tuple[float, ...] | None:
+    """Axis of a joint that closes a loop in the frame of its second link; None if untold."""
+    turn, told = "0 0 0", ""
+    for one in element.iter(etree.Element):
+        tag = re.sub(".*[}:]", "", str(one.tag))
+        if tag == "pose":
+            turn = " ".join((one.text or "").split()[3:6]) or turn
+        elif tag == "xyz" and not one.attrib:
+            told = one.text or ""
+    try:
+        angles, axis = ([*map(float, text.split())] for text in (turn, told))
+        rotation = scipy.spatial.transform.Rotation.from_euler("xyz", angles)
+        return tuple(rotation.apply(axis).tolist()) if any(axis) else None
+    except ValueError:
+        return None
 
 
 def _closing(
@@ -212,17 +229,25 @@ def _stays_closed(robot: Robot, loop: Coupling) -> bool:
         beside.append(np.linalg.inv(first) @ second)
     turns, places = np.array(beside)[:, :3, :3], np.array(beside)[:, :3, 3]
     room = _OPEN * (float(np.abs(places).max()) + _SMALL)
-    ways = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
-    if np.abs(turns - turns[0]).max() <= _OPEN:
-        return bool(ways[1 if loop.kind == "prismatic" else 0] <= room)
-    if loop.kind in ("fixed", "prismatic") or loop.anchor is None:
+    turned = scipy.spatial.transform.Rotation.from_matrix(turns[0].T @ turns).as_rotvec()
+    ways = (places - places[0]) @ turns[0]  # as seen from the second link
+    if loop.kind == "prismatic":
+        return bool(np.abs(turned).max() <= _OPEN and _off(ways, loop.axis) <= room)
+    if loop.kind == "fixed":
+        return bool(np.abs(turned).max() <= _OPEN and np.abs(ways).max() <= room)
+    if loop.anchor is None or (
+        loop.kind in _ABOUT_ONE_AXIS and _off(turned, loop.axis) > _OPEN * _POSES
+    ):
         return False
-    if loop.kind in _ABOUT_ONE_AXIS:
-        rotations = scipy.spatial.transform.Rotation.from_matrix(turns @ turns[0].T)
-        if np.linalg.svd(rotations.as_rotvec(), compute_uv=False)[1] > _OPEN * _POSES:
-            return False
     joined = turns @ np.array(loop.anchor) + places
     return bool(np.abs(joined - joined[0]).max() <= room)
+
+
+def _off(vectors: FloatArray, axis: Sequence[float] | None) -> float:
+    """Largest distance of vectors (k, 3) from a line through 0, the nearest one without an axis."""
+    line = np.linalg.svd(vectors)[2][0] if axis is None else np.array(axis)
+    line = line / np.linalg.norm(line)
+    return float(np.linalg.norm(vectors - np.outer(vectors @ line, line), axis=1).max())
 
 
 def _pose(above: Mapping[str, Joint], link: str, at: Mapping[str, float]) -> FloatArray:

@@ -50,6 +50,8 @@ class Coupling(NamedTuple):
         anchor: place of that joint in the frame of the second of these, [m]; None where that is not
             told.
         kind: of that joint, as the file says; empty where it does not.
+        axis: about which it turns, or along which it slides, in that frame; None where that is not
+            told.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Coupling(NamedTuple):
     ends: tuple[str, ...] = ()
     anchor: tuple[float, ...] | None = None
     kind: str = ""
+    axis: tuple[float, ...] | None = None
 
 
 class AttachedObject(NamedTuple):

@@ -110,7 +110,13 @@ def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
     """Named states, each with positions of existing joints within their limits."""
     count = Counter(element.text("name") for element in root.all("group_state"))
     limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
-    endless = {one.name for one in robot.joints if one.kind == "continuous"}
+    # what follows them is not as before after a turn
+    geared = {
+        one.coordinate
+        for one in robot.joints
+        if one.mimic is not None and (one.kind == "prismatic" or one.mimic.factor % 1 != 0)
+    }
+    endless = {one.name for one in robot.joints if one.kind == "continuous"} - geared
     found = []
     for element in root.all("group_state"):
         positions = {}

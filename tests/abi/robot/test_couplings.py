@@ -111,7 +111,9 @@ def test_a_loop_counts_as_told_where_what_follows_keeps_it_closed(
         turn("p", "a", "b", "0 0 0.2", None),
         turn("v", "b", "f", "0 0 0.4", rod),
         turn("u", "a", "e", "0.3 0 0.2", 1.0 if follows else None),
-        _LOOP.format("f", "e").replace("</parent>", "</parent><pose>0 0 0.4 0 0 0</pose>"),
+        _LOOP.format("f", "e")
+        .replace("</parent>", "</parent><pose>0 0 0.4 0 0 0</pose>")
+        .replace("</child>", "</child><axis><xyz>0 1 0</xyz></axis>"),
     )
     if child_first:
         text = text.replace("<parent>f</parent>", "").replace(
@@ -132,6 +134,34 @@ def test_a_loop_counts_as_told_where_what_follows_keeps_it_closed(
     else:
         with pytest.raises(SceneError, match="joint loop, which closes a loop"):
             urdf_arm(robot, "f", (0, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "closed"),
+    [
+        ("prismatic", "1 0 0", True),
+        ("prismatic", "0 1 0", False),
+        ("revolute", "1 0 0", False),
+        ("fixed", "1 0 0", False),
+    ],
+)
+def test_a_loop_that_slides_is_closed_by_a_slide_along_its_axis(
+    kind: str, axis: str, closed: bool
+) -> None:
+    follows = f'<mimic joint="p" multiplier="-1"/>{_LIMIT}'
+    slides = (
+        joint("p", "a", "b", "prismatic", "1 0 0"),
+        joint("u", "a", "c", "prismatic", "1 0 0", follows),
+    )
+    loop = _LOOP.format("b", "c").replace("revolute", kind)
+    loop = loop.replace("</child>", f"</child><axis><xyz>{axis}</xyz></axis>")
+    text = urdf(*map(link, "abc"), *slides, loop)
+    robot = load_robot("r.urdf", MeshSource({"r.urdf": text.encode()}))
+    if closed:
+        assert urdf_arm(robot, "b", (0, 0, 0)).joints == ("p",)
+    else:
+        with pytest.raises(SceneError, match="joint loop, which closes a loop"):
+            urdf_arm(robot, "b", (0, 0, 0))
 
 
 def test_a_loop_is_not_held_where_one_of_its_joints_is_not_where_the_file_closes_it() -> None:

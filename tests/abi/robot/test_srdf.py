@@ -63,6 +63,14 @@ def test_whole_turns_of_a_joint_without_limits_are_left_off_in_states() -> None:
     (far,) = robot.states
     assert far.positions["p"] == pytest.approx(-20 + 6 * math.pi)
     assert any("Whole turns are left off" in note for note in robot.notes)
+    # but not where a slide follows
+    slide = (
+        '<mimic joint="p" multiplier="0.05"/><limit lower="-9" upper="9" effort="1" velocity="1"/>'
+    )
+    rack = joint("s", "b", "c", "prismatic", extra=slide)
+    files["a.urdf"] = urdf(*map(link, "abc"), turn, rack)
+    (state,) = robot_from_archive(packed(files)).states
+    assert state.positions["p"] == -2 * math.pi
 
 
 def test_states_of_one_name_are_told_apart_by_their_groups() -> None:
