@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -74,7 +73,8 @@ class JointSpaceMotions:
     def __init__(self) -> None:
         self._arm: UrdfArm | None = None
         self._memory = SegmentMemory()
-        self._last: _Found | None = None
+        self._last: tuple[FloatArray, JointSpline] | None = None  # a path, and a curve near it
+        self._passage_of = RememberedCall(passage_of)
         self._profile = RememberedCall(motion_law)
 
     def __call__(
@@ -135,7 +135,7 @@ class JointSpaceMotions:
     ) -> JointSearch:
         """A search that in haste begins with the last path, if it is clear."""
         if hasty and self._last is not None:
-            path = self._last.path
+            path, _ = self._last
             joins = (starts == path[0]).all(axis=1).any() and (goals == path[-1]).all(axis=1).any()
             if joins and self._refutation(space, path) is None:
                 return shorter_path(space, path, effort)
@@ -149,16 +149,15 @@ class JointSpaceMotions:
         Raises:
             NoJointMotion: there is no such curve.
         """
-        last = self._last
-        if hasty and last is not None and np.array_equal(last.path, path):
-            fault = self._refutation(space, last.spline.sampled)
-            if fault is None:
-                return last.passage
-        spline = spline_near(space, path)
-        if spline is None:
+        if hasty and self._last is not None and np.array_equal(self._last[0], path):
+            _, spline = self._last
+            if self._refutation(space, spline.sampled) is None:
+                return self._passage_of(spline, space.arm)
+        found = spline_near(space, path)
+        if found is None:
             raise NoJointMotion("curve")
-        self._last = _Found(path, spline, passage_of(spline, space.arm))
-        return self._last.passage
+        self._last = path, found
+        return self._passage_of(found, space.arm)
 
     def _refutation(self, space: JointSpace, positions: FloatArray) -> Refutation | None:
         """Where the arm is not clear along joint positions (k, n); what is known is not asked."""
@@ -177,11 +176,3 @@ def _refutation(
     """Where the arm is not clear along joint positions (k, n)."""
     around, margin = space.collision_world, space.margin
     return chain_refutation(space.arm, positions, around, margin, with_itself=with_itself)
-
-
-class _Found(NamedTuple):
-    """The last path (k, n) found, a smooth curve near it, and the way of the joints along that."""
-
-    path: FloatArray
-    spline: JointSpline
-    passage: ChainJointPath
