@@ -10,39 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import NamedTuple
+from heapq import heappop, heappush
 
 from abi.arm_planning.arm_errors import ArmNotClear
 from abi.arm_planning.arm_model import ArmBranch, BranchProblem
 from abi.arm_planning.world.collision_world import CollisionWorld
-from abi.planner.branch import BranchRun
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem
-from abi.planner.stage_results import ShortestPath
 from abi.planner.whole_arm_branch import BranchMemory, WholeArmBranch
 
 _NO_PATH = ("start", "goal", "path")
 """Faults that there are before a path is found."""
 _PATIENCE = 20
 """Times as many tries to prove a segment clear where there is no path else."""
-
-
-class _Candidate(NamedTuple):
-    """A branch, and what is known of its path; compared by cost.
-
-    Attributes:
-        cost: of its path, or a lower bound of that as long as there is none.
-        number: of the branch.
-        name: of the branch.
-        run: its stages, the graph's among those that have run.
-        path: the path, None as long as it has not been sought.
-    """
-
-    cost: float
-    number: int
-    name: str
-    run: BranchRun
-    path: ShortestPath | None
 
 
 class ArmAware:
@@ -74,54 +54,46 @@ class ArmAware:
         assert tool.free is not None
         slack = problem.margin - problem.scene.spline.clearance
         asked = BranchProblem(problem.scene, collision_world, tool.free.mesh, slack)
-        on = partial(self._branch, problem, collision_world, tool)
+
+        def on(arm_branch: ArmBranch, memory: str) -> WholeArmBranch:
+            """An arm's branch, with the memory of that name."""
+            kept = self._memories.setdefault(memory, BranchMemory())
+            return WholeArmBranch(problem, collision_world, tool, arm_branch, kept)
+
         if problem.hasty and self.kept:
             kept = [on(one, self._memory) for one in problem.model.branches(asked, self.kept)]
-            if (found := _shortest_motion(kept, tool)[0]) is not None:
-                return found.run.plan
+            if (found := _shortest_motion(kept)[0]) is not None:
+                return found.plan
         every, found, faults = list[WholeArmBranch](), None, dict[str, ArmNotClear]()
         if problem.hasty and not problem.model.arm.has_elbow:
             # to make all takes longer than a frame, and at rest they are compared
             for one in problem.model.branches_in_turn(asked):
                 every.append(on(one, one.name))
-                found, refused = _shortest_motion(every[-1:], tool)
+                found, refused = _shortest_motion(every[-1:])
                 faults |= refused
                 if found is not None:
                     break
         else:
             every = [on(one, one.name) for one in problem.model.branches(asked)]
-            found, faults = _shortest_motion(every, tool)
+            found, faults = _shortest_motion(every)
         self.kept = ""
         if found is not None and not problem.model.arm.has_elbow:
-            self.kept = self._memory = found.name
+            self.kept = self._memory = found.arm_branch.name
         if found is None and all(fault.where in _NO_PATH for fault in faults.values()):
             # near the base axis, and along an obstacle, a proof may take more
             shut = [one.arm_branch for one in every if faults[one.arm_branch.name].where == "path"]
             patient = [on(one.scaled(tries=_PATIENCE), one.name) for one in shut]
-            found, again = _shortest_motion(patient, tool)
+            found, again = _shortest_motion(patient)
             faults |= again
         if found is not None:
-            return found.run.plan
+            return found.plan
         others, note = problem.model.other_branches(asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others))
         of_name = {one.arm_branch.name: one for one in every}
         why = [(of_name[name], fault) for name, fault in faults.items()]
-        name, number, plan = _first_motion(branches, tool, why, note)
+        name, number, plan = _first_motion(branches, why, note)
         self.kept, self._memory = name, f"other {number}"
         return plan
-
-    def _branch(
-        self,
-        problem: PlanningProblem,
-        collision_world: CollisionWorld,
-        tool: Plan,
-        arm_branch: ArmBranch,
-        memory: str,
-    ) -> WholeArmBranch:
-        """An arm's branch, with the memory of that name."""
-        assert tool.free is not None
-        kept = self._memories.setdefault(memory, BranchMemory())
-        return WholeArmBranch(problem, collision_world, tool.free, tool.taut, arm_branch, kept)
 
 
 _Fault = tuple[WholeArmBranch, ArmNotClear]
@@ -129,9 +101,9 @@ _Fault = tuple[WholeArmBranch, ArmNotClear]
 
 
 def _shortest_motion(
-    branches: Sequence[WholeArmBranch], tool: Plan
-) -> tuple[_Candidate | None, dict[str, ArmNotClear]]:
-    """The branch with the shortest path that leads to a motion, and its plan; None without any.
+    branches: Sequence[WholeArmBranch],
+) -> tuple[WholeArmBranch | None, dict[str, ArmNotClear]]:
+    """The branch with the shortest path that leads to a motion, planned; None without any.
 
     Whether a path's edges are clear takes longest, so it is asked only of a branch whose path may
     be the shortest, by the search on all its edges.
@@ -141,39 +113,35 @@ def _shortest_motion(
     """
     shut: dict[int, ArmNotClear] = {}
     failed: dict[str, ArmNotClear] = {}
-    waiting: list[_Candidate] = []
+    # cost of the path, or a lower bound as long as there is none; of equals the first branch
+    waiting: list[tuple[float, int, WholeArmBranch]] = []
     for number, branch in enumerate(branches):
-        run = BranchRun(branch, tool.for_arm())
         try:
-            cost = branch.least_cost(run.build_graph())
+            heappush(waiting, (branch.least_cost(branch.build_graph()), number, branch))
         except ArmNotClear as fault:
             shut[number] = fault
-        else:
-            waiting.append(_Candidate(cost, number, branch.arm_branch.name, run, None))
     found = None
     while waiting and found is None:
-        best = min(waiting, key=_order)
-        waiting.remove(best)
+        _, number, branch = heappop(waiting)
+        graph, path = branch.plan.graph, branch.plan.path
         try:
-            if best.path is None:
-                assert best.run.plan.graph is not None
-                path = best.run.search(best.run.plan.graph)
-                waiting.append(best._replace(cost=path.path.cost, path=path))
+            if path is None:
+                assert graph is not None
+                heappush(waiting, (branch.search(graph), number, branch))
             else:
-                best.run.move_arm(best.run.fit_curves(best.path))
-                found = best
+                branch.move_arm(branch.fit_curves())
+                found = branch
         except ArmNotClear as fault:
-            if best.path is None:
-                shut[best.number] = fault
+            if path is None:
+                shut[number] = fault
             else:
-                failed[best.name] = fault
+                failed[branch.arm_branch.name] = fault
     names = [one.arm_branch.name for one in branches]
     return found, {names[number]: shut[number] for number in sorted(shut)} | failed
 
 
 def _first_motion(
     branches: Iterable[WholeArmBranch],
-    tool: Plan,
     faults: Sequence[_Fault],
     note: str,
 ) -> tuple[str, int, Plan]:
@@ -181,7 +149,6 @@ def _first_motion(
 
     Args:
         branches: the branches.
-        tool: the plan for the tool alone.
         faults: why those tried before lead to none.
         note: sentence on why there are no further ones.
 
@@ -193,13 +160,13 @@ def _first_motion(
     """
     found: list[_Fault] = []
     for number, branch in enumerate(branches):
-        run = BranchRun(branch, tool.for_arm())
         try:
-            run.move_arm(run.fit_curves(run.find_path()))
+            branch.find_path()
+            branch.move_arm(branch.fit_curves())
         except ArmNotClear as fault:
             found.append((branch, fault))
         else:
-            return branch.arm_branch.name, number, run.plan
+            return branch.arm_branch.name, number, branch.plan
     first, others = ([fault for _, fault in some] for some in (faults, found))
     error = ArmNotClear.of_all(first, others, note)
     error.explain = partial(_explained, faults, found, note)
@@ -210,8 +177,3 @@ def _explained(faults: Sequence[_Fault], others: Sequence[_Fault], note: str) ->
     """The error of all branches with what the links themselves do."""
     first, rest = ([one.explained(fault) for one, fault in some] for some in (faults, others))
     return ArmNotClear.of_all(first, rest, note)
-
-
-def _order(candidate: _Candidate) -> tuple[float, int]:
-    """Shorter paths first, and of equally short ones that of the first branch."""
-    return candidate.cost, candidate.number

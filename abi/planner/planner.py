@@ -20,13 +20,12 @@ from abi.compiled import interpreted_calls
 from abi.errors import StageError
 from abi.planner.arm_aware import ArmAware
 from abi.planner.arm_words import contact_sentence
-from abi.planner.branch import BranchRun
 from abi.planner.foreseen import kernels_foreseen
 from abi.planner.joint_space_motion import THOROUGH, asks_for_joints, may_search_joints
 from abi.planner.plan import Plan
 from abi.planner.slow_motion import refuse_slow
 from abi.planner.stage_results import AnyFit, TimedMotion
-from abi.planner.tool_branch import ToolBranch, ToolStages
+from abi.planner.tool_branch import ToolBranch
 from abi.scene.arm_end import ENDS
 from abi.scene.scene import Scene, require_scene
 from abi.search.search import SEARCHES, SearchFunction
@@ -74,7 +73,7 @@ class Planner:
         self._effort = effort
         self._compile, self._planned = compile, False
         self._turn = threading.Lock()
-        self._stages = ToolStages(searches)
+        self._tool = ToolBranch(searches)
         self._arm_aware, self._arm_aware_ms, self._arm_aware_interpreted = ArmAware(), 0.0, False
         self._in_joints = False  # whether the mesh led to no motion last, and the joints did
 
@@ -121,11 +120,11 @@ class Planner:
         begin = time.perf_counter()
         self._arm_aware_ms, self._arm_aware_interpreted = 0.0, False
         searches = (scene.search.algorithm,) if chosen_only else tuple(SEARCHES)
-        tool = ToolBranch.of(scene, searches, self._stages, hasty)
-        run, fault = BranchRun(tool, Plan(scene, arm=tool.problem.model.arm)), None
+        self._tool.begin(scene, searches, hasty)
+        found, fault = None, None
         try:
-            run.plan = self._run(tool, run)
-            refuse_slow(run.plan)
+            found = self._run(self._tool)
+            refuse_slow(found)
         except StageError as error:
             # a copy: the stage remembers its error for scenes in another unit
             fault = error.in_unit(scene.unit)
@@ -133,20 +132,17 @@ class Planner:
         self._planned = True
         if self._compile:
             compiling.begin()
+        plan = self._tool.plan if found is None else found  # as far as it came
         return replace(
-            run.plan,
+            plan,
             error=fault,
-            ms=MappingProxyType(self._times(run.plan.joint_search is not None)),
+            ms=MappingProxyType(self._times(plan.joint_search is not None)),
             interpreted=self._interpreted(),
             total_ms=total,
         )
 
-    def _run(self, tool: ToolBranch, run: BranchRun) -> Plan:
+    def _run(self, tool: ToolBranch) -> Plan:
         """Plan for the tool alone and, if the arm is not clear along that, for the whole arm.
-
-        Args:
-            tool: the branch of the tool alone.
-            run: runs its stages, and has its plan as far as it comes.
 
         Returns:
             The plan of the branch that counts.
@@ -157,35 +153,35 @@ class Planner:
         scene = tool.problem.scene
         if asks_for_joints(scene.arm):
             with suppress(StageError):  # what there is of the tool's own curve is shown, too
-                self._curve(tool, run)
-            return self._through_joints(tool, run.plan)
-        curve = self._curve(tool, run)
+                self._curve(tool)
+            return self._through_joints(tool)
+        curve = self._curve(tool)
         if not scene.arm.avoid:
-            if (error := run.move_arm(curve).motion.error) is not None:
+            if (error := tool.move_arm(curve).motion.error) is not None:
                 raise error
-            return run.plan
+            return tool.plan
         refuted = tool.is_refuted(curve)
-        if not refuted and run.move_arm(curve).is_clear:
-            return run.plan
+        if not refuted and tool.move_arm(curve).is_clear:
+            return tool.plan
         in_joints: NoJointMotion | None = None
         if tool.problem.hasty and self._in_joints and may_search_joints(scene.arm):
             with suppress(NoJointMotion):
-                return self._through_joints(tool, run.plan)
+                return self._through_joints(tool)
         self._in_joints = False
         try:
-            return self._avoid(tool, run.plan)
+            return self._avoid(tool)
         except ArmNotClear as fault:
             on_mesh = fault
         if may_search_joints(scene.arm):
             try:
-                found = self._through_joints(tool, run.plan)
+                found = self._through_joints(tool)
             except NoJointMotion as fault:
                 in_joints = fault
             else:
                 self._in_joints = True
                 return found
         # what is shown and told where there is no motion at all takes a while
-        moved = run.move_arm(curve)
+        moved = tool.move_arm(curve)
         if on_mesh.explain is not None:
             on_mesh = on_mesh.explain()
         why: StageError = _with_contact(on_mesh, moved, scene)
@@ -197,39 +193,34 @@ class Planner:
             why = why.nor_in_joints(in_joints)
         raise why
 
-    def _curve(self, tool: ToolBranch, run: BranchRun) -> AnyFit:
+    def _curve(self, tool: ToolBranch) -> AnyFit:
         """The curve of the tool alone that the arm is to follow.
 
         Raises:
             StageError: there is no path or no curve.
         """
-        path = run.find_path()
-        run.plan = replace(run.plan, optimum=tool.optimum())
-        return run.fit_curves(path)
+        tool.find_path()
+        tool.plan = replace(tool.plan, optimum=tool.optimum())
+        return tool.fit_curves()
 
-    def _through_joints(self, tool: ToolBranch, plan: Plan) -> Plan:
+    def _through_joints(self, tool: ToolBranch) -> Plan:
         """The plan with a motion that is sought in the space of the joints.
 
         Raises:
             NoJointMotion: there is none.
         """
-        problem = tool.problem
-        arm = problem.model.chain_arm
-        assert arm is not None
-        search, (profile, motion, clearance) = self._stages.joints(
-            problem.scene, arm, tool.collision_world, self._effort, problem.hasty
-        )
+        search, (profile, motion, clearance) = tool.joint_motion(self._effort)
         return replace(
-            plan,
+            tool.plan,
             profile=profile,
             motion=motion,
             arm_clearance=clearance,
             followed=None,
-            tool_only=plan.followed_curve,
+            tool_only=tool.plan.followed_curve,
             joint_search=search,
         )
 
-    def _avoid(self, tool: ToolBranch, plan: Plan) -> Plan:
+    def _avoid(self, tool: ToolBranch) -> Plan:
         """The plan on the branch of the arm whose motion is clear and shortest.
 
         Raises:
@@ -238,14 +229,14 @@ class Planner:
         progress.tell("avoiding with the whole arm")
         begin, before = time.perf_counter(), interpreted_calls()
         try:
-            return self._arm_aware(tool.problem, tool.collision_world, plan)
+            return self._arm_aware(tool.problem, tool.collision_world, tool.plan)
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
             self._arm_aware_interpreted = interpreted_calls() > before
 
     def _times(self, searched: bool) -> dict[str, float]:
         """Time of each stage when it last ran, [ms]; of the joints' search if ``searched``."""
-        parts = self._stages.parts.items()
+        parts = self._tool.parts.items()
         times = {name: sum(one.ms for one in stages) for name, stages in parts}
         if not searched:
             times["joint_search"] = 0.0  # that of another scene
@@ -253,7 +244,7 @@ class Planner:
 
     def _interpreted(self) -> frozenset[str]:
         """Stages in which inner loops ran as Python when they last ran."""
-        parts = self._stages.parts.items()
+        parts = self._tool.parts.items()
         names = {name for name, stages in parts if any(stage.interpreted for stage in stages)}
         return frozenset(names | {"arm_aware"} if self._arm_aware_interpreted else names)
 

@@ -1,4 +1,4 @@
-"""What stages give of which there is more than one part."""
+"""What stages 5 and 6 give: a curve of either kind, and a motion along it."""
 
 from __future__ import annotations
 
@@ -10,25 +10,9 @@ from abi.curves.bspline import BSpline
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.search.graph import Graph
-from abi.search.search import SearchResult
 
 AnyFit: TypeAlias = Fit[BSpline] | Fit[Quadratic]
 CurveName: TypeAlias = Literal["bspline", "quadratic"]
-
-
-class ShortestPath(NamedTuple):
-    """Result of stage 3.
-
-    Attributes:
-        graph: in which it was found: that of stage 2, without edges that turned out not to be free.
-        path: result of the search that the scene chooses.
-        clearance: distance of the path to the obstacles, [unit].
-    """
-
-    graph: Graph
-    path: SearchResult
-    clearance: float
 
 
 class TimedMotion(NamedTuple):

@@ -5,12 +5,12 @@ from __future__ import annotations
 import operator
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 from abi import progress
 from abi.arm_planning.arm_model import JointPath
+from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
 from abi.arm_planning.models import model_of
 from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.arm_planning.motion.trajectory import ArmMotion
@@ -23,12 +23,14 @@ from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.errors import ClearanceNotHeld
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.branch import Branch
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.joint_space_motion import JointSpaceMotions
+from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem, sample_count
 from abi.planner.remembered_call import RememberedCall
 from abi.planner.shared_mesh import shared_mesh
-from abi.planner.stage_results import AnyFit, CurveName, ShortestPath, TimedMotion
+from abi.planner.stage_results import AnyFit, CurveName, TimedMotion
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
 from abi.search.build_graph import build_graph
@@ -43,82 +45,74 @@ _JOINT_PATHS = 2
 """Largest number of joint paths along the tool's own curve."""
 
 
-class ToolStages:
-    """What the tool's stages call, each of which remembers its last result."""
+class ToolBranch(Branch):
+    """The tool alone: each of its stages remembers its last result from one plan to the next."""
 
     def __init__(self, searches: Mapping[str, SearchFunction] = SEARCHES) -> None:
-        self.obstacles = RememberedCall(ObstacleSet)
-        self.mesh = RememberedCall(shared_mesh)
-        self.exclude = RememberedCall(ExclusionCache())
-        self.graph = RememberedCall(build_graph)
+        """Remember nothing yet; ``searches`` are those of stage 3, by name."""
+        self._read_obstacles = RememberedCall(ObstacleSet)
+        self._make_mesh = RememberedCall(shared_mesh)
+        self._exclude = RememberedCall(ExclusionCache())
+        self._build_graph = RememberedCall(build_graph)
         # compared with each other: what else the machine did meanwhile is not theirs
         clock = time.thread_time
-        self.searches = {name: RememberedCall(search, clock) for name, search in searches.items()}
-        self.path_clearance = RememberedCall(ObstacleSet.polyline_clearance)
-        self.taut = RememberedCall(pull_taut)
-        self.optimum = RememberedCall(lower_bound)
-        self.bspline = RememberedCall(fit_bspline.fit)
-        self.quadratic = RememberedCall(fit_quadratic.fit)
-        self.profiles = RememberedCall(_profiles)
-        self.model = RememberedCall(model_of)
+        self._find = {name: RememberedCall(search, clock) for name, search in searches.items()}
+        self._clearance_of = RememberedCall(ObstacleSet.polyline_clearance)
+        self._pull_taut = RememberedCall(pull_taut)
+        self._lower_bound = RememberedCall(lower_bound)
+        self._fit_bspline = RememberedCall(fit_bspline.fit)
+        self._fit_quadratic = RememberedCall(fit_quadratic.fit)
+        self._profiles = RememberedCall(_profiles)
+        self._model_of = RememberedCall(model_of)
         # methods of any arm, and their arguments
-        self.collision_world: RememberedCall[..., CollisionWorld] = RememberedCall(operator.call)
-        self.joint_paths: RememberedCall[..., Sequence[JointPath]] = RememberedCall(operator.call)
-        self.motions: list[RememberedCall[..., ArmMotion]]
-        self.motions = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
-        self.arm_clearances: list[RememberedCall[..., ArmClearance]]
-        self.joints = RememberedCall(JointSpaceMotions())
-        self.arm_clearances = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
+        self._collision_world: RememberedCall[..., CollisionWorld] = RememberedCall(operator.call)
+        self._joint_paths: RememberedCall[..., Sequence[JointPath]] = RememberedCall(operator.call)
+        self._motions: list[RememberedCall[..., ArmMotion]]
+        self._motions = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
+        self._arm_clearances: list[RememberedCall[..., ArmClearance]]
+        self._arm_clearances = [RememberedCall(operator.call) for _ in range(_JOINT_PATHS)]
+        self._search_joints = RememberedCall(JointSpaceMotions())
+
+    def begin(self, scene: Scene, searches: tuple[str, ...], hasty: bool) -> None:
+        """Begin the plan of a scene, with the names of the searches to run."""
+        progress.tell("reading obstacles and arm")
+        obstacles, model = (
+            self._read_obstacles(scene.obstacles),
+            self._model_of(scene.arm, scene.unit),
+        )
+        self.problem = PlanningProblem(scene, obstacles, model, searches, hasty)
+        self.plan = Plan(scene, arm=model.arm)
 
     @property
     def parts(self) -> dict[str, Sequence[RememberedCall[..., Any]]]:
         """Parts of each stage of which a plan has the time."""
         return {
-            "mesh": (self.mesh, self.exclude),
-            "graph": (self.graph,),
-            **{name: (search,) for name, search in self.searches.items()},
-            "path_clearance": (self.path_clearance,),
-            "taut": (self.taut,),
-            "optimum": (self.optimum,),
-            "bspline": (self.bspline,),
-            "quadratic": (self.quadratic,),
-            "timing": (self.profiles,),
-            "joint_search": (self.joints,),
-            "arm": (self.model, self.collision_world, self.joint_paths, *self.along_joint_paths),
+            "mesh": (self._make_mesh, self._exclude),
+            "graph": (self._build_graph,),
+            **{name: (search,) for name, search in self._find.items()},
+            "path_clearance": (self._clearance_of,),
+            "taut": (self._pull_taut,),
+            "optimum": (self._lower_bound,),
+            "bspline": (self._fit_bspline,),
+            "quadratic": (self._fit_quadratic,),
+            "timing": (self._profiles,),
+            "joint_search": (self._search_joints,),
+            "arm": (
+                *(self._model_of, self._collision_world, self._joint_paths),
+                *self._along_joint_paths,
+            ),
         }
 
     @property
-    def along_joint_paths(self) -> tuple[RememberedCall[..., Any], ...]:
-        """Stages that run once for each joint_path."""
-        return (*self.motions, *self.arm_clearances)
-
-
-@dataclass(frozen=True, eq=False)
-class ToolBranch:
-    """The tool alone as a :class:`abi.planner.branch.Branch`: stages that remember their results.
-
-    Attributes:
-        problem: what to plan.
-        stages: the stages.
-    """
-
-    problem: PlanningProblem
-    stages: ToolStages
-
-    @classmethod
-    def of(
-        cls, scene: Scene, searches: tuple[str, ...], stages: ToolStages, hasty: bool
-    ) -> ToolBranch:
-        """The tool alone in a scene, the names of the searches to run, and whether it is hasty."""
-        progress.tell("reading obstacles and arm")
-        obstacles, model = stages.obstacles(scene.obstacles), stages.model(scene.arm, scene.unit)
-        return cls(PlanningProblem(scene, obstacles, model, searches, hasty), stages)
+    def _along_joint_paths(self) -> tuple[RememberedCall[..., Any], ...]:
+        """Calls that are made once for each joint path."""
+        return (*self._motions, *self._arm_clearances)
 
     def free_mesh(self) -> FreeMesh:
         """Stage 1: the mesh without the nodes and edges that the obstacles exclude."""
         progress.tell("making the mesh")
-        mesh = self.stages.mesh(self.problem.scene.workspace, self.problem.scene.mesh)
-        return self.stages.exclude(mesh, self.problem.obstacles, self.problem.margin)
+        mesh = self._make_mesh(self.problem.scene.workspace, self.problem.scene.mesh)
+        return self._exclude(mesh, self.problem.obstacles, self.problem.margin)
 
     def graph(self, free: FreeMesh) -> Graph:
         """Stage 2: start and goal joined to the mesh.
@@ -128,11 +122,11 @@ class ToolBranch:
         """
         progress.tell("testing the mesh's edges")
         scene, obstacles, margin = self.problem.scene, self.problem.obstacles, self.problem.margin
-        return self.stages.graph(
+        return self._build_graph(
             free, obstacles, margin, scene.start, scene.goal, scene.spline.clearance
         )
 
-    def shortest(self, graph: Graph) -> ShortestPath:
+    def shortest(self, graph: Graph) -> tuple[Graph, SearchResult, float]:
         """Stage 3: the shortest path, by the search that the scene chooses.
 
         Raises:
@@ -140,18 +134,14 @@ class ToolBranch:
         """
         progress.tell("searching")
         chosen = self.problem.scene.search
-        path = self.stages.searches[chosen.algorithm](graph, chosen.weight)
-        return ShortestPath(
-            graph, path, self.stages.path_clearance(self.problem.obstacles, path.points)
-        )
+        path = self._find[chosen.algorithm](graph, chosen.weight)
+        return graph, path, self._clearance_of(self.problem.obstacles, path.points)
 
-    def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
+    def searches(self, graph: Graph, path: SearchResult) -> tuple[SearchResult, ...]:
         """Stage 3: all searches that are asked for."""
-        chosen, searches = self.problem.scene.search, self.stages.searches
+        chosen = self.problem.scene.search
         return tuple(
-            shortest.path
-            if name == chosen.algorithm
-            else searches[name](shortest.graph, chosen.weight)
+            path if name == chosen.algorithm else self._find[name](graph, chosen.weight)
             for name in self.problem.searches
         )
 
@@ -159,27 +149,28 @@ class ToolBranch:
         """Lower bound of the length of any curve."""
         scene = self.problem.scene
         ends = scene.start, scene.goal
-        return self.stages.optimum(
+        return self._lower_bound(
             *ends, self.problem.obstacles, scene.spline.clearance, scene.workspace
         )
 
-    def bspline(self, shortest: ShortestPath) -> tuple[TautPath | None, Fit[BSpline]]:
+    def bspline(
+        self, graph: Graph, path: SearchResult, away: float
+    ) -> tuple[TautPath | None, Fit[BSpline]]:
         """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it."""
-        problem, stages, wanted = self.problem, self.stages, self.problem.scene.spline
-        graph, path, away = shortest
+        problem, wanted = self.problem, self.problem.scene.spline
         points, taut = path.points, None
         if problem.scene.search.taut:
-            taut = stages.taut(graph, problem.obstacles, problem.margin, path)
+            taut = self._pull_taut(graph, problem.obstacles, problem.margin, path)
             points, away = taut.points, taut.clearance
         progress.tell("fitting curves")
-        return taut, stages.bspline(
+        return taut, self._fit_bspline(
             points, wanted.degree, problem.obstacles, wanted.clearance, taut is not None, away
         )
 
     def quadratic(self, bspline: Fit[BSpline]) -> Fit[Quadratic]:
         """Stage 5: the quadratic nearest to the B-spline."""
         scene, obstacles = self.problem.scene, self.problem.obstacles
-        return self.stages.quadratic(
+        return self._fit_quadratic(
             bspline, obstacles, scene.spline.clearance, self.problem.quadratic_mode
         )
 
@@ -209,15 +200,15 @@ class ToolBranch:
             self.collision_world,
         )
         if problem.model.is_refuted(followed.curve, followed.arc, around, required):
-            self._skip(self.stages.joint_paths, *self.stages.along_joint_paths)
+            self._skip(self._joint_paths, *self._along_joint_paths)
             return True
-        joint_paths = self._joint_paths(followed)
+        joint_paths = self._paths_along(followed)
         refuted = all(
             joint_path.is_refuted(partial(self._profile, joint_paths, k), around, required)
             for k, joint_path in enumerate(joint_paths)
         )
         if refuted:
-            self._skip(*self.stages.along_joint_paths)
+            self._skip(*self._along_joint_paths)
         return refuted
 
     @staticmethod
@@ -228,7 +219,7 @@ class ToolBranch:
 
     def motion(self, followed: AnyFit) -> TimedMotion:
         """Stage 6: the motion on the last joint_path that is clear, or else on the first."""
-        joint_paths = self._joint_paths(followed)
+        joint_paths = self._paths_along(followed)
         moved = [
             self._moved(k, joint_path, self._profile(joint_paths, k))
             for k, joint_path in enumerate(joint_paths)
@@ -237,34 +228,44 @@ class ToolBranch:
 
     def _moved(self, number: int, joint_path: JointPath, profile: PathProfile) -> TimedMotion:
         """The motion on one joint_path, with the memory of its number."""
-        stages, required = self.stages, self.problem.scene.arm.clearance
-        asked = self.problem.scene.motion
-        motion = stages.motions[number](joint_path.motion, profile, sample_count(profile, asked))
-        clearance = stages.arm_clearances[number](
-            joint_path.clearance, motion, self.collision_world, required
+        scene = self.problem.scene
+        count = sample_count(profile, scene.motion)
+        motion = self._motions[number](joint_path.motion, profile, count)
+        clearance = self._arm_clearances[number](
+            joint_path.clearance, motion, self.collision_world, scene.arm.clearance
         )
         return TimedMotion(profile, motion, clearance)
 
-    @cached_property
+    @property
     def collision_world(self) -> CollisionWorld:
         """Everything around the arm."""
         lowest = self.problem.scene.workspace.min[2]
-        return self.stages.collision_world(
+        return self._collision_world(
             self.problem.model.collision_world, self.problem.obstacles, lowest
         )
 
-    def _joint_paths(self, followed: AnyFit) -> Sequence[JointPath]:
+    def _paths_along(self, followed: AnyFit) -> Sequence[JointPath]:
         """Joint paths along the curve, one for each branch of the arm."""
         progress.tell("moving the arm")
         problem, curve = self.problem, followed.curve
-        return self.stages.joint_paths(
+        return self._joint_paths(
             *(problem.model.joint_paths, curve, followed.arc, problem.scene.arm),
             *(self.collision_world, problem.hasty),
         )
 
+    def joint_motion(self, effort: JointSearchEffort) -> tuple[JointSearch, TimedMotion]:
+        """A motion that is sought in the space of the joints instead.
+
+        Raises:
+            NoJointMotion: there is none.
+        """
+        problem, arm = self.problem, self.problem.model.chain_arm
+        assert arm is not None
+        return self._search_joints(problem.scene, arm, self.collision_world, effort, problem.hasty)
+
     def _profile(self, joint_paths: Sequence[JointPath], number: int) -> PathProfile:
         """Motion along one of the joint_paths."""
-        return self.stages.profiles(joint_paths, self.problem.scene.motion)[number]
+        return self._profiles(joint_paths, self.problem.scene.motion)[number]
 
 
 def _profiles(joint_paths: Sequence[JointPath], asked: MotionSettings) -> tuple[PathProfile, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 
 import numpy as np
@@ -23,8 +23,10 @@ from abi.curves.clearance.certificate import Refutation
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.errors import NoPath
+from abi.planner.branch import Branch
+from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem, sample_count
-from abi.planner.stage_results import AnyFit, CurveName, ShortestPath, TimedMotion
+from abi.planner.stage_results import AnyFit, CurveName, TimedMotion
 from abi.robot.any_arm import AnyArm
 from abi.scene.arm_end import ENDS
 from abi.search.build_graph import build_graph
@@ -55,25 +57,27 @@ class BranchMemory:
         self.exclude, self.slack = ArmExclusionCache(), 0
 
 
-@dataclass(frozen=True, eq=False)
-class WholeArmBranch:
-    """An arm on one of its branches as a :class:`abi.planner.branch.Branch`.
+class WholeArmBranch(Branch):
+    """An arm on one of its branches: its stages ask that the whole arm keeps clear.
 
     Attributes:
-        problem: what to plan.
         collision_world: everything around the arm.
-        of_tool: the mesh that the tool may use.
-        taut_of_tool: the path of the tool alone pulled taut; None if the scene does not ask for it.
+        tool: the plan for the tool alone, up to the curves.
         arm_branch: what the arm allows on this branch.
         memory: what is kept from one plan to the next.
     """
 
-    problem: PlanningProblem
-    collision_world: CollisionWorld
-    of_tool: FreeMesh
-    taut_of_tool: TautPath | None
-    arm_branch: ArmBranch
-    memory: BranchMemory
+    def __init__(
+        self,
+        problem: PlanningProblem,
+        collision_world: CollisionWorld,
+        tool: Plan,
+        arm_branch: ArmBranch,
+        memory: BranchMemory,
+    ) -> None:
+        self.problem, self.plan = problem, tool.for_arm()
+        self.collision_world, self.tool = collision_world, tool
+        self.arm_branch, self.memory = arm_branch, memory
 
     def free_mesh(self) -> FreeMesh:
         """Stage 1: the tool's mesh without the nodes at which the arm is not clear.
@@ -86,7 +90,8 @@ class WholeArmBranch:
             fault = self.arm_branch.polyline_refutation(np.array([point]))
             if fault is not None:
                 raise self._not_clear_at(which, np.array(point), fault)
-        return self.memory.exclude(self.of_tool, self.arm_branch, self.problem.obstacles)
+        assert self.tool.free is not None
+        return self.memory.exclude(self.tool.free, self.arm_branch, self.problem.obstacles)
 
     def graph(self, free: FreeMesh) -> Graph:
         """Stage 2: start and goal joined to the mesh."""
@@ -104,7 +109,7 @@ class WholeArmBranch:
         except NoPath:
             raise self._not_clear("path") from None
 
-    def shortest(self, graph: Graph) -> ShortestPath:
+    def shortest(self, graph: Graph) -> tuple[Graph, SearchResult, float]:
         """Stage 3: the shortest path whose edges are all clear for the arm.
 
         Raises:
@@ -117,17 +122,19 @@ class WholeArmBranch:
         if found is None:
             raise self._not_clear("path")
         clear, path = found
-        return ShortestPath(clear, path, self.problem.obstacles.polyline_clearance(path.points))
+        return clear, path, self.problem.obstacles.polyline_clearance(path.points)
 
-    def searches(self, shortest: ShortestPath) -> tuple[SearchResult, ...]:
+    def searches(self, graph: Graph, path: SearchResult) -> tuple[SearchResult, ...]:
         """Stage 3: all searches that are asked for, on the edges that are left."""
-        chosen, graph = self.problem.scene.search, shortest.graph
+        chosen = self.problem.scene.search
         return tuple(
-            shortest.path if name == chosen.algorithm else search(name, graph, chosen.weight)
+            path if name == chosen.algorithm else search(name, graph, chosen.weight)
             for name in self.problem.searches
         )
 
-    def bspline(self, shortest: ShortestPath) -> tuple[TautPath | None, Fit[BSpline]]:
+    def bspline(
+        self, graph: Graph, path: SearchResult, away: float
+    ) -> tuple[TautPath | None, Fit[BSpline]]:
         """Stages 3½ and 4: the path pulled taut, if that is asked for, and a B-spline near it.
 
         Where no curve near the taut path is proven clear, it is pulled with more room to round its
@@ -141,20 +148,20 @@ class WholeArmBranch:
             self.problem.scene.spline,
             self.problem.hasty,
         )
-        slacks = list(range(len(_SLACKS) if self.taut_of_tool is not None else 1))
+        slacks = list(range(len(_SLACKS) if self.tool.taut is not None else 1))
         if hasty and self.memory.slack in slacks:
             slacks = slacks[self.memory.slack :] + slacks[: self.memory.slack]
         for slack in slacks:
-            points, away, taut = shortest.path.points, shortest.clearance, None
-            if self.taut_of_tool is not None:
+            points, room, taut = path.points, away, None
+            if self.tool.taut is not None:
                 looser = self.arm_branch.scaled(slack=_SLACKS[slack])
                 taut = pull_clear(
-                    *(self.taut_of_tool, obstacles, self.problem.margin, shortest.path, looser),
+                    *(self.tool.taut, obstacles, self.problem.margin, path, looser),
                     rounds=_HASTY_ROUNDS if hasty else ROUNDS,
                 )
-                points, away = taut.points, taut.clearance
+                points, room = taut.points, taut.clearance
             fit = fit_clear(
-                *(points, wanted.degree, obstacles, wanted.clearance, away, self.arm_branch),
+                *(points, wanted.degree, obstacles, wanted.clearance, room, self.arm_branch),
                 refinements=_HASTY_REFINEMENTS if hasty else REFINEMENTS,
             )
             if fit is not None:

@@ -17,7 +17,7 @@ from abi.curves import fit_bspline
 from abi.curves.cubic_profile import PathProfile
 from abi.errors import StageError
 from abi.planner import tool_branch
-from abi.planner.branch import BranchRun
+from abi.planner.branch import Branch
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from abi.scene.settings import MotionSettings
@@ -132,7 +132,7 @@ def test_the_first_plan_of_a_urdf_arm_waits_for_kept_kernels(
         calls.append("run")
         raise StageError("search", "no_path", "None.", "None.")
 
-    monkeypatch.setattr(BranchRun, "find_path", find_path)
+    monkeypatch.setattr(Branch, "find_path", find_path)
     scene = load_scene("paper")
     Planner()(scene)
     assert calls == ["wait_for_loading", "run", "begin"]

@@ -43,10 +43,10 @@ def _fail(error: Exception) -> Callable[..., Any]:
 @pytest.mark.parametrize(
     ("stage", "error", "words"),
     [
-        ("exclude", MemoryError(), "not enough memory"),
-        ("bspline", MemoryError(), "not enough memory"),
-        ("graph", RuntimeError("of our own"), "a fault of its own"),
-        ("profiles", ZeroDivisionError(), "a fault of its own"),
+        ("_exclude", MemoryError(), "not enough memory"),
+        ("_fit_bspline", MemoryError(), "not enough memory"),
+        ("_build_graph", RuntimeError("of our own"), "a fault of its own"),
+        ("_profiles", ZeroDivisionError(), "a fault of its own"),
     ],
 )
 def test_a_stage_that_breaks_keeps_the_last_plan_and_the_session(
@@ -55,9 +55,9 @@ def test_a_stage_that_breaks_keeps_the_last_plan_and_the_session(
     fake, session = tab
     until(lambda: session.resting)
     good = session.plan
-    stages = session._planner.live._planner._stages
-    whole = getattr(stages, stage)
-    setattr(stages, stage, _fail(error))
+    tool = session._planner.live._planner._tool
+    whole = getattr(tool, stage)
+    setattr(tool, stage, _fail(error))
     fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.5])
     until(lambda: bool(notices))
     assert words in notices[0]
@@ -70,7 +70,7 @@ def test_a_stage_that_breaks_keeps_the_last_plan_and_the_session(
     pause.wait(0.2)
     assert len(notices) == 1
 
-    setattr(stages, stage, whole)
+    setattr(tool, stage, whole)
     fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
     until(lambda: session.plan.scene.obstacles[0].position == (3.0, 3.0, 2.0))  # type: ignore[union-attr]
     assert session.plan is not None
@@ -85,11 +85,11 @@ def test_going_back_after_a_fault_shows_the_last_plan_as_it_is(
     until(lambda: session.resting)
     good, speed = session.plan, session.panels.stages.motion.speed
     planner = session._planner.live._planner
-    before, whole = speed.value, planner._stages.profiles
-    planner._stages.profiles = _fail(RuntimeError())  # type: ignore[assignment]
+    before, whole = speed.value, planner._tool._profiles
+    planner._tool._profiles = _fail(RuntimeError())  # type: ignore[assignment]
     fake.set(speed, before + 1)
     until(lambda: bool(notices))
-    planner._stages.profiles = whole
+    planner._tool._profiles = whole
     fake.set(speed, before)
     until(lambda: session.resting and not session._broken and session.frame.current)
     assert session.plan is good
@@ -102,15 +102,15 @@ def test_a_scene_that_breaks_a_stage_is_not_the_one_listed(
     fake, session = tab
     until(lambda: session.resting)
     good, planner = session.plan, session._planner.live._planner
-    whole = planner._stages.bspline
-    planner._stages.bspline = _fail(RuntimeError())  # type: ignore[assignment]
+    whole = planner._tool._fit_bspline
+    planner._tool._fit_bspline = _fail(RuntimeError())  # type: ignore[assignment]
     files, speed = session.panels.files, session.panels.stages.motion.speed
     fake.set(files.choice, "two-boxes")
     until(lambda: bool(notices))
     until(lambda: files.choice.value == "paper" and session.frame.current)
     assert session.plan is good
     # nor do the other panels show any of it
-    planner._stages.bspline = whole
+    planner._tool._fit_bspline = whole
     fake.set(speed, 3.0)
     until(lambda: session.resting and session.frame.plan.scene.motion.speed == 3.0)
     assert files.name == "paper"
