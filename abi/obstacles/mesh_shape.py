@@ -21,7 +21,7 @@ from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, METRES, Length, Posed, Quaternion, rotation
 from abi.obstacles.triangle_mesh import surface_kernels as kernels
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.signed_distance import body_frame, placement
+from abi.obstacles.triangle_mesh.signed_distance import placement, surface_tables
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     Placement,
@@ -134,7 +134,7 @@ class MeshShape(Posed):
 
         Otherwise the first query of a distance, or of the bounds, waits for it.
         """
-        body_frame(self.surface).prepare()
+        surface_tables(self.surface)
         self.bounds()
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -223,8 +223,8 @@ class MeshShape(Posed):
     @property
     def placed(self) -> tuple[SurfaceTables, Placement]:
         """The mesh in the format of the kernels."""
-        frame = body_frame(self.surface)
-        return frame.tables, placement(frame, self.position, self.wxyz, self.factor)
+        where = placement(self.surface, self.position, self.wxyz, self.factor)
+        return surface_tables(self.surface), where
 
     def _refuse_far(self) -> None:
         """Raise a SceneError if the bounds exceed those allowed for any other obstacle."""

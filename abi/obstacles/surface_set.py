@@ -17,7 +17,7 @@ from abi.arrays import FloatArray, read_only
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.per_shape import per_shape
-from abi.obstacles.triangle_mesh.signed_distance import body_frame, is_fine_quick
+from abi.obstacles.triangle_mesh.signed_distance import is_fine_quick, surface_tables
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_kernels import NO_SURFACES, SurfaceSet
 
@@ -45,7 +45,7 @@ def _placed(mesh: MeshShape) -> tuple[Surface, FloatArray]:
 @lru_cache(maxsize=2)
 def _joined(surfaces: tuple[Surface, ...], fine: bool) -> SurfaceSet:
     """Join the tables of the surfaces, with fine grids or coarse ones, without poses yet."""
-    all_tables = [body_frame(surface).with_grid(fine) for surface in surfaces]
+    all_tables = [surface_tables(surface, fine) for surface in surfaces]
     at = np.zeros(4, dtype=np.int64)
     begins, numbers = [], []
     for tree, far_field, grid, closed, extent, error in all_tables:

@@ -7,8 +7,6 @@ number is an integer, so an approximation decides.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
@@ -35,51 +33,49 @@ _COARSE = 1 / 16
 """Error of the grid's distances, in steps."""
 
 
-class BodyFrame:
-    """Tables of a surface, and the frame in which they are.
+def surface_tables(surface: Surface, fine: bool | None = None) -> SurfaceTables:
+    """A surface in the format of the kernels, in its body frame; kept as long as it is.
 
     The frame has its origin in the middle of the surface's bounding box, where coordinates have the
     most digits, and a unit, a power of two of the file's, in which the surface is about 1 large.
 
-    Attributes:
-        centre: its origin in the file (3,).
-        scale: body frame's units per unit of the file.
+    Args:
+        surface: the surface.
+        fine: whether its grid is fine or coarse; None for the finest one that is quickly had.
     """
+    fine = is_fine_quick() if fine is None else fine
+    return _with_fine_grid(surface) if fine else _with_coarse_grid(surface)
 
-    def __init__(self, surface: Surface) -> None:
-        low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
-        self.centre: FloatArray = read_only((low + high) / 2)
-        self.scale = float(2.0 ** -np.round(np.log2(surface.extent)))
-        self._closed, self._extent = surface.closed, surface.extent * self.scale
-        self._tree = moved(tree_of(surface), self.centre, self.scale)
-        self._far_field = dipoles(self._tree)
 
-    @property
-    def tables(self) -> SurfaceTables:
-        """The surface in the format of the kernels, with the finest grid that is quickly had."""
-        return self.with_grid(is_fine_quick())
+@per_surface
+def _with_fine_grid(surface: Surface) -> SurfaceTables:
+    return _with_nodes(surface, _NODES)
 
-    def prepare(self) -> None:
-        """Fill the grid; otherwise the first question waits for it."""
-        self.with_grid(is_fine_quick())
 
-    def with_grid(self, fine: bool) -> SurfaceTables:
-        """The surface in the format of the kernels, with a fine grid or a coarse one."""
-        return self._with_fine_grid if fine else self._with_coarse_grid
+@per_surface
+def _with_coarse_grid(surface: Surface) -> SurfaceTables:
+    return _with_nodes(surface, _FEW_NODES)
 
-    @cached_property
-    def _with_fine_grid(self) -> SurfaceTables:
-        return self._with_nodes(_NODES)
 
-    @cached_property
-    def _with_coarse_grid(self) -> SurfaceTables:
-        return self._with_nodes(_FEW_NODES)
+def _with_nodes(surface: Surface, nodes: int) -> SurfaceTables:
+    tree, far_field = _in_body_frame(surface)
+    closed, extent = surface.closed, surface.extent * _body_frame(surface)[1]
+    error = error_of_distances(tree.corners.reshape(-1, 3, 3))
+    grid = _grid(tree, far_field, closed, nodes, error[0] + 4 * extent * error[1])
+    return SurfaceTables(tree, far_field, grid, closed, extent, error)
 
-    def _with_nodes(self, nodes: int) -> SurfaceTables:
-        tree, far_field, closed, extent = self._tree, self._far_field, self._closed, self._extent
-        error = error_of_distances(tree.corners.reshape(-1, 3, 3))
-        grid = _grid(tree, far_field, closed, nodes, error[0] + 4 * extent * error[1])
-        return SurfaceTables(tree, far_field, grid, closed, extent, error)
+
+@per_surface
+def _in_body_frame(surface: Surface) -> tuple[TriangleTree, Dipoles]:
+    tree = moved(tree_of(surface), *_body_frame(surface))
+    return tree, dipoles(tree)
+
+
+@per_surface
+def _body_frame(surface: Surface) -> tuple[FloatArray, float]:
+    """The body frame's origin in the file (3,), and its units per unit of the file."""
+    low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+    return read_only((low + high) / 2), float(2.0 ** -np.round(np.log2(surface.extent)))
 
 
 def is_fine_quick() -> bool:
@@ -87,19 +83,19 @@ def is_fine_quick() -> bool:
     return grid_values.compiled
 
 
-def placement(frame: BodyFrame, position: Vec3, wxyz: Quaternion, factor: float) -> Placement:
-    """Placement of a body frame in the world.
+def placement(surface: Surface, position: Vec3, wxyz: Quaternion, factor: float) -> Placement:
+    """Placement of a surface's body frame in the world.
 
     Args:
-        frame: the frame.
+        surface: the surface.
         position: the file's origin, [unit], world.
         wxyz: rotation of the file's axes.
         factor: scene's [unit] per unit of the file.
     """
-    turned = rotation(wxyz)
-    x, y, z = (np.array(position) + turned @ (frame.centre * factor)).tolist()
+    turned, (centre, scale) = rotation(wxyz), _body_frame(surface)
+    x, y, z = (np.array(position) + turned @ (centre * factor)).tolist()
     a, b, c = (tuple(axis) for axis in turned.T.tolist())
-    return Placement((x, y, z), (a, b, c), factor / frame.scale)
+    return Placement((x, y, z), (a, b, c), factor / scale)
 
 
 def _grid(
@@ -118,7 +114,3 @@ def _grid(
     corners = tuple(box[0].tolist()), tuple(box[1].tolist())
     bound = slack + error + 1e-12 * float(size.max())
     return DistanceGrid(read_only(values), (nx, ny, nz), (x, y, z), step, corners, bound)
-
-
-body_frame = per_surface(BodyFrame)
-"""The body frame of a surface."""

@@ -7,7 +7,7 @@ import re
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.file_names import same_name
 from abi.obstacles.triangle_mesh.mesh_source import Files, MeshSource
-from abi.obstacles.triangle_mesh.signed_distance import body_frame
+from abi.obstacles.triangle_mesh.signed_distance import surface_tables
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.drawing.mesh_picture import drawn_triangles
@@ -27,7 +27,7 @@ def read(job: UploadJob[tuple[object, Files]]) -> tuple[object, Files]:
         if isinstance(file, Surface):
             job.step(f"preparing {shown_name(name)}", 0.75)
             drawn_triangles(file)
-            body_frame(file).prepare()  # planning would wait for it
+            surface_tables(file)  # planning would wait for it
     return data, files
 
 

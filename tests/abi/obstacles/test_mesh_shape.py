@@ -21,7 +21,7 @@ from abi.obstacles.pose import METRES
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh import surface_kernels as kernels
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.signed_distance import body_frame
+from abi.obstacles.triangle_mesh.signed_distance import surface_tables
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_distance_kernels import bounds_along
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room, to_surface
@@ -170,8 +170,8 @@ def test_python_answers_by_a_coarse_grid_what_the_kernel_does_by_a_fine_one(
 ) -> None:
     rng = np.random.default_rng(seed)
     shape, empty = MeshShape.of(SURFACES[name], **pose(rng)), np.empty(0)
-    frame = body_frame(shape.surface)
-    coarse, fine, on = frame.with_grid(False), frame.with_grid(True), shape.placed[1]
+    coarse, fine = (surface_tables(shape.surface, fine) for fine in (False, True))
+    on = shape.placed[1]
     assert len(coarse.grid.values) < len(fine.grid.values) / 10
     p = around(shape, rng, 3)
     q = p + rng.normal(size=p.shape) * size(shape) * 10.0 ** rng.uniform(-3, 0, (len(p), 1))
