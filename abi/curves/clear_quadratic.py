@@ -87,23 +87,6 @@ class Target:
         return float(np.linalg.norm(self.norm.T @ move))
 
 
-@dataclass(frozen=True, eq=False)
-class _Pieces:
-    """Short Bézier pieces of every curve on some breaks, as weights of its m + 2 control points.
-
-    Attributes:
-        middles: parameters (n,).
-        through: of the points there (n, m + 2).
-        control: of the pieces' control points (n, 3, m + 2).
-        free: the same for free points measured in L2 (n, 3, m).
-    """
-
-    middles: FloatArray
-    through: FloatArray
-    control: FloatArray
-    free: FloatArray
-
-
 def least_squares_target(
     curve: PointsAt, breaks: FloatArray, obstacles: ObstacleSet, clearance: float
 ) -> Target:
@@ -153,12 +136,14 @@ def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | Non
     """
     if not len(target.obstacles):
         return Quadratic.from_control_points(target.control_points, target.breaks)
-    pieces = _short_pieces(target, _even_cuts(target.breaks))
+    cuts = _even_cuts(target.breaks)
+    middles = _middles(cuts)
+    through = target.basis(middles)
     candidates: list[tuple[float, int, FloatArray]] = []
     for start in starts:
-        solution = _within_half_spaces(target, pieces, start(pieces.middles), target.aim)
+        solution = _within_half_spaces(target, cuts, start(middles), target.aim)
         if solution is not None:
-            solution = _within_half_spaces(target, pieces, pieces.through @ solution[0], target.aim)
+            solution = _within_half_spaces(target, cuts, through @ solution[0], target.aim)
         if solution is not None:
             candidates.append((target.distance(solution[0]), len(candidates), solution[0]))
     settled = (_settled(target, points) for *_, points in sorted(candidates))
@@ -176,13 +161,13 @@ def _settled(target: Target, control_points: FloatArray) -> Quadratic | None:
     tolerance = (target.aim - target.clearance) / 2 + ROUNDING
     step = np.inf
     for number in range(1, _ROUNDS + 1):
-        pieces = _short_pieces(target, cuts)
-        solution = _within_half_spaces(target, pieces, pieces.through @ points, aim)
+        middles = _middles(cuts)
+        solution = _within_half_spaces(target, cuts, target.basis(middles) @ points, aim)
         if solution is not None:
             step = float(np.abs(solution[0] - points).max())
             points = solution[0]
             halved = solution[1][np.diff(cuts)[solution[1]] > _SHORTEST]
-            cuts = np.sort(np.append(cuts, pieces.middles[halved]))
+            cuts = np.sort(np.append(cuts, middles[halved]))
         if (
             solution is None
             or number == _ROUNDS
@@ -199,20 +184,27 @@ def _settled(target: Target, control_points: FloatArray) -> Quadratic | None:
 
 
 def _within_half_spaces(
-    target: Target, pieces: _Pieces, near: FloatArray, aim: float
+    target: Target, cuts: FloatArray, near: FloatArray, aim: float
 ) -> tuple[FloatArray, IntArray] | None:
     """The nearest curve in the half spaces of ``near`` (n, 3), and the pieces on their planes.
+
+    Args:
+        target: to be near to.
+        cuts: parameters between the short pieces (n + 1,).
+        near: a point for each piece, [unit].
+        aim: distance of the half spaces from the obstacles, [unit].
 
     Returns:
         Control points (m + 2, 3), [unit], and numbers of pieces; None when there is no such curve.
     """
-    control = pieces.control @ target.control_points
+    basis, free = _of_control_points(target, cuts)
+    control = basis @ target.control_points
     normals, bounds = [], []
     for obstacle in target.obstacles:
         distance, gradient = obstacle.signed_distance_gradient(near)
         ahead = np.einsum("nkj,nj->nk", control - near[:, None], gradient)
         bounds.append(aim - distance[:, None] - ahead)
-        normals.append(np.einsum("nkm,nj->nkmj", pieces.free, gradient))
+        normals.append(np.einsum("nkm,nj->nkmj", free, gradient))
     b = np.concatenate(bounds).ravel()
     a = np.concatenate(normals).reshape(len(b), -1)
     movable = np.flatnonzero((a != 0).any(axis=1))  # all but the curve's ends
@@ -250,16 +242,22 @@ def _even_cuts(breaks: FloatArray) -> FloatArray:
     return np.append(cuts, breaks[-1])
 
 
-def _short_pieces(target: Target, cuts: FloatArray) -> _Pieces:
-    breaks = target.breaks
-    middles = (cuts[:-1] + cuts[1:]) / 2
-    through = _basis(breaks, middles)
-    ends = _basis(breaks, cuts)
+def _middles(cuts: FloatArray) -> FloatArray:
+    return (cuts[:-1] + cuts[1:]) / 2
+
+
+def _of_control_points(target: Target, cuts: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Weights of the curve's control points in those of its Bézier pieces between the cuts.
+
+    Returns:
+        Shape (n, 3, m + 2); and those of the free points, measured in L2, (n, 3, m).
+    """
+    ends, through = target.basis(cuts), target.basis(_middles(cuts))
     # a quadratic's middle is a quarter of its ends and half of its middle control point
     control = np.stack([ends[:-1], 2 * through - (ends[:-1] + ends[1:]) / 2, ends[1:]], axis=1)
-    weights = control[:, :, 1:-1].reshape(-1, len(breaks) - 1)
-    free = np.asarray(np.linalg.solve(target.norm, weights.T).T, dtype=float)
-    return _Pieces(middles, through, control, free.reshape(len(middles), 3, -1))
+    inner = control[:, :, 1:-1]
+    free = np.linalg.solve(target.norm, inner.reshape(-1, inner.shape[2]).T).T
+    return control, np.asarray(free, dtype=float).reshape(inner.shape)
 
 
 def _basis(breaks: FloatArray, parameters: FloatArray) -> FloatArray:
