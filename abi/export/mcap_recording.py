@@ -33,7 +33,6 @@ from abi.export.mcap_entities import (
     triangles,
 )
 from abi.export.mcap_schemas import SCHEMAS
-from abi.export.recorded_message import RecordedMessage
 from abi.export.solids import Solid, solids
 from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.plan import Plan
@@ -42,6 +41,17 @@ from abi.robot.urdf.robot_files import packed
 _CURVE_POINTS = 200
 _RED, _BLUE = (0.85, 0.3, 0.2, 0.8), (0.15, 0.4, 0.9, 1.0)
 _NO_FACES = np.empty((0, 3), dtype=np.int32)
+
+_TOPICS = {
+    "/robot_description": "std_msgs/String",
+    "/scene": "foxglove.SceneUpdate",
+    "/arm": "foxglove.SceneUpdate",
+    "/tf_static": "foxglove.FrameTransforms",
+    "/joint_states": "sensor_msgs/JointState",
+    "/tf": "foxglove.FrameTransforms",
+    "/tool": "foxglove.PoseInFrame",
+}
+"""Schema of each topic's messages."""
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -64,13 +74,15 @@ def write(plan: Plan, name: str) -> bytes:
     if len(files := plan.arm.files()) > 1:  # its meshes, too
         writer.add_attachment(0, 0, "arm.zip", "application/zip", packed(files))
     writer.add_metadata("arm", {"state": motion_state(plan)})
-    schemas, channels = {}, {}
-    for topic, schema, time, data in _messages(plan, description):
-        if schema not in schemas:
-            encoded = json.dumps(SCHEMAS[schema]).encode()
-            schemas[schema] = writer.register_schema(schema, "jsonschema", encoded)
-        if topic not in channels:
-            channels[topic] = writer.register_channel(topic, "json", schemas[schema])
+    schemas = {
+        kind: writer.register_schema(kind, "jsonschema", json.dumps(schema).encode())
+        for kind, schema in SCHEMAS.items()
+    }
+    channels = {
+        topic: writer.register_channel(topic, "json", schemas[kind])
+        for topic, kind in _TOPICS.items()
+    }
+    for topic, time, data in _messages(plan, description):
         moment = round(time * 1e9)
         content = json.dumps(data, allow_nan=False).encode()
         writer.add_message(channels[topic], moment, content, moment)
@@ -78,7 +90,8 @@ def write(plan: Plan, name: str) -> bytes:
     return file.getvalue()
 
 
-def _messages(plan: Plan, description: str) -> Iterator[RecordedMessage]:
+def _messages(plan: Plan, description: str) -> Iterator[tuple[str, float, Part]]:
+    """Topic, time [s] and fields of each message."""
     assert plan.arm is not None
     chain = plan.arm.chain
     frame, root = scene_frame(chain), chain.robot.root
@@ -87,22 +100,20 @@ def _messages(plan: Plan, description: str) -> Iterator[RecordedMessage]:
     legs = chains_of_legs(plan)
     states = joint_states(trajectory, legs)
     still, moving = link_frames(chain, trajectory.positions, legs)
-    yield RecordedMessage("/robot_description", "std_msgs/String", 0.0, {"data": description})
-    yield RecordedMessage("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
-    yield RecordedMessage("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
+    yield "/robot_description", 0.0, {"data": description}
+    yield "/scene", 0.0, _scene(plan, frame)
+    yield "/arm", 0.0, link_entities(chain)
     yield from _carried(plan, frame)
     # a topic of their own: where one seeks, only the last message of a topic counts
-    yield RecordedMessage("/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0))
+    yield "/tf_static", 0.0, _transforms(still, 0, 0.0)
     for index, time in enumerate(trajectory.time.tolist()):
         state = {"header": {"stamp": stamp(time), "frame_id": root}, **states[index]}
-        yield RecordedMessage("/joint_states", "sensor_msgs/JointState", time, state)
-        yield RecordedMessage(
-            "/tf", "foxglove.FrameTransforms", time, _transforms(moving, index, time)
-        )
+        yield "/joint_states", time, state
+        yield "/tf", time, _transforms(moving, index, time)
         w, x, y, z = turns[index]
         pose = pose_of(tool[index], (w, x, y, z))
         place = {"timestamp": stamp(time), "frame_id": frame, "pose": pose}
-        yield RecordedMessage("/tool", "foxglove.PoseInFrame", time, place)
+        yield "/tool", time, place
 
 
 def _transforms(frames: list[LinkFrame], sample: int, time: float) -> Part:
@@ -120,7 +131,7 @@ def _scene(plan: Plan, frame: str) -> Part:
     return {"deletions": [], "entities": entities}
 
 
-def _carried(plan: Plan, frame: str) -> Iterator[RecordedMessage]:
+def _carried(plan: Plan, frame: str) -> Iterator[tuple[str, float, Part]]:
     """Updates of the scene in which an obstacle moves with the tip, or stands still again."""
     time = motion_of(plan).time
     for one in carried_objects(plan):
@@ -132,11 +143,11 @@ def _carried(plan: Plan, frame: str) -> Iterator[RecordedMessage]:
 
 def _moved(
     time: float, number: int, frame: str, shape: Obstacle, unit: Literal["m", "cm", "mm"]
-) -> RecordedMessage:
+) -> tuple[str, float, Part]:
     """An update of the scene in which an obstacle is in another frame from a time on, [s]."""
     (parts,) = solids((shape,), unit)
     update = {"deletions": [], "entities": [_obstacle(number, frame, parts)]}
-    return RecordedMessage("/scene", "foxglove.SceneUpdate", time, update)
+    return "/scene", time, update
 
 
 def _obstacle(number: int, frame: str, parts: Sequence[Solid]) -> Part:

@@ -13,13 +13,22 @@ from typing import Any
 from abi.export.carried_objects import chains_of_legs
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_arm import LinkFrame, joint_states, link_frames, quaternions, scene_frame
-from abi.export.recorded_message import RecordedMessage
 from abi.export.ros_definitions import DEFINITIONS
 from abi.export.ros_trajectory import trajectory_message
 from abi.obstacles.pose import METRES
 from abi.planner.plan import Plan
 
 _Message = dict[str, Any]
+
+_TOPICS = {
+    "/robot_description": "std_msgs/msg/String",
+    "/joint_trajectory": "trajectory_msgs/msg/JointTrajectory",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/joint_states": "sensor_msgs/msg/JointState",
+    "/tf": "tf2_msgs/msg/TFMessage",
+    "/tool": "geometry_msgs/msg/PoseStamped",
+}
+"""Kind of each topic's messages."""
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -35,13 +44,14 @@ def write(plan: Plan, name: str) -> bytes:
     writer = Writer(file)
     writer.add_metadata("arm", {"state": motion_state(plan)})
     schemas = {kind: writer.register_msgdef(kind, text) for kind, text in DEFINITIONS.items()}
-    for topic, kind, time, data in _messages(plan):
-        writer.write_message(topic, schemas[kind], data, round(time * 1e9))
+    for topic, time, data in _messages(plan):
+        writer.write_message(topic, schemas[_TOPICS[topic]], data, round(time * 1e9))
     writer.finish()  # type: ignore[no-untyped-call]
     return file.getvalue()
 
 
-def _messages(plan: Plan) -> Iterator[RecordedMessage]:
+def _messages(plan: Plan) -> Iterator[tuple[str, float, _Message]]:
+    """Topic, time [s] and fields of each message."""
     assert plan.arm is not None
     chain, trajectory = plan.arm.chain, joint_trajectory(plan)
     frame, root = scene_frame(chain), chain.robot.root
@@ -51,23 +61,16 @@ def _messages(plan: Plan) -> Iterator[RecordedMessage]:
     states = joint_states(trajectory, legs)
     still, moving = link_frames(chain, trajectory.positions, legs)
     text = {"data": plan.arm.description()}
-    yield RecordedMessage("/robot_description", "std_msgs/msg/String", 0.0, text)
-    yield RecordedMessage(
-        "/joint_trajectory",
-        "trajectory_msgs/msg/JointTrajectory",
-        0.0,
-        trajectory_message(plan),
-    )
-    yield RecordedMessage("/tf_static", "tf2_msgs/msg/TFMessage", 0.0, _transforms(still, 0, 0.0))
+    yield "/robot_description", 0.0, text
+    yield "/joint_trajectory", 0.0, trajectory_message(plan)
+    yield "/tf_static", 0.0, _transforms(still, 0, 0.0)
     for index, time in enumerate(trajectory.time.tolist()):
         state = {"header": _header(time, root), **states[index]}
-        yield RecordedMessage("/joint_states", "sensor_msgs/msg/JointState", time, state)
-        yield RecordedMessage(
-            "/tf", "tf2_msgs/msg/TFMessage", time, _transforms(moving, index, time)
-        )
+        yield "/joint_states", time, state
+        yield "/tf", time, _transforms(moving, index, time)
         pose = {"position": _xyz(tool[index]), "orientation": _wxyz(turns[index])}
         place = {"header": _header(time, frame), "pose": pose}
-        yield RecordedMessage("/tool", "geometry_msgs/msg/PoseStamped", time, place)
+        yield "/tool", time, place
 
 
 def _transforms(frames: list[LinkFrame], sample: int, time: float) -> _Message:
