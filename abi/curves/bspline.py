@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, ShortRepr, clip, flat, read_only
 from abi.curves import curve_kernels as kernels
-from abi.curves.clearance.bezier import Bezier
+from abi.curves.bezier import Bezier
 from abi.errors import ArgumentError
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.curves import curve_kernels as kernels
-from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.bezier import Bezier
 
 _GAUSS = 16
 _NODES, _WEIGHTS = legendre.leggauss(_GAUSS)
@@ -24,8 +24,11 @@ _AT_NODES = legendre.legvander(_NODES, _GAUSS).T
 _RULE = (flat(_NODES), flat(_WEIGHTS), flat(_SPEED[:, -2:].T), flat(_TRAVELLED))
 
 
-class Curve(PolynomialCurve, Protocol):
-    """A piecewise polynomial curve in space, such as a spline or a quadratic."""
+class Curve(Protocol):
+    """A continuous, piecewise polynomial curve in space, such as a spline or a quadratic."""
+
+    def bezier(self) -> Bezier:
+        """Bézier points of the curve's polynomials."""
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -123,7 +126,7 @@ class ArcLength(ShortRepr):
         return self.edges, self.travelled, flat(self.series)
 
 
-def arc_length(curve: PolynomialCurve) -> ArcLength:
+def arc_length(curve: Curve | Bezier) -> ArcLength:
     """Arc length of a curve, s(u) = ∫ |P'(u)| du, to about 1e-12 of itself.
 
     Gauss-Legendre quadrature with 16 points on each polynomial piece; pieces are halved until the

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, clip, read_only
-from abi.curves.clearance.bezier import Bezier
+from abi.curves.bezier import Bezier
 from abi.curves.curve import ArcLength, Curve
 from abi.errors import ArgumentError
 

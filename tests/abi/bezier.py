@@ -8,7 +8,7 @@ import numpy as np
 from scipy.interpolate import BPoly
 
 from abi.arrays import FloatArray
-from abi.curves.clearance.bezier import Bezier
+from abi.curves.bezier import Bezier
 
 
 def interpolated(curve: Callable[[FloatArray], FloatArray], breaks: FloatArray, n: int) -> Bezier:

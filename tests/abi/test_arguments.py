@@ -18,9 +18,9 @@ import abi
 from abi import arguments
 from abi.arm_planning.motion.liquid import tilts
 from abi.arm_planning.paper_arm_model import paper_arm
+from abi.curves.bezier import Bezier
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.clear_quadratic import Target
-from abi.curves.clearance.bezier import Bezier
 from abi.curves.clearance.certificate import certify
 from abi.curves.cubic_profile import CubicProfile, from_squared_speeds
 from abi.curves.curve import arc_length

@@ -23,7 +23,7 @@ from abi.arm_planning.exclusion import (
 from abi.arm_planning.exclusion.arm_path_kernels import MOST_TRIES, ArmSegments
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import BoolArray, FloatArray, flat, read_only
-from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.bezier import Bezier
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength, Curve
@@ -76,7 +76,7 @@ class ElbowBranch:
         """A copy with multiples of the slack and the tries."""
         return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
 
-    def refutation(self, curve: PolynomialCurve) -> Refutation | None:
+    def refutation(self, curve: Curve | Bezier) -> Refutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         slide = Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
         result = certify_paper_arm(

@@ -31,11 +31,11 @@ from abi.arm_planning.certificates.separate_paper_arm_kernels import UNREACHED, 
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import flat, read_only
-from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.bezier import Bezier
 from abi.curves.clearance.certificate import Refutation
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.cubic_profile import CubicProfile, PathProfile
-from abi.curves.curve import ArcLength
+from abi.curves.curve import ArcLength, Curve
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import ArmSettings
 
@@ -45,7 +45,7 @@ _SLIDE_PAD = 1e-3  # of its range, for the check's own coarser bounds
 
 
 def certify_paper_arm(
-    curve: PolynomialCurve,
+    curve: Curve | Bezier,
     slide: Slide,
     arm: PaperArm,
     elbow: Literal["up", "down"],
@@ -74,7 +74,7 @@ def certify_paper_arm(
 
 @lru_cache(maxsize=2)
 def _certified(
-    curve: PolynomialCurve,
+    curve: Curve | Bezier,
     bounds: tuple[bytes, ...],
     arm: PaperArm,
     elbow: Literal["up", "down"],
@@ -112,7 +112,7 @@ def _certified(
 
 
 def slide_bounds(
-    curve: PolynomialCurve, arc: ArcLength, profile: PathProfile, settings: ArmSettings
+    curve: Curve | Bezier, arc: ArcLength, profile: PathProfile, settings: ArmSettings
 ) -> Slide:
     """Bounds of q5 along a curve that is followed with a speed profile."""
     breaks = curve.bezier().breaks

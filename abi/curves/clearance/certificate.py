@@ -30,9 +30,10 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
-from abi.curves.clearance.bezier import Bezier, PolynomialCurve
+from abi.curves.bezier import Bezier
 from abi.curves.clearance.certify_curve_kernels import separate_from_mesh, separate_from_primitives
 from abi.curves.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
+from abi.curves.curve import Curve
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
@@ -87,7 +88,7 @@ class Refutation:
 
 
 def certify(
-    curve: PolynomialCurve, obstacles: ObstacleSet, margin: float
+    curve: Curve | Bezier, obstacles: ObstacleSet, margin: float
 ) -> Certificate | Refutation:
     """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it fails.
 

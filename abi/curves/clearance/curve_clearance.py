@@ -9,9 +9,10 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import ShortRepr, flat
-from abi.curves.clearance.bezier import PolynomialCurve
+from abi.curves.bezier import Bezier
 from abi.curves.clearance.certificate import Certificate, certify
 from abi.curves.clearance.curve_clearance_kernels import measure_curve, measure_curve_near_meshes
+from abi.curves.curve import Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 
 # Distances that differ by less are the same, [unit]: rounding, not a violation.
@@ -56,7 +57,7 @@ class Clearance(ShortRepr):
 
 
 def curve_clearance(
-    curve: PolynomialCurve, obstacles: ObstacleSet, required: float = 0.0, tolerance: float = 1e-3
+    curve: Curve | Bezier, obstacles: ObstacleSet, required: float = 0.0, tolerance: float = 1e-3
 ) -> Clearance:
     """Measure the clearance of a curve, and find where it is below ``required``.
 
@@ -102,7 +103,7 @@ def curve_clearance(
 
 
 def proven_clearance(
-    curve: PolynomialCurve, obstacles: ObstacleSet, required: float, tolerance: float = 1e-3
+    curve: Curve | Bezier, obstacles: ObstacleSet, required: float, tolerance: float = 1e-3
 ) -> Clearance:
     """Measure the clearance of a curve, and prove as much of it as possible.
 

@@ -18,7 +18,7 @@ from abi.arm_planning.motion.trajectory import ArmMotion, follow
 from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arm_planning.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
-from abi.curves.clearance.bezier import Bezier
+from abi.curves.bezier import Bezier
 from abi.curves.curve import arc_length
 from abi.curves.three_phase_profile import three_phase
 from abi.errors import ArgumentError

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
 from abi.arrays import FloatArray
+from abi.curves.bezier import Bezier
 from abi.curves.bspline import clamped
-from abi.curves.clearance.bezier import Bezier
 from abi.curves.curve import Curve, arc_length
 from abi.explain.paper import printed
 from tests.abi.bezier import interpolated

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from abi.arrays import FloatArray
-from abi.curves.clearance.bezier import Bezier
+from abi.curves.bezier import Bezier
 from abi.curves.clearance.curve_clearance import curve_clearance
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacle, Obstacles, ObstacleSet

@@ -1,11 +1,10 @@
-"""Bézier pieces of a curve, on which clearance is measured and certified."""
+"""Bézier pieces of a curve, on which its length and its clearance are measured."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol
 
 import numpy as np
 
@@ -14,13 +13,6 @@ from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.errors import ArgumentError
 
 _ROUNDED = 1e-12
-
-
-class PolynomialCurve(Protocol):
-    """A continuous curve in space that is a polynomial between its breaks."""
-
-    def bezier(self) -> Bezier:
-        """Bézier points of the curve's polynomials."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,7 +46,7 @@ class Bezier(ShortRepr):
         return int(self.points.shape[1]) - 1
 
     def bezier(self) -> Bezier:
-        """This curve itself, which is a :class:`PolynomialCurve`."""
+        """This curve itself, as :class:`abi.curves.curve.Curve` gives its pieces."""
         return self
 
     def chords(self, count: int) -> tuple[FloatArray, float]:
