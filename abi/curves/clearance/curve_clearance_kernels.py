@@ -13,7 +13,6 @@ from abi.compilation.borrowed import borrowed, held
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.curves.clearance.mesh_clearance_kernels import (
-    Nearest,
     Pieces,
     Sample,
     joint_at,
@@ -87,32 +86,24 @@ def _cut(control: FloatArray, breaks: FloatArray, parts: int) -> tuple[list[floa
 @jitable
 def _joints(
     primitives: FloatArray, points: list[float], places: list[float], required: float
-) -> tuple[list[Sample], Nearest]:
+) -> tuple[list[Sample], Sample]:
     """Sample the distance where pieces of a curve meet, and find the nearest of these points."""
     count = len(places) - 1
-    nearest = Nearest(math.inf, places[0], -1)
-    joints = [Sample(places[0], math.inf, math.inf)] * (count + 1)
+    nearest = Sample(places[0], math.inf, -1, math.inf)
+    joints = [nearest] * (count + 1)
     for joint in range(count + 1):
         enough = max(nearest.distance, required)
         distance, primitive = nearest_primitive(primitives, enough, joint_at(points, joint, count))
-        joints[joint] = Sample(places[joint], distance, math.inf)
+        joints[joint] = Sample(places[joint], distance, primitive, math.inf)
         if primitive >= 0 and distance < nearest.distance:
-            nearest = Nearest(distance, places[joint], primitive)
+            nearest = joints[joint]
     return joints, nearest
 
 
 @jitable
-def _nearer(nearest: Nearest, found: Nearest, primitives: FloatArray) -> Nearest:
-    """The nearer of two samples, of which ``found`` is near to a mesh."""
-    if found.distance < nearest.distance:
-        return Nearest(found.distance, found.at, len(primitives) // WIDTH + found.obstacle)
-    return nearest
-
-
-@jitable
 def _sample_middles(
-    primitives: FloatArray, pieces: Pieces, required: float, nearest: Nearest
-) -> tuple[list[Sample], list[float], Nearest]:
+    primitives: FloatArray, pieces: Pieces, required: float, nearest: Sample
+) -> tuple[list[Sample], list[float], Sample]:
     """Middles of pieces, lower bounds of the pieces' distances, and the nearest of all samples."""
     points, firsts, lasts = pieces
     count = len(firsts)
@@ -126,9 +117,9 @@ def _sample_middles(
         enough = max(nearest.distance, required)
         distance, primitive, bound = _bound(primitives, enough, points, piece * size, width, x)
         at = (firsts[piece].at + lasts[piece].at) / 2
-        middles[piece], bounds[piece] = Sample(at, distance, math.inf), bound
+        middles[piece], bounds[piece] = Sample(at, distance, primitive, math.inf), bound
         if distance < nearest.distance:
-            nearest = Nearest(distance, at, primitive)
+            nearest = middles[piece]
     return middles, bounds, nearest
 
 
@@ -263,17 +254,16 @@ def measure_curve_near_meshes(
     required = demand[0]
     points, places = _cut(control, breaks, parts)
     joints, nearest = _joints(primitives, points, places, required)
-    found = joints_near_meshes(surfaces, points, joints, nearest.distance, required, room)
-    nearest = _nearer(nearest, found, primitives)
+    first_row = len(primitives) // WIDTH
+    nearest = joints_near_meshes(surfaces, first_row, points, joints, nearest, required, room)
     pieces = Pieces(points, joints[:-1], joints[1:])
     bottom, stretches = nearest.distance, [(0.0, 0.0)]
     for halvings in range(_MOST_HALVINGS + 1):
         middles, bounds, nearest = _sample_middles(primitives, pieces, required, nearest)
-        found = middles_near_meshes(
-            surfaces, pieces, middles, bounds, nearest.distance, demand, room
+        nearest = middles_near_meshes(
+            surfaces, first_row, pieces, middles, bounds, nearest, demand, room
         )
-        nearest = _nearer(nearest, found, primitives)
-        exactly = nearest.obstacle >= len(primitives) // WIDTH
+        exactly = nearest.obstacle >= first_row
         chosen = _undecided(pieces, middles, bounds, nearest.distance, demand, exactly)
         if halvings == _MOST_HALVINGS or 2 * len(chosen) > _MOST_PIECES:
             chosen.clear()

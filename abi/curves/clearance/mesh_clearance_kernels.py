@@ -43,24 +43,15 @@ class Sample(NamedTuple):
 
     Attributes:
         at: parameter.
-        distance: signed distance, [unit].
-        to_meshes: lower bound of that to the meshes alone, [unit].
+        distance: signed distance to the nearest obstacle, [unit]; inf before any is known.
+        obstacle: its row, those of meshes after those of primitives; -1 before any is known.
+        to_meshes: lower bound of the distance to the meshes alone, [unit].
     """
 
     at: float
     distance: float
-    to_meshes: float
-
-
-class Nearest(NamedTuple):
-    """The sample nearest to an obstacle: its signed distance, [unit], parameter, and whose it is.
-
-    Inf and -1 before there is any.
-    """
-
-    distance: float
-    at: float
     obstacle: int
+    to_meshes: float
 
 
 class Pieces(NamedTuple):
@@ -123,94 +114,100 @@ def _sought(enough: float, chord: tuple[float, float]) -> float:
 @jitable
 def joints_near_meshes(
     surfaces: SurfaceSet,
+    first_row: int,
     points: list[float],
     joints: list[Sample],
-    nearest: float,
+    nearest: Sample,
     required: float,
     room: DescentWorkspace,
-) -> Nearest:
+) -> Sample:
     """Lower the distances between pieces that are one curve, and at its ends, to the meshes'.
 
     Args:
         surfaces: the meshes.
+        first_row: that of the first of them.
         points: of the n pieces, flat (3 n (degree + 1),), [unit], world.
         joints: the samples there (n + 1,); written.
-        nearest: the least distance so far, [unit].
+        nearest: the nearest sample so far.
         required: what is farther than that and the nearest sample may be left out, [unit].
         room: for descents.
 
     Returns:
-        The nearest of them, with the number of the mesh.
+        The nearest sample of all.
     """
     count = len(joints) - 1
     size = len(points) // count
+    most = nearest.distance
     for joint in range(count + 1):
-        nearest = most_to_mesh(surfaces, nearest, joint_at(points, joint, count))
-    enough = widened(max(nearest, required))
-    least = Nearest(math.inf, 0.0, -1)
+        most = most_to_mesh(surfaces, most, joint_at(points, joint, count))
+    enough = widened(max(most, required))
     before = 0.0
     for joint in range(count + 1):
         after = _sought(enough, _chord(points, joint * size, size)) if joint < count else 0.0
         x = joint_at(points, joint, count)
         away, mesh, _, bound = nearest_mesh(surfaces, enough, max(before, after), x, room)
         before = after
-        at, distance, _ = joints[joint]
-        joints[joint] = Sample(at, min(distance, away), bound)
-        if away < least.distance:
-            least = Nearest(away, at, mesh)
-    return least
+        at, distance, obstacle, _ = joints[joint]
+        if away < distance:
+            distance, obstacle = away, first_row + mesh
+        joints[joint] = Sample(at, distance, obstacle, bound)
+        if away < nearest.distance:
+            nearest = joints[joint]
+    return nearest
 
 
 @jitable
 def middles_near_meshes(
     surfaces: SurfaceSet,
+    first_row: int,
     pieces: Pieces,
     middles: list[Sample],
     bounds: list[float],
-    nearest: float,
+    nearest: Sample,
     demand: tuple[float, float, float],
     room: DescentWorkspace,
-) -> Nearest:
+) -> Sample:
     """Lower the distances at the middles of pieces, and their bounds, to those to the meshes.
 
     A middle is left out where the ends of the piece, neither of which is too near or the nearest so
     far, bound it well enough.
 
     Args:
-        surfaces, nearest, room: see :func:`joints_near_meshes`.
+        surfaces, first_row, nearest, room: see :func:`joints_near_meshes`.
         pieces: n in number.
         middles: the samples there (n,); written.
         bounds: of the distances along the pieces from below (n,), [unit]; written.
         demand: see ``measure_curve``.
 
     Returns:
-        The nearest of the middles, with the number of the mesh.
+        The nearest sample of all.
     """
     points, firsts, lasts = pieces
     required, tolerance, _ = demand
     size = len(points) // len(middles)
     halves = [0.0] * (2 * size)
-    least = Nearest(math.inf, 0.0, -1)
+    before = nearest.distance
     for piece in range(len(middles)):
         first, last = firsts[piece], lasts[piece]
-        at, distance, _ = middles[piece]
-        enough = widened(max(min(nearest, least.distance), required))
+        at, distance, obstacle, _ = middles[piece]
+        enough = widened(max(nearest.distance, required))
         bound = _least_between(first.to_meshes, last.to_meshes, _chord(points, piece * size, size))
         middle, near = bound, min(first.distance, last.distance)
-        if near < required or near <= nearest or bound < enough - tolerance:
+        if near < required or near <= before or bound < enough - tolerance:
             divide(points, piece * size, halves, 0, size, size // 3, 0.5)
             left, right = _chord(halves, 0, size), _chord(halves, size, size)
             sought = max(_sought(enough, left), _sought(enough, right))
             x = vec3_at(halves, size)
             away, mesh, _, middle = nearest_mesh(surfaces, enough, sought, x, room)
-            distance = min(distance, away)
+            if away < distance:
+                distance, obstacle = away, first_row + mesh
             halved = min(
                 _least_between(first.to_meshes, middle, left),
                 _least_between(middle, last.to_meshes, right),
             )
             bound = max(bound, halved)
-            if away < least.distance:
-                least = Nearest(away, at, mesh)
         bounds[piece] = min(bounds[piece], bound)
-        middles[piece] = Sample(at, distance, middle)
-    return least
+        middles[piece] = Sample(at, distance, obstacle, middle)
+        if distance < nearest.distance:
+            nearest = middles[piece]
+    return nearest
