@@ -42,7 +42,6 @@ from abi.curves.clearance.separation_kernels import (
     SeparatingPlane,
     halves_of_motion,
     new_lists,
-    none_left,
     separate_pieces,
     table_of,
     whole_motion,
@@ -156,7 +155,7 @@ def _along_motion(
     The size of what is left is the largest motion of a body.
     """
     chain, hulls, points, around, pose = problem
-    planes, candidates, work = lists
+    planes, candidates, work = lists.planes, lists.candidates, lists.work
     joints_at(points, behind.start, pose)
     ways_of(points, piece, pose)
     place_hulls(chain, hulls, pose)
@@ -222,14 +221,14 @@ def separate_motion(
     """
     count = len(chain.limits) // 2
     pose = new_pose(chain, hulls, count, width)
-    lists, left = new_lists(), none_left()
+    lists = new_lists()
     _add_pairs(around, hulls, lists.candidates)
     size = FINEST * around.size
     limits = HalvingLimits(1, size, most_tries, finest, to_the_end, False)
     whole = whole_motion(len(points) // (width * count) + 1)
     problem = chain, hulls, points, around, pose
-    separate_pieces(problem, whole, halves_of_motion, _along_motion, limits, lists, left)
-    outcomes = np.empty(len(left.outcomes) - 1)
+    separate_pieces(problem, whole, halves_of_motion, _along_motion, limits, lists)
+    outcomes = np.empty(len(lists.outcomes) - 1)
     for i in range(len(outcomes)):
-        outcomes[i] = left.outcomes[i + 1]
-    return table_of(lists.planes), table_of(left.planes), outcomes
+        outcomes[i] = lists.outcomes[i + 1]
+    return table_of(lists.planes), table_of(lists.left), outcomes

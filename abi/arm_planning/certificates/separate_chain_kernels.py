@@ -39,7 +39,6 @@ from abi.curves.clearance.separation_kernels import (
     SeparatingPlane,
     halves_of_motion,
     new_lists,
-    none_left,
     separate_pieces,
     table_of,
     whole_motion,
@@ -308,7 +307,7 @@ def _along_knots(
     The size of what is left is the largest way of a capsule.
     """
     _, bodies, _, around, certify, _, latest = problem
-    planes, candidates, work = lists
+    planes, candidates, work = lists.planes, lists.candidates, lists.work
     solid_pairs, allowance = len(bodies.frames) * len(around.margins), ALLOWANCE * around.size
     near, before = _go_to(problem, piece, behind.start), len(candidates)
     work.clear()
@@ -370,12 +369,12 @@ def separate_knots(
     own = _Pose(numbers(count), ways, ends, poses, numbers(count), placed)
     pose = borrowed(own)
     problem = chain, bodies, knots, around, certify, pose, [NO_DIRECTION]
-    lists, left = new_lists(), none_left()
+    lists = new_lists()
     whole = whole_motion(len(knots) // count)
     near = _go_to(problem, whole, halves_of_motion(problem, whole)[1].start)
     _add_pairs(problem, near, lists.candidates)
     limits = HalvingLimits(1, FINEST * around.size, most_tries, math.inf, False, not certify)
-    ending = separate_pieces(problem, whole, halves_of_motion, _along_knots, limits, lists, left)
+    ending = separate_pieces(problem, whole, halves_of_motion, _along_knots, limits, lists)
     held(own)
     return (*ending, table_of(lists.planes))
 

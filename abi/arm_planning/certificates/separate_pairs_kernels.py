@@ -216,7 +216,7 @@ def separate_pairs(
         many could be left out; the largest way of a capsule that is left, [unit].
     """
     count, (start, end, at, allowance, bounded, keeps) = len(around.margins), span
-    planes, candidates, work = lists
+    planes, candidates, work = lists.planes, lists.candidates, lists.work
     latest.clear()
     capsule = capsule_of(arm, 0)
     left, tries, spared, farthest = -1, 0, 0, 0.0

@@ -38,7 +38,6 @@ from abi.curves.clearance.separation_kernels import (
     ProofLists,
     halves_of_curve,
     new_lists,
-    none_left,
     separate_pieces,
     table_of,
     whole_curve,
@@ -186,7 +185,7 @@ def _along_curve(
     neighbourhood, bounded = neighbourhood_of(arm, pose, (farthest, slid))
     allowance = allowance_of(around, neighbourhood.rates)
     span = Span(piece.start, piece.end, behind.start, allowance, bounded, True)
-    _, candidates, work = lists
+    candidates, work = lists.candidates, lists.work
     work.clear()
     for i in range(known[1] - 1, known[0] - 1, -1):
         work.append(candidates[i])
@@ -228,7 +227,7 @@ def separate_arm(
     """
     for i in range(len(world)):
         points[i] = world[i]
-    lists, left = new_lists(), none_left()
+    lists = new_lists()
     for c in range(len(arm.capsules) // CAPSULE):
         add_pairs_within(around, c, (_ANYWHERE, _ANYWHERE), math.inf, lists.candidates)
     if len(lists.candidates) == 0:
@@ -237,5 +236,5 @@ def separate_arm(
     curve, whole = whole_curve(points, breaks, width)
     limits = HalvingLimits(width, FINEST * around.size, most_tries, math.inf, False, False)
     problem = curve, arm, around, slide, [NO_DIRECTION]
-    ending = separate_pieces(problem, whole, halves_of_curve, _along_curve, limits, lists, left)
+    ending = separate_pieces(problem, whole, halves_of_curve, _along_curve, limits, lists)
     return (*ending, table_of(lists.planes))

@@ -32,7 +32,6 @@ from abi.curves.clearance.separation_kernels import (
     halves_of_curve,
     least_product,
     new_lists,
-    none_left,
     separate_pieces,
     table_of,
     whole_curve,
@@ -81,7 +80,6 @@ def _before_primitive(
     The size of what is left is its extent.
     """
     (points, _, width), s, axes, core, scale, margin = problem
-    planes, _, _ = lists
     middle = vec3_at(points, 3 * behind.first)
     distance, direction = signed_distance_gradient(core, middle)
     allowance = allowance_of(scale, width - 1, piece.halvings, margin)
@@ -100,7 +98,7 @@ def _before_primitive(
         separated = level > need
     if separated:
         normal = in_world(axes, direction)
-        planes.append(SeparatingPlane(piece.start, piece.end, s, normal, level))
+        lists.planes.append(SeparatingPlane(piece.start, piece.end, s, normal, level))
         return Attempt(UNDECIDED, -1, distance, 0, size)
     return Attempt(UNDECIDED, s, distance, 1, size)
 
@@ -129,7 +127,7 @@ def separate_from_primitives(
     """
     spans, count = len(breaks) - 1, len(primitives) // WIDTH
     width = len(world) // (3 * spans)
-    lists, left = new_lists(), none_left()
+    lists = new_lists()
     finest = 0.0
     for s in range(count):
         finest = max(finest, FINEST * _scale_of(primitives, s, size))
@@ -142,7 +140,7 @@ def separate_from_primitives(
         core, scale = core_of(primitives, s), _scale_of(primitives, s, size)
         problem = curve, s, axes, core, scale, margin
         outcome, at, _, distance = separate_pieces(
-            problem, whole, halves_of_curve, _before_primitive, limits, lists, left
+            problem, whole, halves_of_curve, _before_primitive, limits, lists
         )
         if outcome != CERTIFIED:
             return outcome, at, s, distance, table_of(lists.planes)
@@ -237,7 +235,7 @@ def _before_surface(
     The size of what is left is the piece's extent.
     """
     (points, _, width), tree, scale, margin = problem
-    planes, candidates, work = lists
+    planes, candidates, work = lists.planes, lists.candidates, lists.work
     middle = vec3_at(points, 3 * behind.first)
     extent = extent_of(points, 3 * piece.first, 3 * piece.last)
     size = max(
@@ -305,13 +303,13 @@ def separate_from_mesh(
         margin: distance to prove, at least 0, [unit].
         most_tries: tries it may take.
     """
-    lists, left = new_lists(), none_left()
+    lists = new_lists()
     lists.candidates.append(0)  # the root of the tree
     curve, whole = whole_curve(points, breaks, degree + 1)
     limits = HalvingLimits(degree + 1, FINEST * scale, most_tries, math.inf, False, False)
     problem = curve, tree, scale, margin
     outcome, at, _, distance = separate_pieces(
-        problem, whole, halves_of_curve, _before_surface, limits, lists, left
+        problem, whole, halves_of_curve, _before_surface, limits, lists
     )
     number = 0 if outcome != CERTIFIED else -1
     return outcome, at, number, distance, table_of(lists.planes)

@@ -189,37 +189,24 @@ class ProofLists(NamedTuple):
         planes: what separates pairs.
         candidates: pairs, those of every pending piece, a piece's own together.
         work: pairs of the present piece, the next one last.
+        left: pairs that are not separated: of each its piece, and the pose as level; there is no
+            direction.
+        outcomes: of each of these UNDECIDED, SPENT, or why it cannot be separated.
     """
 
     planes: list[SeparatingPlane]
     candidates: list[int]
     work: list[int]
-
-
-@jitable
-def new_lists() -> ProofLists:
-    """Empty lists of a proof; that of planes begins with one that means nothing."""
-    lists = ProofLists([NO_PLANE], [0], [0])
-    lists.candidates.clear()
-    return lists
-
-
-class PairsLeft(NamedTuple):
-    """Pairs that a proof does not separate.
-
-    Attributes:
-        planes: of each its piece, and the pose as level; there is no direction.
-        outcomes: of each UNDECIDED, SPENT, or why it cannot be separated.
-    """
-
-    planes: list[SeparatingPlane]
+    left: list[SeparatingPlane]
     outcomes: list[int]
 
 
 @jitable
-def none_left() -> PairsLeft:
-    """Empty lists of pairs that are not separated; both begin with one that means nothing."""
-    return PairsLeft([NO_PLANE], [0])
+def new_lists() -> ProofLists:
+    """Empty lists of a proof; those of planes and of outcomes begin with what means nothing."""
+    lists = ProofLists([NO_PLANE], [0], [0], [NO_PLANE], [0])
+    lists.candidates.clear()
+    return lists
 
 
 Ending = tuple[int, float, int, float]
@@ -227,15 +214,13 @@ Ending = tuple[int, float, int, float]
 
 
 @jitable
-def _leave(
-    left: PairsLeft, candidates: list[int], known: tuple[int, int], piece: Piece, ending: Ending
-) -> None:
+def _leave(lists: ProofLists, known: tuple[int, int], piece: Piece, ending: Ending) -> None:
     """Note a range of the candidates as left, for the reason with which a piece ends a proof."""
     outcome, at, _, _ = ending
     for i in range(known[0], known[1]):
-        pair, none = candidates[i], (0.0, 0.0, 0.0)
-        left.planes.append(SeparatingPlane(piece.start, piece.end, pair, none, at))
-        left.outcomes.append(outcome)
+        pair, none = lists.candidates[i], (0.0, 0.0, 0.0)
+        lists.left.append(SeparatingPlane(piece.start, piece.end, pair, none, at))
+        lists.outcomes.append(outcome)
 
 
 class Attempt(NamedTuple):
@@ -290,7 +275,6 @@ def separate_pieces(
     attempt: Callable[[_Problem, Piece, Piece, tuple[int, int], ProofLists], Attempt],
     limits: HalvingLimits,
     lists: ProofLists,
-    left: PairsLeft,
 ) -> Ending:
     """Separate every piece of a path from everything, or find one that is not separated.
 
@@ -304,7 +288,6 @@ def separate_pieces(
         attempt: tries the candidates in a range of ``lists`` on a piece, whose second half it gets.
         limits: where halving ends.
         lists: written.
-        left: takes what is not separated.
 
     Returns:
         Where the last piece is that is left; CERTIFIED if none is.
@@ -325,7 +308,7 @@ def separate_pieces(
         at = behind.start
         if limits.to_the_end and tries > limits.most_tries:
             ending = SPENT, at, -1, 0.0
-            _leave(left, candidates, (lowest, highest), piece, ending)
+            _leave(lists, (lowest, highest), piece, ending)
             continue
         outcome, pair, distance, tried, size = attempt(
             problem, piece, behind, (lowest, highest), lists
@@ -340,7 +323,7 @@ def separate_pieces(
             final = True
         if final or (tries > limits.most_tries and not limits.to_the_end):
             ending = outcome, at, pair, distance
-            _leave(left, candidates, (known, len(candidates)), piece, ending)
+            _leave(lists, (known, len(candidates)), piece, ending)
             if limits.to_the_end:
                 continue
             return ending

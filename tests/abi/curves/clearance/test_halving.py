@@ -20,13 +20,11 @@ from abi.curves.clearance.separation_kernels import (
     Attempt,
     Ending,
     HalvingLimits,
-    PairsLeft,
     Piece,
     ProofLists,
     SeparatingPlane,
     halves_of_motion,
     new_lists,
-    none_left,
     separate_pieces,
     whole_motion,
 )
@@ -56,15 +54,13 @@ def attempt(
     return Attempt(REFUTED if refuted else UNDECIDED, touching, 0.0, tries, size)
 
 
-def prove(
-    problem: Touching, knots: int, limits: HalvingLimits
-) -> tuple[Ending, ProofLists, PairsLeft]:
+def prove(problem: Touching, knots: int, limits: HalvingLimits) -> tuple[Ending, ProofLists]:
     """Run the loop on all pairs."""
-    lists, left = new_lists(), none_left()
+    lists = new_lists()
     lists.candidates.extend(range(len(problem[0])))
     whole = whole_motion(knots)
-    ending = separate_pieces(problem, whole, halves_of_motion, attempt, limits, lists, left)
-    return ending, lists, left
+    ending = separate_pieces(problem, whole, halves_of_motion, attempt, limits, lists)
+    return ending, lists
 
 
 @given(PLACES, st.integers(2, 9), st.booleans(), st.booleans())
@@ -73,10 +69,10 @@ def test_every_pair_is_separated_or_left_on_pieces_that_tile_the_whole(
 ) -> None:
     places = [share * (knots - 1) for share in shares]
     limits = HalvingLimits(1, FINEST, 10**6, FINEST, True, longest_first)
-    ending, lists, left = prove((places, seen), knots, limits)
+    ending, lists = prove((places, seen), knots, limits)
     assert (ending[0] == CERTIFIED) == all(map(math.isinf, places))
     for pair, place in enumerate(places):
-        kept = [one for one in left.planes[1:] if one.obstacle == pair]
+        kept = [one for one in lists.left[1:] if one.obstacle == pair]
         assert all(one.start <= place <= one.end <= one.start + FINEST for one in kept)
         assert bool(kept) == math.isfinite(place)
         tiles = sorted((one.start, one.end) for one in lists.planes[1:] if one.obstacle == pair)
@@ -92,12 +88,12 @@ def test_what_a_budget_leaves_untried_is_told(
 ) -> None:
     places = [share * (knots - 1) for share in shares]
     limits = HalvingLimits(1, FINEST, most_tries, math.inf, True, False)
-    _, lists, left = prove((places, False), knots, limits)
+    _, lists = prove((places, False), knots, limits)
     covered = [0.0] * len(places)
-    for one in (*lists.planes[1:], *left.planes[1:]):
+    for one in (*lists.planes[1:], *lists.left[1:]):
         covered[one.obstacle] += one.end - one.start
     assert all(math.isclose(length, knots - 1) for length in covered)
-    assert set(left.outcomes[1:]) <= {SPENT, UNDECIDED}
+    assert set(lists.outcomes[1:]) <= {SPENT, UNDECIDED}
 
 
 @given(PLACES, st.integers(2, 9), st.booleans())
@@ -106,6 +102,6 @@ def test_a_proof_that_is_to_end_does_so_with_the_first_piece_that_touches(
 ) -> None:
     places = [share * (knots - 1) for share in shares]
     limits = HalvingLimits(1, FINEST, 10**6, math.inf, False, longest_first)
-    ending, _, _ = prove((places, True), knots, limits)
+    ending, _ = prove((places, True), knots, limits)
     first = 0.5 * (knots - 1) if knots == 2 else math.floor(0.5 * (knots - 1))
     assert ending[:2] == ((CERTIFIED, 0.0) if all(map(math.isinf, places)) else (REFUTED, first))
