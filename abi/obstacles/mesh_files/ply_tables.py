@@ -19,20 +19,20 @@ _FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _MOST_ROWS = 20_000_000
 
 
-class Property(NamedTuple):
-    """Name and type of a property; ``length`` is the type of a list's length, else empty."""
-
-    name: str
-    kind: str
-    length: str
-
-
 class PlyElement(NamedTuple):
-    """Name, rows and properties of an element."""
+    """An element and its properties.
+
+    Attributes:
+        name: of the element.
+        rows: their number.
+        kinds: type of each property, or of a list's values, by the property's name.
+        lengths: type of the lengths of each property that is a list.
+    """
 
     name: str
     rows: int
-    properties: tuple[Property, ...]
+    kinds: Mapping[str, str]
+    lengths: Mapping[str, str]
 
 
 class PlyLists(NamedTuple):
@@ -59,12 +59,13 @@ def header(lines: Sequence[str]) -> tuple[str | None, list[PlyElement]]:
             case ["element", name, rows] if rows.isascii() and rows.isdigit() and len(rows) < 10:
                 if any(one.name == name for one in elements) or int(rows) > _MOST_ROWS:
                     raise ValueError(f"elements once and of a modest number, not {line[:60]!r}")
-                elements.append(PlyElement(name, int(rows), ()))
+                elements.append(PlyElement(name, int(rows), {}, {}))
             case ["property", "list", count, kind, name] if elements and _are_types(count, kind):
-                added = Property(name, _TYPES[kind], _TYPES[count])
-                elements[-1] = _with(elements[-1], added)
+                elements[-1] = _with(elements[-1], name, kind)
+                lengths = {**elements[-1].lengths, name: _TYPES[count]}
+                elements[-1] = elements[-1]._replace(lengths=lengths)
             case ["property", kind, name] if elements and _are_types(kind):
-                elements[-1] = _with(elements[-1], Property(name, _TYPES[kind], ""))
+                elements[-1] = _with(elements[-1], name, kind)
             case _:
                 raise ValueError(f"a PLY header, its line {number} is {line.strip()[:40]!r}")
     if not known:
@@ -76,10 +77,10 @@ def _are_types(*names: str) -> bool:
     return all(name in _TYPES for name in names)
 
 
-def _with(element: PlyElement, added: Property) -> PlyElement:
-    if any(one.name == added.name for one in element.properties):
-        raise ValueError(f"properties of different names, {shown(added.name)} is there twice")
-    return element._replace(properties=(*element.properties, added))
+def _with(element: PlyElement, name: str, kind: str) -> PlyElement:
+    if name in element.kinds:
+        raise ValueError(f"properties of different names, {shown(name)} is there twice")
+    return element._replace(kinds={**element.kinds, name: _TYPES[kind]})
 
 
 def text_tables(body: bytes, elements: Sequence[PlyElement]) -> tuple[list[Table], int]:
@@ -93,11 +94,10 @@ def text_tables(body: bytes, elements: Sequence[PlyElement]) -> tuple[list[Table
 
 
 def _text_table(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Table, int]:
-    lists = [k for k, one in enumerate(element.properties) if one.length]
-    width = len(element.properties)
+    width = len(element.kinds)
     if not element.rows or not width:
         return _columns(element, np.empty((0, width)), {}), at
-    if not lists:
+    if not element.lengths:
         end = at + element.rows * width
         if end > len(numbers):
             raise _cut_off(element)
@@ -107,41 +107,43 @@ def _text_table(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Tabl
     if element.rows * width > len(numbers) - at:
         raise _cut_off(element)
     plain = np.empty((element.rows, width))
-    found: dict[int, list[FloatArray]] = {k: [] for k in lists}
+    found: dict[str, list[FloatArray]] = {name: [] for name in element.lengths}
     for row in range(element.rows):
-        for k, one in enumerate(element.properties):
+        for k, name in enumerate(element.kinds):
             if at >= len(numbers):
                 raise _cut_off(element)
             value = numbers[at]
             plain[row, k] = value
             at += 1
-            if one.length:
+            if name in found:
                 length = _length(float(value), element)
-                found[k].append(numbers[at : at + length])
+                found[name].append(numbers[at : at + length])
                 at += length
     if at > len(numbers):
         raise _cut_off(element)
-    return _columns(element, plain, {k: np.concatenate(found[k]) for k in lists}), at
+    lists = {name: np.concatenate(values) for name, values in found.items()}
+    return _columns(element, plain, lists), at
 
 
 def _uniform_text(numbers: FloatArray, at: int, element: PlyElement) -> tuple[Table, int] | None:
     """The rows of an element whose lists all have the first row's lengths; otherwise None."""
-    starts: dict[int, int] = {}
-    counts: dict[int, int] = {}
+    starts: dict[str, int] = {}
+    counts: dict[str, int] = {}
     width = 0
-    for k, one in enumerate(element.properties):
-        starts[k] = width
-        if one.length and at + width < len(numbers):
-            counts[k] = _length(float(numbers[at + width]), element)
-        width += 1 + counts.get(k, 0)
+    for name in element.kinds:
+        starts[name] = width
+        if name in element.lengths and at + width < len(numbers):
+            counts[name] = _length(float(numbers[at + width]), element)
+        width += 1 + counts.get(name, 0)
     end = at + element.rows * width
     if end > len(numbers):
         return None
     rows = numbers[at:end].reshape(-1, width)
-    if any((rows[:, starts[k]] != count).any() for k, count in counts.items()):
+    if any((rows[:, starts[name]] != count).any() for name, count in counts.items()):
         return None
     lists = {
-        k: rows[:, starts[k] + 1 : starts[k] + 1 + count].reshape(-1) for k, count in counts.items()
+        name: rows[:, starts[name] + 1 : starts[name] + 1 + count].reshape(-1)
+        for name, count in counts.items()
     }
     return _columns(element, rows[:, list(starts.values())], lists), end
 
@@ -158,9 +160,8 @@ def binary_tables(
 
 
 def _binary_table(body: bytes, at: int, element: PlyElement, order: str) -> tuple[Table, int]:
-    width = len(element.properties)
-    if not element.rows or not width:
-        return _columns(element, np.empty((0, width)), {}), at
+    if not element.rows or not element.kinds:
+        return _columns(element, np.empty((0, len(element.kinds))), {}), at
     lengths = _first_lengths(body, at, element, order)
     row = _row_type(element, order, lengths)
     end = at + element.rows * row.itemsize
@@ -168,70 +169,70 @@ def _binary_table(body: bytes, at: int, element: PlyElement, order: str) -> tupl
         if end > len(body):
             raise _cut_off(element)
         rows = np.frombuffer(body, row, element.rows, at)
-        if all((rows[f"n{k}"] == length).all() for k, length in lengths.items()):
-            plain = np.stack(
-                [rows[f"n{k}" if k in lengths else f"v{k}"] for k in range(width)], axis=1
-            ).astype(np.float64)
-            values = {k: rows[f"v{k}"].reshape(-1).astype(np.float64) for k in lengths}
+        if all((rows[f"n{name}"] == length).all() for name, length in lengths.items()):
+            firsts = [f"n{name}" if name in lengths else f"v{name}" for name in element.kinds]
+            plain = np.stack([rows[first] for first in firsts], axis=1).astype(np.float64)
+            values = {name: rows[f"v{name}"].reshape(-1).astype(np.float64) for name in lengths}
             return _columns(element, plain, values), end
     return _mixed_table(body, at, element, order)
 
 
-def _first_lengths(body: bytes, at: int, element: PlyElement, order: str) -> dict[int, int]:
+def _first_lengths(body: bytes, at: int, element: PlyElement, order: str) -> dict[str, int]:
     """Length of each list in the first row."""
     lengths = {}
-    for k, one in enumerate(element.properties):
-        if one.length:
-            lengths[k], at = _binary_length(body, at, element, one, order)
-            at += lengths[k] * np.dtype(one.kind).itemsize
-        else:
-            at += np.dtype(one.kind).itemsize
+    for name, kind in element.kinds.items():
+        count = 1
+        if name in element.lengths:
+            lengths[name], at = _binary_length(body, at, element, name, order)
+            count = lengths[name]
+        at += count * np.dtype(kind).itemsize
     return lengths
 
 
 def _binary_length(
-    body: bytes, at: int, element: PlyElement, one: Property, order: str
+    body: bytes, at: int, element: PlyElement, name: str, order: str
 ) -> tuple[int, int]:
-    size = np.dtype(one.length).itemsize
+    kind = np.dtype(order + element.lengths[name])
+    size = kind.itemsize
     if at + size > len(body):
         raise _cut_off(element)
-    value = float(np.frombuffer(body, order + one.length, 1, at)[0])
+    value = float(np.frombuffer(body, kind, 1, at)[0])
     return _length(value, element), at + size
 
 
-def _row_type(element: PlyElement, order: str, lengths: Mapping[int, int]) -> np.dtype[np.void]:
+def _row_type(element: PlyElement, order: str, lengths: Mapping[str, int]) -> np.dtype[np.void]:
     fields: list[tuple[str, str] | tuple[str, str, int]] = []
-    for k, one in enumerate(element.properties):
-        if one.length:
-            fields += [(f"n{k}", order + one.length), (f"v{k}", order + one.kind, lengths[k])]
+    for name, kind in element.kinds.items():
+        if name in lengths:
+            fields.append((f"n{name}", order + element.lengths[name]))
+            fields.append((f"v{name}", order + kind, lengths[name]))
         else:
-            fields.append((f"v{k}", order + one.kind))
+            fields.append((f"v{name}", order + kind))
     return np.dtype(fields)
 
 
 def _mixed_table(body: bytes, at: int, element: PlyElement, order: str) -> tuple[Table, int]:
     """Rows whose lists differ in length."""
-    least = sum(np.dtype(one.length or one.kind).itemsize for one in element.properties)
+    # a list may be empty: each row has its length at least
+    least = sum(np.dtype(kind).itemsize for kind in {**element.kinds, **element.lengths}.values())
     if element.rows * least > len(body) - at:
         raise _cut_off(element)
-    plain = np.empty((element.rows, len(element.properties)))
-    found: dict[int, list[FloatArray]] = {
-        k: [] for k, one in enumerate(element.properties) if one.length
-    }
+    plain = np.empty((element.rows, len(element.kinds)))
+    found: dict[str, list[FloatArray]] = {name: [] for name in element.lengths}
     for row in range(element.rows):
-        for k, one in enumerate(element.properties):
+        for k, (name, type_of_values) in enumerate(element.kinds.items()):
             count = 1
-            if one.length:
-                count, at = _binary_length(body, at, element, one, order)
-            kind = np.dtype(order + one.kind)
+            if name in found:
+                count, at = _binary_length(body, at, element, name, order)
+            kind = np.dtype(order + type_of_values)
             if at + count * kind.itemsize > len(body):
                 raise _cut_off(element)
             values = np.frombuffer(body, kind, count, at)
             at += count * kind.itemsize
-            plain[row, k] = count if one.length else values[0]
-            if one.length:
-                found[k].append(values)
-    values_of = {k: np.concatenate(rows).astype(np.float64) for k, rows in found.items()}
+            plain[row, k] = count if name in found else values[0]
+            if name in found:
+                found[name].append(values)
+    values_of = {name: np.concatenate(rows).astype(np.float64) for name, rows in found.items()}
     return _columns(element, plain, values_of), at
 
 
@@ -248,10 +249,10 @@ def _cut_off(element: PlyElement) -> ValueError:
     )
 
 
-def _columns(element: PlyElement, plain: FloatArray, lists: Mapping[int, FloatArray]) -> Table:
+def _columns(element: PlyElement, plain: FloatArray, lists: Mapping[str, FloatArray]) -> Table:
     return {
-        one.name: PlyLists(plain[:, k].astype(np.int32), lists.get(k, np.empty(0)))
-        if one.length
+        name: PlyLists(plain[:, k].astype(np.int32), lists.get(name, np.empty(0)))
+        if name in element.lengths
         else plain[:, k]
-        for k, one in enumerate(element.properties)
+        for k, name in enumerate(element.kinds)
     }
