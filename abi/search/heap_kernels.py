@@ -131,43 +131,33 @@ def bidirectional_order(arcs: ArcRows, ends: tuple[int, int]) -> IntArray:
 Key = tuple[float, float, int]
 
 
-class _LifelongLabels(NamedTuple):
-    """Labels of the nodes.
-
-    Attributes:
-        cost: (n,) g, by which a node was expanded last; inf where it was not.
-        ahead: (n,) rhs, the best that g of the neighbours says now.
-        parent: (n,) the neighbour that says it; -1 for none.
-    """
-
-    cost: FloatArray
-    ahead: FloatArray
-    parent: IntArray
-
-
 @jitable
-def _key(labels: _LifelongLabels, estimates: FloatArray, node: int) -> Key:
+def _key(cost: FloatArray, ahead: FloatArray, estimates: FloatArray, node: int) -> Key:
     """Place of a node in the queue: f, then g, by the lesser of its two costs."""
-    least = min(labels.cost[node], labels.ahead[node])
+    least = min(cost[node], ahead[node])
     return least + estimates[node], least, node
 
 
 @jitable
-def _look_ahead(arcs: ArcRows, labels: _LifelongLabels, node: int) -> int:
+def _look_ahead(
+    arcs: ArcRows, cost: FloatArray, ahead: FloatArray, parent: IntArray, node: int
+) -> int:
     """Find a node's least cost by way of a neighbour; return the number of arcs examined."""
-    least, parent = np.inf, -1
+    least, origin = np.inf, -1
     for k in range(arcs.indptr[node], arcs.indptr[node + 1]):
-        through = labels.cost[arcs.indices[k]] + arcs.weights[k]
+        through = cost[arcs.indices[k]] + arcs.weights[k]
         if through < least:
-            least, parent = through, arcs.indices[k] + 0
-    labels.ahead[node], labels.parent[node] = least, parent
+            least, origin = through, arcs.indices[k] + 0
+    ahead[node], parent[node] = least, origin
     return int(arcs.indptr[node + 1] - arcs.indptr[node])
 
 
 @jitable
 def _settle(
     arcs: ArcRows,
-    labels: _LifelongLabels,
+    cost: FloatArray,
+    ahead: FloatArray,
+    parent: IntArray,
     estimates: FloatArray,
     ends: tuple[int, int],
     queue: list[Key],
@@ -177,10 +167,18 @@ def _settle(
     The estimates are consistent but for rounding: what promises as much as the goal does waits only
     if it is no nearer to the start.
 
+    Args:
+        arcs: of n nodes.
+        cost: (n,) g, by which a node was expanded last; inf where it was not. Written.
+        ahead: (n,) rhs, the best that g of the neighbours says now. Written.
+        parent: (n,) the neighbour that says it; -1 for none. Written.
+        estimates: (n,) h.
+        ends: start and goal.
+        queue: what waits.
+
     Returns:
         The expanded nodes, and the number of arcs looked at. The queue keeps what waits.
     """
-    cost, ahead, parent = labels
     start, goal = ends
     order, examined = [start][:0], 0
     little = LITTLE * np.abs(arcs.weights).max() if len(arcs.weights) > 0 else 0.0
@@ -193,7 +191,7 @@ def _settle(
             break
         top = queue[0]
         node = top[2]
-        if cost[node] == ahead[node] or top != _key(labels, estimates, node):
+        if cost[node] == ahead[node] or top != _key(cost, ahead, estimates, node):
             heapq.heappop(queue)  # settled since, or entered again with another key
             continue
         if sure and top[0] > cost[goal] + estimates[goal] + little:
@@ -211,18 +209,18 @@ def _settle(
                 through = cost[node] + arcs.weights[k]
                 if other != start and through < ahead[other]:
                     ahead[other], parent[other] = through, node
-                    heapq.heappush(queue, _key(labels, estimates, other))
+                    heapq.heappush(queue, _key(cost, ahead, estimates, other))
             examined += last - first
         else:
             # what it told its neighbours does not hold any more
             cost[node] = np.inf
-            heapq.heappush(queue, _key(labels, estimates, node))
+            heapq.heappush(queue, _key(cost, ahead, estimates, node))
             for k in range(first, last):
                 other = arcs.indices[k] + 0
                 if other != start and parent[other] == node:
-                    examined += _look_ahead(arcs, labels, other)
+                    examined += _look_ahead(arcs, cost, ahead, parent, other)
                     if cost[other] != ahead[other]:
-                        heapq.heappush(queue, _key(labels, estimates, other))
+                        heapq.heappush(queue, _key(cost, ahead, estimates, other))
             examined += last - first
     for key in later:
         heapq.heappush(queue, key)
@@ -261,19 +259,18 @@ def repair_order(
         other arcs than before (n,); g of each node now (n,); and where it comes from (n,).
     """
     nodes, start = len(estimates), ends[0]
-    labels = _LifelongLabels(
-        np.full(nodes, np.inf), np.full(nodes, np.inf), np.full(nodes, -1, np.int32)
-    )
-    labels.ahead[start] = 0.0
-    queue = [_key(labels, estimates, start)]
-    _settle(before, labels, estimates, ends, queue)
+    cost, ahead = np.full(nodes, np.inf), np.full(nodes, np.inf)
+    parent = np.full(nodes, -1, np.int32)
+    ahead[start] = 0.0
+    queue = [_key(cost, ahead, estimates, start)]
+    _settle(before, cost, ahead, parent, estimates, ends, queue)
     changed, examined = np.zeros(nodes, np.bool_), 0
     for node in range(nodes):
         changed[node] = _changed(before, now, node)
         if changed[node] and node != start:
-            examined += _look_ahead(now, labels, node)
-            if labels.cost[node] != labels.ahead[node]:
-                heapq.heappush(queue, _key(labels, estimates, node))
-    order, more = _settle(now, labels, estimates, ends, queue)
+            examined += _look_ahead(now, cost, ahead, parent, node)
+            if cost[node] != ahead[node]:
+                heapq.heappush(queue, _key(cost, ahead, estimates, node))
+    order, more = _settle(now, cost, ahead, parent, estimates, ends, queue)
     expanded = np.array(order, np.int32)
-    return expanded, examined + more, changed, labels.ahead, labels.parent
+    return expanded, examined + more, changed, ahead, parent
