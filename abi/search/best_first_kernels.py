@@ -37,23 +37,14 @@ WIDTH = 4 / (BUCKETS - 4)
 """Of the largest weight: how wide a bucket is."""
 
 
-class _BestFirstLabels(NamedTuple):
-    """Labels of the nodes: cost, parent, and whether they were expanded since they changed.
-
-    And what is left to the goal by the heuristic, once the cost is finite: in a lattice that takes
-    as long as to look at its edges, and nodes are queued about twice.
-    """
-
-    cost: FloatArray
-    parent: IntArray
-    closed: ByteArray
-    left: FloatArray
-
-
-class _Queue(NamedTuple):
-    """A ring of buckets, each a linked list, and the nodes that were taken out of it.
+class _Arrays(NamedTuple):
+    """What a search works in: labels of the nodes, and a ring of buckets, each a linked list.
 
     Attributes:
+        cost, parent: (n,) of the nodes.
+        closed: (n,) whether a node was expanded since its cost changed.
+        left: (n,) what is left to the goal by the heuristic, once the cost is finite: in a lattice
+            that takes as long as to look at its edges, and nodes are queued about twice.
         first: (BUCKETS,) entries, -1 where a bucket is empty.
         entries: two words of each, side by side in memory. The first has its node and the entry
             behind it in the same bucket, see :func:`_entry`. The second has the node's place in
@@ -62,6 +53,10 @@ class _Queue(NamedTuple):
         order: nodes that were expanded, in order.
     """
 
+    cost: FloatArray
+    parent: IntArray
+    closed: ByteArray
+    left: FloatArray
     first: IntArray
     entries: NDArray[np.int64]
     order: IntArray
@@ -108,9 +103,9 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     start, goal, own = problem.start, problem.goal, problem.own
     shape = problem.adjacency.shape
     total = shape.nodes + own
-    room = total + shape.most + len(problem.links.tails) + 1
+    room = total + shape.most + len(problem.tails) + 1
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
-    labels = _BestFirstLabels(cost, parent, np.zeros(total, np.uint8), np.empty(total))
+    closed, left = np.zeros(total, np.uint8), np.empty(total)
     first, entries = np.full(BUCKETS, -1, np.int32), np.empty(2 * room, np.int64)
     order = np.empty(total + 1, np.int32)
     cost[start], parent[start] = 0.0, -1
@@ -120,8 +115,8 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     slack = _slack(problem)
     progress = _Progress(1, 1, 0, 0, 0, False, False)
     while True:
-        queue = _Queue(first, entries, order)
-        progress = _expand(problem, slack, labels, queue, progress)
+        arrays = _Arrays(cost, parent, closed, left, first, entries, order)
+        progress = _expand(problem, slack, arrays, progress)
         if progress.done:
             break
         order = np.concatenate((order, np.empty_like(order)))
@@ -134,19 +129,19 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
 
 
 @jitable
-def _expand(
-    problem: Problem, slack: float, labels: _BestFirstLabels, queue: _Queue, progress: _Progress
-) -> _Progress:
+def _expand(problem: Problem, slack: float, arrays: _Arrays, progress: _Progress) -> _Progress:
     """Expand nodes until the search is done, or the queue or the order is full.
 
     With the growth of arrays in the same loop, they would be counted in and out at each turn.
     """
-    adjacency, open_directions, weights, links, start, goal, _, largest, metric = problem
+    adjacency, open_directions = problem.adjacency, problem.open_directions
+    weights, link_weights = problem.weights, problem.link_weights
+    tails, heads = problem.tails, problem.heads
+    start, goal, largest, metric = problem.start, problem.goal, problem.largest, problem.metric
     shape, offsets, steps, places, indptr, indices = adjacency
-    tails, heads, link_weights = links
-    (cost, parent, closed, left), (first, entries, order) = labels, queue
+    cost, parent, closed, left, first, entries, order = arrays
     used, waiting, current, expanded, relaxed, found, done = progress
-    most = shape.most + len(links.tails)
+    most = shape.most + len(tails)
     # a place more, for what is written before it is known to count
     cheaper = np.empty(2 * most + 2, np.int32)
     little, per_cost = LITTLE * largest, 1 / (WIDTH * largest)
@@ -238,14 +233,15 @@ def estimates(problem: Problem) -> FloatArray:
 @jitable
 def _slack(problem: Problem) -> float:
     """Largest excess of the heuristic over the length of a link to the goal."""
-    adjacency, links, goal, metric = problem.adjacency, problem.links, problem.goal, problem.metric
+    adjacency, goal, metric = problem.adjacency, problem.goal, problem.metric
+    tails, heads, weights = problem.tails, problem.heads, problem.link_weights
     slack = 0.0
-    count = len(links.tails)
+    count = len(tails)
     for k in range(2 * count if metric.kind != NONE else 0):
-        tail, head = links.tails[k % count], links.heads[k % count]
+        tail, head = tails[k % count], heads[k % count]
         end = head if k < count else tail
         if (tail if k < count else head) == goal and end < adjacency.shape.nodes:
-            slack = max(slack, _estimate(adjacency, metric, end) - links.weights[k % count])
+            slack = max(slack, _estimate(adjacency, metric, end) - weights[k % count])
     return slack
 
 

@@ -10,7 +10,6 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.search_kernels import Metric, Problem
-from abi.tet_mesh.adjacency_kernels import Links
 
 
 class Expansion(NamedTuple):
@@ -40,7 +39,9 @@ def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
         graph.mesh.adjacency,
         graph.open_directions,
         weights,
-        Links(graph.tails, graph.heads, link_weights),
+        graph.tails,
+        graph.heads,
+        link_weights,
         graph.start,
         graph.goal,
         len(graph.own),

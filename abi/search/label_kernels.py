@@ -31,22 +31,6 @@ from abi.tet_mesh.adjacency_kernels import (
 )
 
 
-class _RoundLabels(NamedTuple):
-    """Labels of the nodes in a search by rounds: cost, parent, and those that wait.
-
-    Attributes:
-        cost: (n,) from the start, so far.
-        parent: (n,) node before.
-        waiting: (n,) whether it waits for its turn.
-        order: nodes in their turns; those that had theirs stay.
-    """
-
-    cost: FloatArray
-    parent: IntArray
-    waiting: ByteArray
-    order: IntArray
-
-
 @compiled(example=EXAMPLE)
 def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     """Bellman-Ford with a queue (Moore, 1959): runs until no cost can be lowered.
@@ -55,9 +39,11 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     returns the same as ``best_first``, but needs no goal and no metric, and expands a node as often
     as its cost was lowered.
     """
-    adjacency, open_directions, weights, links, source, _, beside, largest, _ = problem
+    adjacency, open_directions = problem.adjacency, problem.open_directions
+    weights, link_weights = problem.weights, problem.link_weights
+    tails, heads = problem.tails, problem.heads
+    source, beside, largest = problem.start, problem.own, problem.largest
     shape, offsets, _, _, indptr, indices = adjacency
-    tails, heads, link_weights = links
     kind, nodes, directions, cross = shape.kind, shape.nodes, shape.directions, shape.cross
     total = nodes + beside
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
@@ -71,7 +57,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     while expanded < last:
         if last + most > len(order):
             order = np.concatenate((order, np.empty_like(order)))
-        own = _RoundLabels(cost, parent, waiting, order)
+        own = (cost, parent, waiting, order)
         labels = borrowed(own)
         while expanded < last and last + most <= len(order):
             node = order[expanded]
@@ -119,12 +105,18 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
 
 @jitable(forceinline=True)
 def _lower(
-    labels: _RoundLabels, node: int, neighbour: int, through: float, little: float, last: int
+    labels: tuple[FloatArray, IntArray, ByteArray, IntArray],
+    node: int,
+    neighbour: int,
+    through: float,
+    little: float,
+    last: int,
 ) -> int:
     """Lower a neighbour's cost by way of a node, and queue it; return the new end of the queue.
 
     Args:
-        labels: written.
+        labels: cost (n,), parent (n,), whether each node waits (n,), and the nodes in their turns,
+            those that had theirs among them; written.
         node, neighbour: the nodes.
         through: cost of the neighbour by that way.
         little: what its cost must fall by.

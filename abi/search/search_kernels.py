@@ -22,7 +22,6 @@ from abi.tet_mesh.adjacency_kernels import (
     KUHN,
     NO_ADJACENCY,
     Adjacency,
-    Links,
     MeshSizes,
     half_cells_within,
     node_at,
@@ -139,7 +138,8 @@ class Problem(NamedTuple):
         adjacency: the mesh.
         open_directions: (n,) as bits, and ``LINKED_BIT``, the only bit of rows.
         weights: of the directions (d,), or of the edges of the rows (2 e,), inf where shut.
-        links: the edges of start and goal.
+        tails, heads, link_weights: (m,) ends and weights of the edges of start and goal where
+            these are no nodes of the mesh; they then have the ids that follow those of the mesh.
         start, goal: node ids.
         own: how many of the two are no nodes of the mesh.
         largest: an upper bound of the weights, above 0; the estimates of nodes one edge away
@@ -150,7 +150,9 @@ class Problem(NamedTuple):
     adjacency: Adjacency
     open_directions: IntArray
     weights: FloatArray
-    links: Links
+    tails: IntArray
+    heads: IntArray
+    link_weights: FloatArray
     start: int
     goal: int
     own: int
@@ -158,7 +160,7 @@ class Problem(NamedTuple):
     metric: Metric
 
 
-EXAMPLE = (Problem(NO_ADJACENCY, IDS, FLOATS, Links(IDS, IDS, FLOATS), 0, 0, 1, 1.0, NO_METRIC),)
+EXAMPLE = (Problem(NO_ADJACENCY, IDS, FLOATS, IDS, IDS, FLOATS, 0, 0, 1, 1.0, NO_METRIC),)
 """Example of a problem, for the compiler."""
 
 

@@ -69,21 +69,6 @@ class Adjacency(NamedTuple):
     indices: IntArray
 
 
-class Links(NamedTuple):
-    """Edges of start and goal where these are no nodes of the mesh.
-
-    Start and goal then have the ids that follow those of the mesh.
-
-    Attributes:
-        tails, heads: (m,) ends.
-        weights: (m,).
-    """
-
-    tails: IntArray
-    heads: IntArray
-    weights: FloatArray
-
-
 NO_SHAPE = MeshSizes(CSR, 0, 0, 0, 0, 0, 0, 0, 0)
 """That of a mesh without nodes."""
 

@@ -24,7 +24,7 @@ from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES, search
 from abi.search.search_kernels import INSIDE, NO_METRIC, ON_A_FACE, Problem, to_go
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
-from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, MeshSizes, cell, node_at
+from abi.tet_mesh.adjacency_kernels import BCC, KUHN, MeshSizes, cell, node_at
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import tetrahedralise
@@ -326,8 +326,8 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
     indptr, indices = (read_only(a.astype(np.int32)) for a in (rows.indptr, rows.indices))
     table = of_rows(np.zeros((n, 3)), indptr, indices)
     open_directions = read_only(np.zeros(n, dtype=np.int32))
-    weights, links = read_only(rows.data), Links(NO_IDS, NO_IDS, NO_NUMBERS)
-    problem = Problem(table, open_directions, weights, links, 0, 1, 0, 1.0, NO_METRIC)
+    weights, links = read_only(rows.data), (NO_IDS, NO_IDS, NO_NUMBERS)
+    problem = Problem(table, open_directions, weights, *links, 0, 1, 0, 1.0, NO_METRIC)
     with kernels_as(compiled=not plain):
         cost, parent, order, relaxed = label_kernels.bellman_ford(problem)
     assert np.allclose(cost, scipy_dijkstra(rows, indices=0), rtol=1e-12)
