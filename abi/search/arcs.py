@@ -10,10 +10,10 @@ from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, lock, read_only
 from abi.errors import ArgumentError
 from abi.search.best_first_kernels import estimates
-from abi.search.expansion import problem_of
 from abi.search.graph import Graph
 from abi.search.heap_kernels import ArcRows
 from abi.search.heuristic import Weight, metric
+from abi.search.packed_graph import problem_of
 from abi.search.search_kernels import LITTLE
 
 

@@ -76,8 +76,8 @@ def _as_planned(search: PlannedSearch, problem: SearchProblem) -> SearchTrace:
     """A search as every plan runs it, or the textbook version if a cost is negative."""
     if problem.arcs.negative is not None:
         return _best_first(search.factors, problem)
-    order = read_only(search.expand(problem.graph, problem.weight).order)
-    return trace_of(problem.arcs, order, search.queue, search.factors, reopens=True)
+    _, _, order, _ = search.expand(problem.graph, problem.weight)
+    return trace_of(problem.arcs, read_only(order), search.queue, search.factors, reopens=True)
 
 
 def _planned(search: PlannedSearch) -> ComparedSearch:

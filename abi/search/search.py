@@ -20,10 +20,10 @@ from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.errors import NoPath
 from abi.scene.settings import Algorithm
 from abi.search.best_first_kernels import best_first
-from abi.search.expansion import Expansion, problem_of
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
 from abi.search.label_kernels import bellman_ford
+from abi.search.packed_graph import problem_of
 from abi.search.search_kernels import NO_METRIC, places_along, reconstruct_path
 
 
@@ -56,6 +56,14 @@ class SearchResult(ShortRepr):
     order: IntArray
 
 
+Expanded = tuple[FloatArray, IntArray, IntArray, int]
+"""What a search finds of n nodes: costs, parents, the order of expansion, and edges examined.
+
+Costs (n,) are the least from the start, inf where it was not reached; parents (n,) the nodes
+before, -1 where there is none; the order (m,) node ids.
+"""
+
+
 @dataclass(frozen=True)
 class PlannedSearch:
     """A search that every plan runs; called with a graph and a weight it finds the path.
@@ -70,7 +78,7 @@ class PlannedSearch:
 
     name: Algorithm
     label: str
-    expand: Callable[[Graph, Weight], Expansion]
+    expand: Callable[[Graph, Weight], Expanded]
     queue: Literal["best_first", "first_in"] = "best_first"
     factors: tuple[float, float] = (1.0, 0.0)
 
@@ -106,19 +114,19 @@ class PlannedSearch:
         )
 
 
-def a_star(graph: Graph, weight: Weight) -> Expansion:
+def a_star(graph: Graph, weight: Weight) -> Expanded:
     """Search best-first by g + h; h is the cost of the path in the empty mesh."""
-    return Expansion(*best_first(problem_of(graph, weight, metric(graph, weight))))
+    return best_first(problem_of(graph, weight, metric(graph, weight)))
 
 
-def dijkstra(graph: Graph, weight: Weight) -> Expansion:
+def dijkstra(graph: Graph, weight: Weight) -> Expanded:
     """Search best-first by g until the goal is expanded."""
-    return Expansion(*best_first(problem_of(graph, weight, NO_METRIC)))
+    return best_first(problem_of(graph, weight, NO_METRIC))
 
 
-def bellman_ford_by_queue(graph: Graph, weight: Weight) -> Expansion:
+def bellman_ford_by_queue(graph: Graph, weight: Weight) -> Expanded:
     """Find the paths to all nodes by Bellman-Ford with a queue."""
-    return Expansion(*bellman_ford(problem_of(graph, weight, NO_METRIC)))
+    return bellman_ford(problem_of(graph, weight, NO_METRIC))
 
 
 SEARCHES: Mapping[str, PlannedSearch] = MappingProxyType(

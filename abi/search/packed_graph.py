@@ -1,31 +1,13 @@
-"""Input and output of the kernels for the searches of every plan."""
+"""The graph in the format of the kernels that search it in every plan."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import read_only
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.search_kernels import Metric, Problem
-
-
-class Expansion(NamedTuple):
-    """Result of a search: cost and predecessor of each node, and the order of expansion.
-
-    Attributes:
-        costs: (n,) least cost from the start; inf where it was not reached.
-        parents: (n,) the node before; -1 where there is none.
-        order: (expanded,) node ids in the order of expansion.
-        relaxed: number of edges examined.
-    """
-
-    costs: FloatArray
-    parents: IntArray
-    order: IntArray
-    relaxed: int
 
 
 def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
