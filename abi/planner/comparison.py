@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 from typing import Any
 
 from abi.errors import AbiError
@@ -12,42 +11,9 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
+from abi.search.heuristic import Weight
 from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace
-
-
-@dataclass(frozen=True, eq=False)
-class SearchComparison:
-    """Result of one search in a comparison.
-
-    Attributes:
-        algorithm: its name in :data:`abi.search.compare.COMPARED`.
-        weight: ``length`` or ``hops``: what was made least.
-        trace: every step of the search.
-        ms: the time it took, [ms], including the recording of the steps.
-    """
-
-    algorithm: str
-    weight: str
-    trace: SearchTrace
-    ms: float
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, as in a plan's ``searches``; numbers of a path are None without one."""
-        trace = self.trace
-        found = len(trace.vertices) > 0
-        return {
-            "algorithm": self.algorithm,
-            "weight": self.weight,
-            "vertices": trace.vertices.tolist() if found else None,
-            "points": trace.arcs.points[trace.vertices].tolist() if found else None,
-            "length": trace.length if found else None,
-            "hops": trace.hops if found else None,
-            "cost": trace.cost if math.isfinite(trace.cost) else None,
-            "expanded": trace.steps,
-            "relaxed": trace.relaxed,
-            "ms": self.ms,
-        }
 
 
 def search_problem(plan: Plan, heuristic_weight: float = 1.0) -> SearchProblem:
@@ -75,14 +41,44 @@ def search_problem(plan: Plan, heuristic_weight: float = 1.0) -> SearchProblem:
     )
 
 
-def compare(problem: SearchProblem) -> tuple[SearchComparison, ...]:
-    """Run every search that can take the problem's arcs, one after the other."""
-    found = []
+def compare(problem: SearchProblem) -> dict[str, tuple[SearchTrace, float]]:
+    """Run every search that can take the problem's arcs, one after the other.
+
+    Returns:
+        By the names in :data:`abi.search.compare.COMPARED`, every step of the search, and the time
+        that it took, [ms], including the recording of the steps.
+    """
+    found = {}
     for name, search in COMPARED.items():
         if problem.arcs.negative is None or search.substitute is None:
             begin = time.thread_time()
             trace = search.find(problem)
-            ms = 1e3 * (time.thread_time() - begin)
-            weight = "length" if search.any_angle else problem.weight
-            found.append(SearchComparison(name, weight, trace, ms))
-    return tuple(found)
+            found[name] = trace, 1e3 * (time.thread_time() - begin)
+    return found
+
+
+def minimised(name: str, problem: SearchProblem) -> Weight:
+    """What a search makes least, by its name: the length if it may leave the edges."""
+    return "length" if COMPARED[name].any_angle else problem.weight
+
+
+def compared_searches(problem: SearchProblem) -> list[dict[str, Any]]:
+    """The searches as plain data, as in a plan's ``searches``; numbers of a path None without."""
+    return [
+        {"algorithm": name, "weight": minimised(name, problem)} | _path_of(trace) | {"ms": ms}
+        for name, (trace, ms) in compare(problem).items()
+    ]
+
+
+def _path_of(trace: SearchTrace) -> dict[str, Any]:
+    """A search's path and its work as plain data."""
+    found = len(trace.vertices) > 0
+    return {
+        "vertices": trace.vertices.tolist() if found else None,
+        "points": trace.arcs.points[trace.vertices].tolist() if found else None,
+        "length": trace.length if found else None,
+        "hops": trace.hops if found else None,
+        "cost": trace.cost if math.isfinite(trace.cost) else None,
+        "expanded": trace.steps,
+        "relaxed": trace.relaxed,
+    }

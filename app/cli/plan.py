@@ -84,8 +84,8 @@ def _write(data: dict[str, Any], out: Path | None) -> None:
 
 def _all_searches(plan: Plan, searches: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The plan's searches, followed by those that it does not run by default."""
-    from abi.planner.comparison import compare, search_problem
+    from abi.planner.comparison import compared_searches, search_problem
 
     done = {search["algorithm"] for search in searches}
-    others = [one.to_dict() for one in compare(search_problem(plan, heuristic_weight=1.5))]
+    others = compared_searches(search_problem(plan, heuristic_weight=1.5))
     return searches + [other for other in others if other["algorithm"] not in done]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from abi.planner.comparison import SearchComparison, compare, search_problem
+from abi.planner.comparison import compare, minimised, search_problem
 from abi.planner.plan import Plan
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
 from abi.search.heuristic import Weight
 from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
+from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace
 from app.ui import style
 from app.ui.numbers import format_count, format_length, format_time, with_minus
@@ -30,8 +31,9 @@ def comparison(plan: Plan, before: Plan | None) -> tuple[str, float]:
     problem = search_problem(plan, heuristic_weight=1.5)
     found = compare(problem)
     mended = _mended(before, problem.arcs, problem.weight)
-    text = _table(found, problem.weight, plan.scene.unit) + _told(mended, found[0])
-    return text, sum(one.ms for one in found)
+    anew, _ = found["a_star"]
+    text = _table(found, problem, plan.scene.unit) + _told(mended, anew)
+    return text, sum(ms for _, ms in found.values())
 
 
 def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> Repair | None:
@@ -42,11 +44,11 @@ def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> Repair | None:
     return lifelong_a_star(known, arcs) if can_repair(known, arcs) else None
 
 
-def _told(mended: Repair | None, a_star: SearchComparison) -> str:
+def _told(mended: Repair | None, a_star: SearchTrace) -> str:
     """Note on mending the search before, as HTML."""
     if mended is None:
         return style.paragraph(f"Move an obstacle and compare again: {_MENDING}")
-    visited, anew = format_count(mended.expanded), format_count(a_star.trace.steps)
+    visited, anew = format_count(mended.expanded), format_count(a_star.steps)
     nodes = "node" if mended.expanded == 1 else "nodes"
     return style.paragraph(
         f"Since the last plan, the edges of {format_count(mended.changed)} nodes have changed. "
@@ -60,27 +62,26 @@ def _visited(trace: SearchTrace) -> str:
     return f"{count} rounds" if trace.queue == "rounds" else count
 
 
-def _table(found: tuple[SearchComparison, ...], weight: Weight, unit: str) -> str:
+def _table(found: dict[str, tuple[SearchTrace, float]], problem: SearchProblem, unit: str) -> str:
     """Table I, and the searches that the paper does not have."""
-    least = min(one.trace.cost for one in found if COMPARED[one.algorithm].exact)
+    least = min(trace.cost for name, (trace, _) in found.items() if COMPARED[name].exact)
     rows = []
-    for one in found:
-        trace = one.trace
+    for name, (trace, ms) in found.items():
         gap = "–"
         # lengths and numbers of edges do not compare
-        if trace.hops >= 0 and one.weight == weight:
-            cost = trace.length if weight == "length" else trace.cost
+        if trace.hops >= 0 and minimised(name, problem) == problem.weight:
+            cost = trace.length if problem.weight == "length" else trace.cost
             gap = with_minus(f"{100 * (cost / least - 1):+.1f} %")
             gap = "=" if abs(cost - least) < 1e-9 * max(least, 1) else gap
         rows.append(
             (
-                f'<span style="white-space:normal">{COMPARED[one.algorithm].label}</span>',
+                f'<span style="white-space:normal">{COMPARED[name].label}</span>',
                 str(trace.hops) if trace.hops >= 0 else "–",
                 format_length(trace.length) if trace.hops >= 0 else "–",
                 gap,
                 _visited(trace),
                 format_count(trace.relaxed),
-                format_time(one.ms),
+                format_time(ms),
             )
         )
     head = ("search", "edges", f"length [{unit}]", "gap", "visited", "tried", "time")

@@ -53,7 +53,7 @@ def test_lengths_and_numbers_of_edges_are_not_compared() -> None:
     for weight, gap in (("length", "−9.4 %"), ("hops", "–")):
         problem = search_problem(plan(paper.replace(search={"weight": weight})))
         found = compare(problem)
-        rows = re.findall(r"<tr>(.*?)</tr>", _table(found, problem.weight, "cm"))
+        rows = re.findall(r"<tr>(.*?)</tr>", _table(found, problem, "cm"))
         cells = [re.findall(r"<td>(?:<span[^>]*>)?(.*?)(?:</span>)?</td>", row) for row in rows]
         gaps = {row[0]: row[3] for row in cells if row}
         assert gaps["Lazy Theta*"] == gap
