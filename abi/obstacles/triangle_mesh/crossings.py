@@ -30,6 +30,9 @@ _DIRECTION = np.array([0.283, 0.531, 0.799])
 _MOST_ASKED = 20
 """Shells that wind back of which it is asked whether they meet others; more are taken to."""
 _MOST_LINES = 20_000
+_MOST_PAIRS = 5_000_000
+"""Pairs of an edge and a triangle that are compared, in some five seconds; where there are more, as
+in a fan of thousands of triangles around one corner, all triangles are said to touch."""
 _WEDGES = np.array([(1, 1), (1, -1), (-1, 1), (-1, -1)])
 
 
@@ -116,7 +119,7 @@ def _winds_back(vertices: FloatArray, faces: IntArray) -> bool | None:
     size, random = np.ptp(vertices, axis=0).max(), np.random.default_rng(0)
     lines = crossing_lines(vertices, faces)
     for _ in range(_TRIES):
-        if not len(lines.touching):
+        if not len(lines.touching) or len(np.unique(lines.touching)) == len(faces):
             break
         vertices = vertices + random.uniform(-_SHAKEN, _SHAKEN, vertices.shape) * size
         lines = crossing_lines(vertices, faces)
@@ -152,7 +155,12 @@ def crossing_lines(vertices: FloatArray, faces: IntArray, label: IntArray | None
     touches = _TOUCHES * np.ptp(corners, axis=(0, 1)).max(initial=0.0)
     edge, face, places = [first[:0]], [first[:0]], [np.zeros((0, 3))]
     touching = [first[:0]]
+    pairs = 0
     for one, other in near_boxes(edge_box, face_box):
+        pairs += len(one)
+        if pairs > _MOST_PAIRS:
+            touching.append(np.arange(len(faces), dtype=first.dtype))
+            break
         same = of_edge[one] == label[other]
         one, other = one[same], other[same]
         shared = (edges[one][:, :, None] == faces[other][:, None]).any(axis=2)

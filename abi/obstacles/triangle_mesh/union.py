@@ -9,6 +9,8 @@ from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows
 from abi.obstacles.triangle_mesh.rays import near_boxes
 
 _MOST_SHELLS = 2000
+_MOST_PAIRS = 20_000_000
+"""Most pairs of triangles, those of one shell included, that are looked at for that."""
 _MOST_CROSSING = 500_000
 """Most pairs of triangles of different shells that are near each other; each may make others."""
 _ROUNDING = 1e-6
@@ -86,10 +88,19 @@ def united(
 
 def _are_many(corners: FloatArray, number: IntArray) -> bool:
     """Whether too many triangles (m, 3, 3) of different shells (m,) may cross."""
-    boxes, count = (corners.min(axis=1), corners.max(axis=1)), 0
-    for one, other in near_boxes(boxes, boxes):
-        count += int((number[one] < number[other]).sum())
-        if count > _MOST_CROSSING:
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    shells = int(number.max()) + 1
+    lowest, highest = np.full((shells, 3), np.inf), np.full((shells, 3), -np.inf)
+    np.minimum.at(lowest, number, low)
+    np.maximum.at(highest, number, high)
+    near = np.zeros(len(corners), dtype=np.bool_)
+    for one, shell in near_boxes((low, high), (lowest, highest)):
+        near[one[number[one] != shell]] = True
+    boxes, of, count, all_pairs = (low[near], high[near]), number[near], 0, 0
+    for one, other in near_boxes(boxes, boxes) if near.any() else ():
+        all_pairs += len(one)
+        count += int((of[one] < of[other]).sum())
+        if count > _MOST_CROSSING or all_pairs > _MOST_PAIRS:
             return True
     return False
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
-from abi.obstacles.triangle_mesh import rays
+from abi.obstacles.triangle_mesh import crossings, rays
 from abi.obstacles.triangle_mesh.rays import near_boxes
 
 
@@ -49,3 +49,19 @@ def test_what_is_small_in_what_is_large_is_compared_with_its_neighbours() -> Non
         patch.setattr(rays, "_overlapping", counted)
         assert sum(len(one) for one, _ in near_boxes(corners, corners)) >= len(low)
     assert compared < 100 * rays._FEW_PAIRS * len(low) / 1000
+
+
+def test_fans_of_very_many_triangles_are_not_compared_one_by_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(crossings, "_MOST_PAIRS", 20_000)
+    around = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    rim = np.column_stack([np.cos(around), np.sin(around), 0 * around])
+    first = np.arange(200)
+    fan = np.column_stack([first, np.roll(first, -1), np.full(200, 200)])
+    lines = crossings.crossing_lines(np.vstack([rim, [[0, 0, 0]]]), fan.astype(np.int32))
+    assert len(np.unique(lines.touching)) == len(fan)
+    monkeypatch.undo()
+    assert not len(
+        crossings.crossing_lines(np.vstack([rim, [[0, 0, 0]]]), fan.astype(np.int32)).touching
+    )
