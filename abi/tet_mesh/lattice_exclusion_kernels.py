@@ -125,26 +125,6 @@ class PrimitiveBody(NamedTuple):
     margin: float
 
 
-class _Node(NamedTuple):
-    """A free node of a lattice.
-
-    Attributes:
-        node: its id.
-        bits: directions that exist.
-        place: in half cells.
-        p: in the body's axes, [unit].
-        away: signed distance, [unit].
-        outward: gradient of that, in the body's axes.
-    """
-
-    node: int
-    bits: int
-    place: tuple[int, int, int]
-    p: Vec3
-    away: float
-    outward: Vec3
-
-
 @jitable
 def exclusion_of_lattice(
     adjacency: Adjacency,
@@ -217,7 +197,7 @@ def exclusion_of_lattice(
                             c = max(c + 2, min(c + more, nz - odd))
                             continue
                     node = line + (c >> 1)
-                    near = _Node(node, open_directions[node], (a, b, c), p, away, outward)
+                    near = (node, open_directions[node], (a, b, c), p, away, outward)
                     count = _cut_edges(adjacency, body, near, edges, cut_nodes, cut_bits, count)
                     c += 2
     return starts[:runs], lengths[:runs], cut_nodes[:count], cut_bits[:count]
@@ -275,7 +255,7 @@ def _nodes_inside(body: PrimitiveBody, p: Vec3, away: float, r: Vec3, step: floa
 def _cut_edges(
     adjacency: Adjacency,
     body: PrimitiveBody,
-    near: _Node,
+    near: tuple[int, int, tuple[int, int, int], Vec3, float, Vec3],
     edges: FloatArray,
     cut_nodes: IntArray,
     cut_bits: IntArray,
@@ -288,7 +268,8 @@ def _cut_edges(
     Args:
         adjacency: the lattice.
         body: the primitive.
-        near: the node.
+        near: the node, its directions that exist as bits, and its place in half cells; the place in
+            the body's axes, [unit]; and its signed distance, [unit], with the gradient of that.
         edges: (3 d,) see ``_edges_in_body``.
         cut_nodes: the ends of the edges; written.
         cut_bits: the edge at each of these ends, as a bit; written.
