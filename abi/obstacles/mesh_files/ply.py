@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.obstacles.mesh_files.parts import NO_COLOURS, MeshFile, Parts, check_count, loose_points
-from abi.obstacles.mesh_files.ply_tables import PlyLists, Table, binary_tables, header, text_tables
+from abi.obstacles.mesh_files.ply_tables import Table, binary_tables, header, text_tables
 from abi.obstacles.mesh_files.polygons import triangulate
 from abi.obstacles.mesh_files.units import commented
 from abi.obstacles.mesh_files.words import counted, lines_of, shown
@@ -69,13 +69,14 @@ def _polygons(
     lists = next((faces[name] for name in _CORNERS if name in faces), None)
     if lists is None and not faces:
         return np.empty((0, 3), np.int32), NO_COLOURS, []
-    if not isinstance(lists, PlyLists):
+    if not isinstance(lists, tuple):
         raise ValueError("a PLY file whose faces have a list vertex_indices")
-    corners = _ids(lists.values, len(vertices))
-    is_area = lists.counts >= 3
-    kept = corners[np.repeat(is_area, lists.counts)]
+    counts, values = lists
+    corners = _ids(values, len(vertices))
+    is_area = counts >= 3
+    kept = corners[np.repeat(is_area, counts)]
     rows = np.flatnonzero(is_area)
-    cut = triangulate(vertices, kept, lists.counts[is_area], lambda k: f"face {rows[k] + 1:,}")
+    cut = triangulate(vertices, kept, counts[is_area], lambda k: f"face {rows[k] + 1:,}")
     notes = [*cut.notes]
     if lines := int((~is_area).sum()):
         notes.append(f"{counted(lines, 'face')} of fewer than three corners left out.")
@@ -97,11 +98,12 @@ def _rgb(table: Table) -> ByteArray:
 def _strips(table: Table, vertices: int) -> IntArray:
     """Triangles (m, 3) of strips separated by index -1, with every second one reversed."""
     lists = next((table[name] for name in _CORNERS if name in table), None)
-    if not isinstance(lists, PlyLists):
+    if not isinstance(lists, tuple):
         return np.empty((0, 3), np.int32)
-    ids = lists.values.astype(np.int64)
+    counts, values = lists
+    ids = values.astype(np.int64)
     _ids(ids[ids != -1].astype(np.float64), vertices)
-    ends = np.cumsum(lists.counts)
+    ends = np.cumsum(counts)
     starts = np.unique(np.concatenate([[0], ends, np.flatnonzero(ids == -1) + 1]))
     place = np.arange(len(ids))
     within = place - starts[np.searchsorted(starts, place, side="right") - 1]

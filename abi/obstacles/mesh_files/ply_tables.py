@@ -35,14 +35,8 @@ class PlyElement(NamedTuple):
     lengths: Mapping[str, str]
 
 
-class PlyLists(NamedTuple):
-    """A list property: the lengths (n,), and all values concatenated."""
-
-    counts: IntArray
-    values: FloatArray
-
-
-Table = Mapping[str, FloatArray | PlyLists]
+Table = Mapping[str, FloatArray | tuple[IntArray, FloatArray]]
+"""Properties (n,) of an element by name; of lists their lengths (n,), and all their values."""
 
 
 def header(lines: Sequence[str]) -> tuple[str | None, list[PlyElement]]:
@@ -251,7 +245,7 @@ def _cut_off(element: PlyElement) -> ValueError:
 
 def _columns(element: PlyElement, plain: FloatArray, lists: Mapping[str, FloatArray]) -> Table:
     return {
-        name: PlyLists(plain[:, k].astype(np.int32), lists.get(name, np.empty(0)))
+        name: (plain[:, k].astype(np.int32), lists.get(name, np.empty(0)))
         if name in element.lengths
         else plain[:, k]
         for k, name in enumerate(element.kinds)
