@@ -139,11 +139,12 @@ def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | Non
     cuts = _even_cuts(target.breaks)
     middles = _middles(cuts)
     through = target.basis(middles)
+    basis = _of_control_points(target, cuts, through)
     candidates: list[tuple[float, int, FloatArray]] = []
     for start in starts:
-        solution = _within_half_spaces(target, cuts, start(middles), target.aim)
+        solution = _within_half_spaces(target, basis, start(middles), target.aim)
         if solution is not None:
-            solution = _within_half_spaces(target, cuts, through @ solution[0], target.aim)
+            solution = _within_half_spaces(target, basis, through @ solution[0], target.aim)
         if solution is not None:
             candidates.append((target.distance(solution[0]), len(candidates), solution[0]))
     settled = (_settled(target, points) for *_, points in sorted(candidates))
@@ -162,7 +163,9 @@ def _settled(target: Target, control_points: FloatArray) -> Quadratic | None:
     step = np.inf
     for number in range(1, _ROUNDS + 1):
         middles = _middles(cuts)
-        solution = _within_half_spaces(target, cuts, target.basis(middles) @ points, aim)
+        through = target.basis(middles)
+        basis = _of_control_points(target, cuts, through)
+        solution = _within_half_spaces(target, basis, through @ points, aim)
         if solution is not None:
             step = float(np.abs(solution[0] - points).max())
             points = solution[0]
@@ -184,21 +187,21 @@ def _settled(target: Target, control_points: FloatArray) -> Quadratic | None:
 
 
 def _within_half_spaces(
-    target: Target, cuts: FloatArray, near: FloatArray, aim: float
+    target: Target, basis: tuple[FloatArray, FloatArray], near: FloatArray, aim: float
 ) -> tuple[FloatArray, IntArray] | None:
     """The nearest curve in the half spaces of ``near`` (n, 3), and the pieces on their planes.
 
     Args:
         target: to be near to.
-        cuts: parameters between the short pieces (n + 1,).
+        basis: of the n short pieces, see :func:`_of_control_points`.
         near: a point for each piece, [unit].
         aim: distance of the half spaces from the obstacles, [unit].
 
     Returns:
         Control points (m + 2, 3), [unit], and numbers of pieces; None when there is no such curve.
     """
-    basis, free = _of_control_points(target, cuts)
-    control = basis @ target.control_points
+    all_points, free = basis
+    control = all_points @ target.control_points
     normals, bounds = [], []
     for obstacle in target.obstacles:
         distance, gradient = obstacle.signed_distance_gradient(near)
@@ -246,13 +249,20 @@ def _middles(cuts: FloatArray) -> FloatArray:
     return (cuts[:-1] + cuts[1:]) / 2
 
 
-def _of_control_points(target: Target, cuts: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _of_control_points(
+    target: Target, cuts: FloatArray, through: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Weights of the curve's control points in those of its Bézier pieces between the cuts.
+
+    Args:
+        target: with the curve's breaks.
+        cuts: (n + 1,).
+        through: weights in the points in the middle of each piece (n, m + 2).
 
     Returns:
         Shape (n, 3, m + 2); and those of the free points, measured in L2, (n, 3, m).
     """
-    ends, through = target.basis(cuts), target.basis(_middles(cuts))
+    ends = target.basis(cuts)
     # a quadratic's middle is a quarter of its ends and half of its middle control point
     control = np.stack([ends[:-1], 2 * through - (ends[:-1] + ends[1:]) / 2, ends[1:]], axis=1)
     inner = control[:, :, 1:-1]
