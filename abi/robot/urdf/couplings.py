@@ -9,6 +9,7 @@ the coupling holds whatever is planned.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 
@@ -25,7 +26,7 @@ from abi.robot.urdf.strict_xml import XmlElement
 from abi.robot.urdf.urdf_joints import some_of
 
 _WORLD = "world"
-_ABOUT_ONE_AXIS = ("revolute", "continuous", "hinge")
+_WITH_AXIS = ("revolute", "continuous", "hinge", "prismatic")
 _POSES = 12
 _OPEN, _SMALL = 1e-3, 0.01
 """Accepted gap of a loop, over how far its ends are apart and 1 cm."""
@@ -56,7 +57,9 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
             tag == "joint" and "type" in one.attrib and told is not root.xml
         ):
             fault = _closing(above, base, joint.strip(), _ends(one))
-            if fault is not None:
+            if fault is not None and tag != "joint":  # it need not be closed where all are at 0
+                fault = fault._replace(rests=False)
+            elif fault is not None:
                 kind = one.get("type", "").strip()
                 fault = fault._replace(anchor=_anchor(one), kind=kind, axis=_axis(one))
         elif tag == "mimic" and told is not None and told.getparent() is not root.xml:
@@ -100,39 +103,43 @@ def _ends(element: etree._Element) -> list[str]:
 
 
 def _anchor(element: etree._Element) -> tuple[float, ...] | None:
-    """Where a joint that closes a loop is in the frame of its second link, [m]; None if untold.
+    """Where an SDF joint that closes a loop is in its child's frame, [m]; None if it is not told.
 
-    Of SDF that is its child, and the frame's origin where no pose says otherwise.
+    It is at the frame's origin where no pose says otherwise.
     """
-    told = "0 0 0"
-    for one in element.iter(etree.Element):
-        tag = re.sub(".*[}:]", "", str(one.tag))
-        if tag == "link2":
-            told = one.get("xyz") or "unknown"
-        elif tag == "pose":
-            told = "unknown" if one.attrib else one.text or told
-    try:
-        place = tuple(map(float, told.split()[:3]))
-    except ValueError:
+    poses = _own(element, "pose")
+    if len(poses) > 1 or any(one.attrib for one in poses):
         return None
-    return place if len(place) == 3 else None
+    place = _numbers(poses[0].text if poses else "0 0 0 0 0 0")
+    return tuple(place[:3]) if len(place) == 6 else None
 
 
 def _axis(element: etree._Element) -> tuple[float, ...] | None:
-    """Axis of a joint that closes a loop in the frame of its second link; None if untold."""
-    turn, told = "0 0 0", ""
-    for one in element.iter(etree.Element):
-        tag = re.sub(".*[}:]", "", str(one.tag))
-        if tag == "pose":
-            turn = " ".join((one.text or "").split()[3:6]) or turn
-        elif tag == "xyz" and not one.attrib:
-            told = one.text or ""
-    try:
-        angles, axis = ([*map(float, text.split())] for text in (turn, told))
-        rotation = scipy.spatial.transform.Rotation.from_euler("xyz", angles)
-        return tuple(rotation.apply(axis).tolist()) if any(axis) else None
-    except ValueError:
+    """Axis of an SDF joint that closes a loop in its child's frame; None if it is not told."""
+    poses, axes = _own(element, "pose"), _own(element, "axis")
+    ways = [one for axis in axes for one in _own(axis, "xyz")]
+    frames = [one for axis in axes for one in _own(axis, "use_parent_model_frame")]
+    if len(axes) != 1 or len(ways) != 1 or frames or ways[0].attrib:
         return None
+    angles, axis = _numbers(poses[0].text if poses else "0 0 0 0 0 0")[3:], _numbers(ways[0].text)
+    if len(angles) != 3 or len(axis) != 3 or not any(axis):
+        return None
+    rotation = scipy.spatial.transform.Rotation.from_euler("xyz", angles)
+    return tuple(rotation.apply(np.array(axis) / np.linalg.norm(axis)).tolist())
+
+
+def _own(element: etree._Element, name: str) -> list[etree._Element]:
+    """Elements of that name right below one, whatever their namespace."""
+    return [one for one in element if re.sub(".*[}:]", "", str(one.tag)) == name]
+
+
+def _numbers(text: str | None) -> list[float]:
+    """Numbers of a text; none if it holds anything else."""
+    try:
+        found = [*map(float, (text or "").split())]
+    except ValueError:
+        return []
+    return found if all(map(math.isfinite, found)) else []
 
 
 def _closing(
@@ -231,23 +238,28 @@ def _stays_closed(robot: Robot, loop: Coupling) -> bool:
     room = _OPEN * (float(np.abs(places).max()) + _SMALL)
     turned = scipy.spatial.transform.Rotation.from_matrix(turns[0].T @ turns).as_rotvec()
     ways = (places - places[0]) @ turns[0]  # as seen from the second link
-    if loop.kind == "prismatic":
-        return bool(np.abs(turned).max() <= _OPEN and _off(ways, loop.axis) <= room)
-    if loop.kind == "fixed":
-        return bool(np.abs(turned).max() <= _OPEN and np.abs(ways).max() <= room)
-    if loop.anchor is None or (
-        loop.kind in _ABOUT_ONE_AXIS and _off(turned, loop.axis) > _OPEN * _POSES
-    ):
+    if loop.anchor is None:
+        return False
+    if loop.kind in _WITH_AXIS:
+        still = _pose(above, loop.ends[1], {one.name: 0.0 for one in joints})[:3, :3]
+        # in old files it is told in the frame of the whole robot
+        if loop.axis is None or np.abs(np.cross(still @ loop.axis, loop.axis)).max() > _OPEN:
+            return False
+        moved = ways if loop.kind == "prismatic" else turned
+        if _off(moved, loop.axis) > (room if loop.kind == "prismatic" else _OPEN * _POSES):
+            return False
+    elif loop.kind not in ("fixed", "ball"):
+        return False
+    if loop.kind in ("fixed", "prismatic") and np.abs(turned).max() > _OPEN:
         return False
     joined = turns @ np.array(loop.anchor) + places
-    return bool(np.abs(joined - joined[0]).max() <= room)
+    return loop.kind == "prismatic" or bool(np.abs(joined - joined[0]).max() <= room)
 
 
-def _off(vectors: FloatArray, axis: Sequence[float] | None) -> float:
-    """Largest distance of vectors (k, 3) from a line through 0, the nearest one without an axis."""
-    line = np.linalg.svd(vectors)[2][0] if axis is None else np.array(axis)
-    line = line / np.linalg.norm(line)
-    return float(np.linalg.norm(vectors - np.outer(vectors @ line, line), axis=1).max())
+def _off(vectors: FloatArray, axis: Sequence[float]) -> float:
+    """Largest distance of vectors (k, 3) from a line through 0, along an axis of length 1."""
+    along = np.outer(vectors @ np.array(axis), axis)
+    return float(np.linalg.norm(vectors - along, axis=1).max())
 
 
 def _pose(above: Mapping[str, Joint], link: str, at: Mapping[str, float]) -> FloatArray:

@@ -50,8 +50,8 @@ class Coupling(NamedTuple):
         anchor: place of that joint in the frame of the second of these, [m]; None where that is not
             told.
         kind: of that joint, as the file says; empty where it does not.
-        axis: about which it turns, or along which it slides, in that frame; None where that is not
-            told.
+        axis: about which it turns, or along which it slides, in that frame, of length 1; None where
+            that is not told.
     """
 
     name: str
