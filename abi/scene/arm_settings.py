@@ -28,6 +28,7 @@ from abi.robot.urdf.held_joints import (
     planned_sentence,
     positions_held,
 )
+from abi.robot.urdf.joint import Joint
 from abi.robot.urdf.robot import Robot, bases_to, joints_to, part_from
 from abi.robot.urdf.robot_files import SHIPPED, file_of, load_robot
 from abi.robot.urdf.tip_pose import tip_pose
@@ -55,6 +56,14 @@ HeldJoints = Annotated[
     dict[Annotated[str, Strict()], Number], Field(max_length=150), WrapValidator(_opening)
 ]
 """Positions of joints by name; once a scene is checked, ``open`` and ``closed`` are resolved."""
+
+
+def _joints_above(robot: Robot, link: str) -> Iterator[Joint]:
+    """Joints that carry a link, its own first."""
+    above = {joint.child: joint for joint in robot.joints}
+    while link in above:
+        yield above[link]
+        link = above[link].parent
 
 
 def _contact(value: object) -> object:
@@ -401,6 +410,13 @@ class ArmSettings(Settings):
         if base not in bases and tip in robot.links:
             names = ", ".join(bases) or "none"
             raise SceneError("arm.base_link", base, f"a link from which joints move {tip}: {names}")
+        own = {joint.name for joint in part.joints}
+        for joint in _joints_above(robot, base):
+            if joint.mimic is not None and joint.coordinate in own:
+                expected = (
+                    f"a link that stands still: {joint.name} above it follows {joint.coordinate}"
+                )
+                raise SceneError("arm.base_link", base, expected)
         return part
 
     @property

@@ -26,6 +26,7 @@ _ELEMENTS = (
 )
 _PASSIVE = "Moved like any other joint, though its SRDF says that nothing drives it:"
 _UNUSED = "Not used of its SRDF:"
+_UNREACHED = "Left out of its SRDF, as a joint that others follow is turned farther than planned:"
 _TURNED = "Whole turns are left off where a state of its SRDF has more than one:"
 _BEYOND = "The limit counts where a state of its SRDF is beyond:"
 
@@ -116,16 +117,21 @@ def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
         for one in robot.joints
         if one.mimic is not None and (one.kind == "prismatic" or one.mimic.factor % 1 != 0)
     }
-    endless = {one.name for one in robot.joints if one.kind == "continuous"} - geared
+    endless = {one.name for one in robot.joints if one.kind == "continuous"}
     found = []
     for element in root.all("group_state"):
-        positions = {}
+        positions: dict[str, float] = {}
         for joint in element.all("joint"):
             name = joint.text("name")
             if name not in limits or len(joint.text("value").split()) != 1:
                 continue
             position, (low, high) = joint.number("value", None, -math.inf, math.inf), limits[name]
-            if name in endless and math.isfinite(position) and not low <= position <= high:
+            beyond = name in endless and math.isfinite(position) and not low <= position <= high
+            if beyond and name in geared:
+                root.told.setdefault(_UNREACHED, []).append(element.text("name"))
+                positions = {}
+                break
+            if beyond:
                 position -= TURN * round(position / TURN)
                 root.told.setdefault(_TURNED, []).append(f"{name} of {element.text('name')}")
             positions[name] = min(max(position, low), high)

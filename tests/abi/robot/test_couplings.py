@@ -131,6 +131,10 @@ def test_a_loop_counts_as_told_where_what_follows_keeps_it_closed(
             urdf_arm(changed, "f", (0, 0, 0))
     if closed and follows:
         assert urdf_arm(robot, "f", (0, 0, 0)).joints == ("p",)
+        # so it does while it is held, beside an arm or on it
+        beside = text.replace("</robot>", link("z") + joint("w", "a", "z") + "</robot>")
+        holding = load_robot("r.urdf", MeshSource({"r.urdf": beside.encode()}))
+        assert urdf_arm(holding, "z", (0, 0, 0), held={"p": 0.4}).joints == ("w",)
     else:
         with pytest.raises(SceneError, match="joint loop, which closes a loop"):
             urdf_arm(robot, "f", (0, 0, 0))

@@ -87,6 +87,21 @@ def test_no_joint_follows_one_that_is_left_out() -> None:
     assert bases_to(robot_from_archive(packed({"a.urdf": arm()})), "d") == ("a", "b", "c")
 
 
+def test_a_base_that_follows_a_planned_joint_is_refused() -> None:
+    follows = '<mimic joint="p"/><limit lower="-2" upper="2" velocity="1" effort="9"/>'
+    lift = joint("lift", "root", "a", "prismatic", extra=follows)
+    text = arm().replace("</robot>", link("root") + lift + "</robot>")
+    with pytest.raises(SceneError, match="lift above it follows p"):
+        Scene.from_dict(
+            {
+                "version": 1,
+                "unit": "m",
+                "arm": {"model": "urdf", "urdf": "a.zip", "base_link": "a"},
+            },
+            {"a.zip": packed({"a.urdf": text})},
+        )
+
+
 def test_a_scene_with_a_base_link_is_saved_and_opened(tmp_path: Path) -> None:
     content = packed({"a.urdf": arm()})
     section = {"model": "urdf", "urdf": "a.zip", "base_link": "b"}
