@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows
@@ -30,9 +31,15 @@ _DIRECTION = np.array([0.283, 0.531, 0.799])
 _MOST_ASKED = 20
 """Shells that wind back of which it is asked whether they meet others; more are taken to."""
 _MOST_LINES = 20_000
-_MOST_PAIRS = 5_000_000
-"""Pairs of an edge and a triangle that are compared, in some five seconds; where there are more, as
-in a fan of thousands of triangles around one corner, all triangles are said to touch."""
+_MOST_PAIRS = 30_000_000
+"""Pairs of an edge and a triangle that are near each other and are compared, in ten seconds or so;
+shells with more are taken to be whole."""
+_CROWD = 200
+"""Triangles at one corner, as of a fan, from which on these are taken not to lie on each other."""
+_AXES = np.vstack(
+    [np.eye(3), scipy.spatial.transform.Rotation.from_rotvec([0.5, 0.7, 0.4]).as_matrix()]
+)
+"""Directions along which it is asked whether an edge and a triangle overlap."""
 _WEDGES = np.array([(1, 1), (1, -1), (-1, 1), (-1, -1)])
 
 
@@ -80,8 +87,10 @@ def crossing_shells(
     # each shell with corners of its own
     ids, own = np.unique(faces[asked] + label[asked, None] * len(vertices), return_inverse=True)
     lines = crossing_lines(vertices[ids % len(vertices)], own.reshape(-1, 3), label[asked])
-    found = np.unique(label[asked][np.concatenate([lines.touching, lines.triangles[:, 0]])])
-    for shell in found:
+    at: IntArray = label[asked]
+    if lines is not None:
+        at = label[asked][np.concatenate([lines.touching, lines.triangles[:, 0]])]
+    for shell in np.unique(at):
         back = _winds_back(vertices, faces[label == shell])
         crosses[shell] |= back is not None
         winds_back[shell] = bool(back)
@@ -119,14 +128,14 @@ def _winds_back(vertices: FloatArray, faces: IntArray) -> bool | None:
     size, random = np.ptp(vertices, axis=0).max(), np.random.default_rng(0)
     lines = crossing_lines(vertices, faces)
     for _ in range(_TRIES):
-        if not len(lines.touching) or len(np.unique(lines.touching)) == len(faces):
+        if lines is None or not len(lines.touching):
             break
         vertices = vertices + random.uniform(-_SHAKEN, _SHAKEN, vertices.shape) * size
         lines = crossing_lines(vertices, faces)
+    if lines is None or not len(lines.touching) + len(lines.triangles):
+        return None
     if len(lines.touching) or len(lines.triangles) > _MOST_LINES:
         return True
-    if not len(lines.triangles):
-        return None
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = _unit(normals)
@@ -136,8 +145,12 @@ def _winds_back(vertices: FloatArray, faces: IntArray) -> bool | None:
     return bool((np.bincount(point, side, 4 * len(points)) < -0.5).any())
 
 
-def crossing_lines(vertices: FloatArray, faces: IntArray, label: IntArray | None = None) -> Lines:
+def crossing_lines(
+    vertices: FloatArray, faces: IntArray, label: IntArray | None = None
+) -> Lines | None:
     """Lines along which triangles of a shell cross, between places where an edge meets a triangle.
+
+    None where too many of them are near each other to be compared.
 
     Args:
         vertices: (n, 3).
@@ -149,9 +162,11 @@ def crossing_lines(vertices: FloatArray, faces: IntArray, label: IntArray | None
     sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     first, of_side = distinct_rows(sides.astype(np.float64))
     edges, of_edge = sides[first], label[first // 3]
-    ends = vertices[edges]
-    edge_box = ends.min(axis=1), ends.max(axis=1)
-    face_box = corners.min(axis=1), corners.max(axis=1)
+    ends, crowded = vertices[edges], np.bincount(faces.reshape(-1)) > _CROWD
+    along = vertices @ _AXES.T
+    edge_box, face_box = (
+        (along[ids].min(axis=1), along[ids].max(axis=1)) for ids in (edges, faces)
+    )
     touches = _TOUCHES * np.ptp(corners, axis=(0, 1)).max(initial=0.0)
     edge, face, places = [first[:0]], [first[:0]], [np.zeros((0, 3))]
     touching = [first[:0]]
@@ -159,12 +174,14 @@ def crossing_lines(vertices: FloatArray, faces: IntArray, label: IntArray | None
     for one, other in near_boxes(edge_box, face_box):
         pairs += len(one)
         if pairs > _MOST_PAIRS:
-            touching.append(np.arange(len(faces), dtype=first.dtype))
-            break
+            return None
         same = of_edge[one] == label[other]
         one, other = one[same], other[same]
         shared = (edges[one][:, :, None] == faces[other][:, None]).any(axis=2)
-        touching.append(other[_folded(ends[one], corners[other], shared, touches)])
+        few = ~(shared & crowded[edges[one]]).any(axis=1)
+        touching.append(
+            other[few][_folded(ends[one[few]], corners[other[few]], shared[few], touches)]
+        )
         apart = ~shared.any(axis=1)
         one, other = one[apart], other[apart]
         met, place, doubtful = _pierced(ends[one], corners[other], touches)

@@ -46,12 +46,15 @@ def test_a_line_ends_where_an_edge_runs_through_a_triangle() -> None:
         [[0.0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 1], [1, 3.5, 0.5], [9, 9, 9]]
     )
     lines = crossing_lines(vertices, np.array([[0, 1, 2], [3, 4, 5]], dtype=np.int32))
+    assert lines is not None
     assert not len(lines.touching)
     np.testing.assert_allclose(np.sort(lines.ends[0], axis=0), [[1.0, 1.0, 0.0], [1.0, 8 / 3, 0.0]])
     beside = crossing_lines(vertices, np.array([[0, 1, 6], [3, 4, 5]], dtype=np.int32))
+    assert beside is not None
     assert not len(beside.triangles)
     along = np.concatenate([vertices, np.array([[1.0, 1, 0], [2, 1, 0], [1, 1, 2]])])
     touching = crossing_lines(along, np.array([[0, 1, 2], [7, 8, 9]], dtype=np.int32))
+    assert touching is not None
     assert len(touching.touching)
 
 
