@@ -11,6 +11,7 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.motion.arm_clearance import Contact
+from abi.arm_planning.world.mount import beneath
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.certification import exact_contact
 from abi.certification.clearance_proof import (
@@ -27,6 +28,7 @@ from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.certification.verdict import Doubt, MotionVerdict, State, TimeStretch
 from abi.obstacles.mesh_shape import MeshShape
+from abi.robot.bodies.link_solids import link_solids
 from abi.scene.scene import Scene
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
@@ -92,7 +94,7 @@ def _verdict(
     motion = problem.motion.motion
     found = separation(problem, clearance, most_tries)
     distance, least = nearest(problem, np.arange(0.0, len(motion.times) - 0.5, 0.5))
-    inside = _inside(problem)
+    inside = [*_inside(problem), *_standing_in(problem, scene)]
     if isinstance(found, ArmCertificate) and not inside:
         ends = _times(problem, 0.0, len(problem.motion.points))
         if apart := _apart_though_allowed(problem):
@@ -132,6 +134,32 @@ def _inside(problem: MotionProblem) -> list[tuple[str, int]]:
                 if obstacle.signed_distance(point[None] / problem.metres)[0] < 0:
                     found.append((body.link, number))
     return list(dict.fromkeys(found))
+
+
+def _standing_in(problem: MotionProblem, scene: Scene) -> list[tuple[str, int]]:
+    """Links that stand still, and the obstacles not beneath the base that they are in."""
+    obstacles = problem.around.obstacles
+    if not obstacles.obstacles:
+        return []
+    settings, metres = scene.arm, problem.metres
+    under = beneath(np.array(settings.base), settings.base_wxyz, metres, obstacles)
+    may_touch = {(one, other) for one, other in settings.allowed if not isinstance(other, str)}
+    low, high = obstacles.bounds
+    found = []
+    for carried in problem.chain.carried:
+        link = problem.chain.robot.links[carried.link]
+        if carried.frame >= 0 or not link.shapes:
+            continue
+        first, second, radii = link_solids(link, 1 / metres).edges
+        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3] / metres
+        ends = np.stack([first, second]) @ turn.T + origin
+        near = (low <= (ends + radii[:, None]).max(axis=(0, 1))).all(axis=1)
+        near &= (high >= (ends - radii[:, None]).min(axis=(0, 1))).all(axis=1)
+        for number in np.flatnonzero(near).tolist():
+            is_let = number in under or (carried.link, number) in may_touch
+            if not is_let and exact_contact.touches(problem, 0.0, carried.link, number):
+                found.append((carried.link, number))
+    return found
 
 
 def _apart_though_allowed(problem: MotionProblem) -> tuple[Doubt, ...]:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.pose import rotation
+from abi.obstacles.pose import Quaternion, rotation
 
 if TYPE_CHECKING:
     from abi.robot.urdf_arm import UrdfArm
@@ -26,10 +27,24 @@ The upper one is outside of what an arm stands on.
 
 def mounts(arm: UrdfArm, obstacles: ObstacleSet) -> tuple[int, ...]:
     """Numbers of the obstacles that an arm stands on."""
+    return beneath(np.asarray(arm.base), arm.wxyz, arm.metres, obstacles)
+
+
+def beneath(
+    base: FloatArray, wxyz: Quaternion, metres: float, obstacles: ObstacleSet
+) -> tuple[int, ...]:
+    """Numbers of the obstacles that a robot stands on.
+
+    Args:
+        base: place of its root, (3,), [unit], world.
+        wxyz: how that is turned, as a quaternion.
+        metres: one [unit] in metres.
+        obstacles: the obstacles.
+    """
     if not obstacles.obstacles:
         return ()
-    up = rotation(arm.wxyz)[:, 2] / arm.metres
-    line = np.stack([arm.base + ABOVE * up, arm.base - BELOW * up])
+    up = rotation(wxyz)[:, 2] / metres
+    line = np.stack([base + ABOVE * up, base - BELOW * up])
     low, high = obstacles.bounds
     near = (low <= line.max(axis=0)).all(axis=1) & (high >= line.min(axis=0)).all(axis=1)
     return tuple(

@@ -248,6 +248,22 @@ def test_what_would_decide_names_what_is_larger_than_its_shape() -> None:
     assert "fit wrist_3_link and forearm_link" in told["wrist_3_link", "forearm_link"]
 
 
+@pytest.mark.parametrize(
+    ("place", "size", "state"),
+    [((0.0, 0.0, -0.06), 0.1, "clear"), ((0.12, 0.0, 0.0), 0.12, "touches")],
+)
+def test_what_stands_still_may_touch_only_what_it_stands_on(
+    place: tuple[float, float, float], size: float, state: str
+) -> None:
+    base = robot_scene("ur5e").arm.base
+    at = [float(one + way) for one, way in zip(base, place, strict=True)]
+    verdict = verdict_of(
+        scene_with([{"shape": "box", "size": [size] * 3, "position": at}]), swing()
+    )
+    assert verdict.state == state
+    assert all(one.link.startswith("base") for one in verdict.touches)
+
+
 def test_a_held_rod_is_kept_apart_from_the_wrist_that_it_turns_beside() -> None:
     rod = {"shape": "box", "size": [0.03, 0.03, 0.5], "position": [0.1, 0.0, 0.0]}
     scene = scene_with([]).replace(arm={"attached": rod})
