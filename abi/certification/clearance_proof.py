@@ -40,6 +40,7 @@ from abi.obstacles.pose import METRES
 from abi.robot.bodies.allowed_contacts import AllowedContact
 from abi.robot.bodies.capsule_table import Bodies
 from abi.robot.bodies.floor_contacts import floor_notes, on_floor
+from abi.robot.bodies.held_links import held_notes
 from abi.robot.bodies.link_bodies import Body
 from abi.robot.bodies.link_solids import LinkSolids
 from abi.robot.kinematics.chain import Chain
@@ -97,10 +98,15 @@ class MotionProblem(ShortRepr):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on how the motion was read, and on links that are below the floor."""
+        """Sentences on how the motion was read, and on what is not compared."""
+        return (*self.motion.notes, *self.not_compared)
+
+    @cached_property
+    def not_compared(self) -> tuple[str, ...]:
+        """Sentences on links that are below the floor, or held in others."""
         standing = [one.link for one in self.allowed if one.other == "floor"]
-        told = floor_notes(self.chain, standing, self.around.floor * self.metres)
-        return (*self.motion.notes, *told)
+        floor = self.around.floor * self.metres
+        return (*floor_notes(self.chain, standing, floor), *held_notes(self.chain, floor))
 
     def named(self, number: int) -> int | str:
         """Number of an obstacle, or name of another link or of the floor."""

@@ -99,7 +99,11 @@ class MotionVerdict(ShortRepr):
         unit = self.scene.unit
         if self.state == "clear":
             if math.isinf(self.clearance):
-                return "Proven clear: the robot touches neither itself nor the floor at any time."
+                but = ", but for what the notes tell" if self.problem.not_compared else ""
+                return (
+                    "Proven clear: the robot touches neither itself nor the floor at any time"
+                    f"{but}."
+                )
             kept = (
                 f"its moving links keep {format_proven(self.clearance)} {unit} from every obstacle"
             )

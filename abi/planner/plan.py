@@ -30,6 +30,7 @@ from abi.planner.joined_legs import begins, joined_violations
 from abi.planner.stage_results import AnyFit, CurveName
 from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.floor_contacts import floor_notes
+from abi.robot.bodies.held_links import held_notes
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
@@ -288,13 +289,19 @@ class Plan(ShortRepr):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences on the scene, and on links that are below the floor."""
+        """Sentences on the scene, and on what is not compared."""
+        return (*self.scene.notes, *self.not_compared)
+
+    @property
+    def not_compared(self) -> tuple[str, ...]:
+        """Sentences on links that are below the floor, or held in others."""
         if self.arm is None or self.arm_clearance is None:
-            return self.scene.notes
+            return ()
         lowest, metres = self.scene.workspace.min[2], METRES[self.scene.unit]
         standing = [one.link for one in self.arm_clearance.allowed if one.other == "floor"]
         floor = min(self.scene.arm.base[2], lowest) * metres
-        return (*self.scene.notes, *floor_notes(self.arm.chain, standing, floor))
+        chain, allowed = self.arm.chain, self.scene.arm.allowed
+        return (*floor_notes(chain, standing, floor), *held_notes(chain, floor, allowed))
 
 
 def require_plan(value: object) -> None:

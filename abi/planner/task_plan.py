@@ -106,13 +106,14 @@ class TaskPlan(ShortRepr):
         held = [leg.scene.arm.gripper for leg in self.legs]
         moving = [str(k + 1) for k in range(1, len(held)) if held[k] != held[k - 1]]
         told = [f"How the gripper moves before leg {', '.join(moving)} is not proven."]
+        first = self.legs[0].notes if self.legs else self.scene.notes
         states = [
             f"Leg {number}: {note}"
             for number, leg in enumerate(self.legs[1:], 2)
-            for note in leg.scene.arm.state_notes(METRES[leg.scene.unit])
+            for note in (*leg.scene.arm.state_notes(METRES[leg.scene.unit]), *leg.not_compared)
+            if note not in first
         ]
         told = told if moving else []
-        first = self.legs[0].notes if self.legs else self.scene.notes
         return (*first, *states, *told, *self._taken_from_afar())
 
     def _taken_from_afar(self) -> Iterator[str]:

@@ -185,7 +185,7 @@ def _may_stand(
 
 
 def not_compared(links: Sequence[str]) -> str:
-    """What is said of links that move and are not compared with the floor, as a sentence's end."""
+    """What is said of links that are not compared with the floor, as a sentence's end."""
     return f"; not compared with the floor: {', '.join(links)}" if links else ""
 
 

@@ -32,6 +32,7 @@ from abi.verify.exact.solids import ExactFloor, ExactSolid
 from abi.verify.exact_path import exact_path
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_in_motion
+from abi.verify.held_links import held_below_floor, held_in_each_other
 from abi.verify.joint_motion import JointMotion, MovedHull
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
@@ -100,7 +101,8 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     return (
         f"{kept}, and clear of the floor and each other "
         f"({len(pairs)} pairs), by {count} directions{direction}; {_excepted(data)}"
-        f"{not_compared(sunk)}"
+        f"{not_compared([*sunk, *held_below_floor(scene, motion.chain)])}"
+        f"{held_in_each_other(scene, motion.chain)}"
     )
 
 

@@ -15,7 +15,7 @@ from abi.robot.kinematics.chain_kernels import POSE
 _UPRIGHT = 1e-6
 """Tilt of an axis that counts as none, [rad]: of a link of 20 m a fiftieth of a millimetre."""
 _POSES = 64
-_SUNK = 2e-3
+SUNK = 2e-3
 """Depth below the floor that is told, [m]."""
 
 
@@ -58,6 +58,9 @@ def floor_notes(chain: Chain, links: Iterable[str], floor: float) -> list[str]:
         floor: its height, [m].
     """
     standing, notes = {*links}, []
+    why = ", as it touches the floor in every pose"
+    if _keeps_heights(chain):
+        why = f": {chain.joints[0].name} brings it no nearer"
     for carried in chain.carried:
         if carried.frame != 0 or carried.link not in standing:
             continue
@@ -68,10 +71,10 @@ def floor_notes(chain: Chain, links: Iterable[str], floor: float) -> list[str]:
             solids.lowest(frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3])
             for frame in frames
         )
-        if floor - lowest > _SUNK:
+        if floor - lowest > SUNK:
             notes.append(
                 f"{carried.link} reaches {floor - lowest:.3g} m below the floor, which is not "
-                f"compared: {chain.joints[0].name} brings it no nearer."
+                f"compared{why}."
             )
     return notes
 

@@ -30,6 +30,7 @@ from abi.planner.planner import Planner, plan
 from abi.robot.bodies import allowed_contacts as allowed_pairs
 from abi.robot.bodies import finer_links
 from abi.robot.bodies.allowed_contacts import tree_reason
+from abi.robot.bodies.floor_contacts import floor_notes
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
@@ -464,3 +465,71 @@ def test_the_floor_may_be_touched_by_what_no_joint_brings_nearer_to_it(seed: int
         bodies.setdefault(k.link, []).append(LinkPiece(k.ends, k.radius, k.points, k.rounding))
     found = {link for link in bodies if may_touch_floor(link, scene, exact, bodies)}
     assert found == {*standing}
+
+
+@pytest.mark.parametrize(("axis", "level"), [("0 0 1", False), ("0 1 0", True)])
+def test_a_joint_is_said_to_bring_a_link_no_nearer_only_where_it_keeps_heights(
+    axis: str, level: bool
+) -> None:
+    turn = joint("p", "a", "b", axis=axis).replace(' rpy="0.3 0.2 0.1"', "")
+    robot = robot_from_archive(packed({"a.urdf": urdf(link("a"), link("b"), turn)}))
+    (note,) = floor_notes(Chain.of(robot, "b"), ["b"], 0.5)
+    assert note.endswith("as it touches the floor in every pose.") == level
+    assert note.endswith("p brings it no nearer.") != level
+
+
+@pytest.mark.parametrize(("turned", "deep"), [(0.0, False), (1.3, True)])
+@pytest.mark.parametrize(("bent", "inside"), [(0.0, False), (-2.5, True)])
+def test_what_held_joints_put_in_the_floor_or_in_the_robot_is_told(
+    turned: float, deep: bool, bent: float, inside: bool
+) -> None:
+    part = (
+        '<link name="{}"><collision><origin xyz="{} 0 {}"/><geometry><box size="{}"/></geometry>'
+        "</collision></link>"
+    )
+    moved = (
+        '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/><origin xyz="{}"/>'
+        '<axis xyz="0 {}"/><limit lower="-3" upper="3" velocity="2" effort="9"/></joint>'
+    )
+    text = urdf(
+        part.format("torso", 0, 0.5, "0.3 0.3 1"),
+        part.format("upper", 0.1, 0, "0.2 0.05 0.05"),
+        part.format("lower", 0.25, 0, "0.4 0.05 0.05"),
+        part.format("low", 0.5, 0, "0.8 0.05 0.05"),
+        part.format("arm", 0.3, 0, "0.4 0.05 0.05"),
+        moved.format("u", "torso", "upper", "0 0.2 0.5", "0 1"),
+        moved.format("l", "upper", "lower", "0.25 0 0", "0 1"),
+        moved.format("d", "torso", "low", "0 -0.3 0.5", "1 0"),
+        moved.format("p", "torso", "arm", "0 -0.3 1.2", "0 1"),
+    )
+    held = {"d": turned, "l": bent}
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "cm",
+            "workspace": {"min": [-99, -99, 0], "max": [199] * 3},
+            "start": {"joints": [0.0]},
+            "goal": {"joints": [1.0]},
+            "mesh": {"pitch": 50},
+            "arm": {
+                "model": "urdf",
+                "urdf": "a.zip",
+                "tip": "arm",
+                "base": [0] * 3,
+                "gripper": held,
+            },
+        },
+        {"a.zip": packed({"a.urdf": text})},
+    )
+    verdict, found = certify(None, ("p",), [0.0, 1.0], [[0.0], [1.0]], scene), plan(scene)
+    assert verdict.sentence.endswith("but for what the notes tell.") == (deep or inside)
+    for data in (verdict.to_dict(), found.to_dict()):
+        told = [note for note in data["notes"] if note.endswith("is not compared.")]
+        depth = 0.9 * np.sin(1.3) + 0.025 * np.cos(1.3) - 0.5
+        sunk = f"low reaches {depth:.3g} m below the floor, where it is held, which"
+        both = "lower is in torso, where it is held, which"
+        assert told == [f"{one} is not compared." for one in [sunk] * deep + [both] * inside]
+        checked = verify(json.loads(json.dumps(data)), scene.meshes)[-1]
+        assert checked.proven
+        assert ("; not compared with the floor: arm, low" in checked.reason) == deep
+        assert checked.reason.endswith("; held in each other: lower and torso") == inside
