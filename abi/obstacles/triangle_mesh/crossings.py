@@ -27,6 +27,8 @@ What is larger in each direction winds the same number of times then."""
 _TRIES = 3
 _BESIDE = 1e-11
 """Distance from a line at which it is asked what is there, over the size of all."""
+_FOLD = 2e-4
+"""Distance from a line, over the size of all, at which a shell that winds back still has to."""
 _DIRECTION = np.array([0.283, 0.531, 0.799])
 _MOST_ASKED = 20
 """Shells that wind back of which it is asked whether they meet others; more are taken to."""
@@ -140,9 +142,16 @@ def _winds_back(vertices: FloatArray, faces: IntArray) -> bool | None:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = _unit(normals)
     number, middles = _middles(lines)
-    points = middles[:, None] + _BESIDE * size * (_WEDGES @ normals[lines.triangles[number]])
-    point, _, side = rays_met(corners, points.reshape(-1, 3), _DIRECTION)
-    return bool((np.bincount(point, side, 4 * len(points)) < -0.5).any())
+    ways = _WEDGES @ normals[lines.triangles[number]]
+    beside = (middles[:, None] + _BESIDE * size * ways).reshape(-1, 3)
+    point, _, side = rays_met(corners, beside, _DIRECTION)
+    back = np.bincount(point, side, len(beside)) < -0.5
+    if not back.any():
+        return False
+    # what is thinner is a fold of rounded numbers, and lies in what is solid around it
+    beyond = (middles[:, None] + _FOLD * size * ways).reshape(-1, 3)[back]
+    point, _, side = rays_met(corners, beyond, _DIRECTION)
+    return bool((np.bincount(point, side, len(beyond)) < -0.5).any())
 
 
 def crossing_lines(

@@ -207,9 +207,17 @@ def part_from(robot: Robot, base: str) -> Robot:
     if base == robot.root:
         return robot
     joints = _joints_below(robot, base)
-    names = {base, *(joint.child for joint in joints)}
+    names, own = {base, *(joint.child for joint in joints)}, {joint.name for joint in joints}
     links = {name: link for name, link in robot.links.items() if name in names}
-    return replace(robot, root=base, links=links, joints=joints)
+    # what is coupled to a joint or a link that is left out does not hold in this part alone
+    couplings = tuple(
+        one
+        if own.issuperset(one.joints) and names.issuperset(one.ends)
+        else one._replace(rests=False, anchor=None)
+        for one in robot.couplings
+        if not one.joints or not own.isdisjoint(one.joints)
+    )
+    return replace(robot, root=base, links=links, joints=joints, couplings=couplings)
 
 
 def _joints_below(robot: Robot, base: str) -> tuple[Joint, ...]:

@@ -9,7 +9,7 @@ from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
 from abi.errors import MotionError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.urdf.robot import Robot
+from abi.robot.urdf.robot import Robot, part_from
 from abi.robot.urdf.robot_files import load_robot
 from abi.robot.urdf_arm import urdf_arm
 from abi.scene.scene import Scene
@@ -196,3 +196,11 @@ def test_a_joint_that_a_group_names_closes_no_loop(tag: str) -> None:
     assert not [note for note in robot.notes if "Loops" in note]
     other = read_of(named.replace('"p"', '"loop"'))
     assert [one.name for one in other.couplings] == ["loop"]
+
+
+def test_a_loop_that_a_base_link_cuts_is_refused() -> None:
+    robot = read_of(_LOOP.format("c", "a"), _LOOP.format("e", "f").replace("loop", "other"))
+    part = part_from(robot, "b")  # p, and what it turns, is left out
+    assert [one.name for one in part.couplings] == ["loop"]
+    with pytest.raises(SceneError, match="joint loop, which closes a loop"):
+        urdf_arm(part, "d", (0, 0, 0))
