@@ -32,6 +32,9 @@ _FOLD = 2e-4
 _DIRECTION = np.array([0.283, 0.531, 0.799])
 _MOST_ASKED = 20
 """Shells that wind back of which it is asked whether they meet others; more are taken to."""
+_MOST_SHELLS = 2000
+"""Shells of which it is asked one by one whether they wind back, in some ten seconds; of more, all
+that cross or touch themselves are taken to."""
 _MOST_LINES = 20_000
 _MOST_PAIRS = 30_000_000
 """Pairs of an edge and a triangle that are near each other and are compared, in ten seconds or so;
@@ -92,12 +95,16 @@ def crossing_shells(
     at: IntArray = label[asked]
     if lines is not None:
         at = label[asked][np.concatenate([lines.touching, lines.triangles[:, 0]])]
-    for shell in np.unique(at):
-        back = _winds_back(vertices, faces[label == shell])
+    found = np.unique(at)
+    if lines is not None:
+        crosses[found[_MOST_SHELLS:]] = winds_back[found[_MOST_SHELLS:]] = True
+    order = np.argsort(label, kind="stable")
+    starts = np.searchsorted(label[order], np.arange(count + 1))
+    for shell in found[:_MOST_SHELLS]:
+        back = _winds_back(vertices, faces[order[starts[shell] : starts[shell + 1]]])
         crosses[shell] |= back is not None
         winds_back[shell] = bool(back)
-    found = np.flatnonzero(winds_back)
-    for shell in found[:_MOST_ASKED]:
+    for shell in np.flatnonzero(winds_back)[:_MOST_ASKED]:
         winds_back[shell] = _meets_others(vertices, faces, label, int(shell))
     return crosses, winds_back
 
@@ -115,7 +122,12 @@ def _meets_others(vertices: FloatArray, faces: IntArray, label: IntArray, shell:
     if (windings(vertices, faces[mine], places) < 0).any():
         return True
     place = vertices[faces[mine][:1, 0]]
-    around = numbers[numbers != shell]
+    _, number = np.unique(label, return_inverse=True)
+    low, high = np.full((len(numbers), 3), np.inf), np.full((len(numbers), 3), -np.inf)
+    np.minimum.at(low, number, boxes[0])
+    np.maximum.at(high, number, boxes[1])
+    within = ((low <= place) & (place <= high)).all(axis=1)
+    around = numbers[within & (numbers != shell)]
     return any(windings(vertices, faces[label == each], place)[0] for each in around)
 
 

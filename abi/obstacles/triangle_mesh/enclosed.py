@@ -37,8 +37,9 @@ _MOST_GROUPS = 300
 """Most groups of triangles that share edges; what are more are looked at as one."""
 _MOST_PATCHES = 1000
 """Most patches of one group whose cells are told apart, in a second or two."""
-_MOST_POINTS = 10_000
-"""Most points beside triangles that are looked at, but for one of each patch."""
+_MOST_TRIANGLES = 125_000
+"""Most triangles of groups beside which it is asked what is there, by two million rays in some ten
+seconds. Groups that are more bound no solid: a hollow at a few triangles would not be seen."""
 _BESIDE = 1e-8
 """Distance from a triangle at which it is asked what is there, over the size of all."""
 _SPOTS = np.array([[1, 1, 1], [28, 1, 1], [1, 28, 1], [1, 1, 28]])
@@ -49,8 +50,8 @@ _DIRECTIONS = np.array([[0.283, 0.531, 0.799], [-0.617, 0.709, 0.341]])
 def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shells:
     """Make solid what shells enclose that share edges, each part of it by a shell of its own.
 
-    Where that cannot be told, as where triangles cross, and what is enclosed is hollow, they bound
-    no solid.
+    Where that cannot be told, as where triangles cross, and what is enclosed is hollow, or where
+    triangles are very many, they bound no solid.
 
     Args:
         vertices: (n, 3).
@@ -69,9 +70,14 @@ def with_enclosed(vertices: FloatArray, shells: Shells, given: IntArray) -> Shel
     gone = np.zeros(len(faces), dtype=np.bool_)
     solids, sheets, outer = list[IntArray](), list[IntArray](), list[IntArray]()
     in_file = np.stack([in_rows(faces, _all_turns(one)) for one in (given, given[:, ::-1])])
-    told = False
+    told, asked = False, 0
     solid = shells.is_solid[whole]
     for rows in _groups(faces, winding, (number[solid], shells.label[whole][solid])):
+        if asked + len(rows) > _MOST_TRIANGLES:
+            gone[rows] = True
+            sheets.append(faces[rows])
+            continue
+        asked += len(rows)
         cells = _Cells(vertices, faces[rows])
         are_wound, most = cells.are_wound(winding[rows], in_file[:, rows])
         if are_wound and most <= 1:
@@ -222,9 +228,8 @@ class _Cells:
         largest = order[np.searchsorted(self.patch[order], np.arange(int(self.patch.max()) + 1))]
         wanted = np.tile(np.flatnonzero(areas > 0), len(_SPOTS))
         spot = np.repeat(np.arange(len(_SPOTS)), len(wanted) // len(_SPOTS))
-        step = (len(wanted) // _MOST_POINTS + 1) | 1
-        face = np.concatenate([largest, wanted[::step]])
-        spot = np.concatenate([np.zeros(len(largest), np.int64), spot[::step]])
+        face = np.concatenate([largest, wanted])
+        spot = np.concatenate([np.zeros(len(largest), np.int64), spot])
         weights = (_SPOTS / _SPOTS.sum(axis=1, keepdims=True))[spot]
         middles = np.einsum("ij,ijk->ik", weights, corners[face])
         away = _BESIDE * np.ptp(corners, axis=(0, 1)).max() * normals[face]
@@ -271,6 +276,7 @@ class _Cells:
     def are_wound(self, winding: IntArray, in_file: BoolArray) -> tuple[bool, int]:
         """Whether all that is enclosed is wound around, at points beside the faces; most times.
 
+        A negative number of times is not enough: with what others wind around it, it may be none.
         Where patches are too many to tell what is enclosed, what is behind any face as it is in
         the file has to be.
 
@@ -280,7 +286,7 @@ class _Cells:
         """
         flipped = (self.oriented != self.faces).any(axis=1)
         times = self.wound(np.where(flipped, -winding, winding))
-        wound, most = times != 0, int(times.max())
+        wound, most = times > 0, int(times.max())
         if self.are_few:
             cell, sure = self.cell
             return bool((wound | (cell == 0) | ~sure).all()), most

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.obstacles.triangle_mesh import crossings
 from abi.obstacles.triangle_mesh.crossings import crossing_lines, crossing_shells
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.winding import windings
@@ -87,3 +88,17 @@ def test_a_shell_that_winds_back_is_solid_where_it_meets_no_other(
     assert windings(surface.vertices, surface.faces, np.array([at]) + 0.005)[0] != 0
     middle = np.array([[0.5, 0, 0]])
     assert told or windings(surface.vertices, surface.faces, middle)[0] != 0
+
+
+def test_shells_that_cross_themselves_beyond_the_limit_count_as_winding_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(crossings, "_MOST_SHELLS", 1)
+    vertices, faces = meshes.sphere(1)
+    vertices[vertices[:, 2].argmax()] = [0.03, 0.02, -3]
+    spikes = [(vertices + np.array([k, 0, 0]), faces) for k in range(3)]
+    label = np.repeat(np.arange(4, dtype=np.int32), [*[len(faces)] * 3, 12])
+    crosses, winds_back = crossings.crossing_shells(
+        *meshes.joined(*spikes, meshes.box((8, 2, 2))), label
+    )
+    assert crosses.tolist() == winds_back.tolist() == [True, True, True, False]

@@ -81,7 +81,7 @@ def test_a_box_in_one_that_it_is_flush_with_leaves_none_hollow(
     assert any("inside out" in note for note in surface.notes) == inside_out
 
 
-@pytest.mark.parametrize("limit", ["_MOST_PATCHES", "_MOST_GROUPS"])
+@pytest.mark.parametrize("limit", ["_MOST_PATCHES", "_MOST_GROUPS", "_MOST_TRIANGLES"])
 def test_boxes_too_many_to_tell_apart_are_solid_or_told(
     limit: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -138,3 +138,21 @@ def test_cubes_that_touch_in_edges_leave_flush_boxes_beside_them_solid(
     surface = clean(*meshes.joined(meshes.inverted(outer), inner, *cubes))
     assert is_solid(surface, np.array([(0, 0.5, 0), (0, -0.5, 0), *places])).all()
     assert not any("thin shell" in note for note in surface.notes)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_valid_box_is_solid_or_told_where_another_crosses_it_beside_some_inside_out(
+    seed: int,
+) -> None:
+    """What touches it in edges, turned outward on the whole, would wind around it -1 times."""
+    lows = np.array([[2, 1, 1], [1.5, 1.5, 0.5], [0, 0, 0], [2, 0, 0], [2, 1, 0]])
+    highs = np.array([[3, 3, 2], [3.5, 2.5, 1.5], [2, 2, 2], [4, 1, 2], [3, 2, 1]])
+    block = cut_box((0, 0, 2), (2, 2, 4))
+    parts = [meshes.box(tuple(b - a), tuple((a + b) / 2)) for a, b in zip(lows, highs, strict=True)]
+    parts[3:] = [meshes.inverted(one) for one in parts[3:]]
+    parts[3] = meshes.inverted(cut_box((2, 0, 0), (4, 1, 2)))
+    vertices, faces = meshes.joined(*parts, block)
+    surface = clean(vertices, np.random.default_rng(seed).permutation(faces))
+    told = any("thin shell" in note for note in surface.notes)
+    points = np.random.default_rng(seed).uniform(lows[0] + 0.01, highs[0] - 0.01, (200, 3))
+    assert told or is_solid(surface, points).all()
