@@ -64,7 +64,7 @@ class Lines(NamedTuple):
 
 def crossing_shells(
     vertices: FloatArray, faces: IntArray, label: IntArray
-) -> tuple[BoolArray, BoolArray]:
+) -> tuple[BoolArray, BoolArray, int]:
     """Shells that cross themselves, where their boxes overlap those of others.
 
     Args:
@@ -74,7 +74,8 @@ def crossing_shells(
 
     Returns:
         Mask (s,) of those that cross themselves; and of those of them that wind around something a
-        negative number of times, or may, as where triangles lie on each other, and meet others.
+        negative number of times, or may, as where triangles lie on each other, and meet others; and
+        the number of those with too many triangles near each other to be asked.
     """
     corners, count = vertices[faces], int(label.max()) + 1
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
@@ -88,7 +89,7 @@ def crossing_shells(
     crosses[np.delete(label, once)] = True  # it may wind twice around what is behind
     asked = overlaps[label]
     if not asked.any():
-        return crosses, winds_back
+        return crosses, winds_back, 0
     # each shell with corners of its own
     ids, own = np.unique(faces[asked] + label[asked, None] * len(vertices), return_inverse=True)
     lines = crossing_lines(vertices[ids % len(vertices)], own.reshape(-1, 3), label[asked])
@@ -98,15 +99,18 @@ def crossing_shells(
     found = np.unique(at)
     if lines is not None:
         crosses[found[_MOST_SHELLS:]] = winds_back[found[_MOST_SHELLS:]] = True
-    order = np.argsort(label, kind="stable")
+    order, unasked = np.argsort(label, kind="stable"), 0
     starts = np.searchsorted(label[order], np.arange(count + 1))
     for shell in found[:_MOST_SHELLS]:
-        back = _winds_back(vertices, faces[order[starts[shell] : starts[shell + 1]]])
+        mine = compact(vertices, faces[order[starts[shell] : starts[shell + 1]]])
+        of_shell = crossing_lines(*mine)
+        unasked += of_shell is None
+        back = None if of_shell is None else _winds_back(*mine, of_shell)
         crosses[shell] |= back is not None
         winds_back[shell] = bool(back)
     for shell in np.flatnonzero(winds_back)[:_MOST_ASKED]:
         winds_back[shell] = _meets_others(vertices, faces, label, int(shell))
-    return crosses, winds_back
+    return crosses, winds_back, unasked + max(len(found) - _MOST_SHELLS, 0) * (lines is None)
 
 
 def _meets_others(vertices: FloatArray, faces: IntArray, label: IntArray, shell: int) -> bool:
@@ -131,22 +135,21 @@ def _meets_others(vertices: FloatArray, faces: IntArray, label: IntArray, shell:
     return any(windings(vertices, faces[label == each], place)[0] for each in around)
 
 
-def _winds_back(vertices: FloatArray, faces: IntArray) -> bool | None:
+def _winds_back(vertices: FloatArray, faces: IntArray, lines: Lines) -> bool | None:
     """Whether a shell winds a negative number of times, or may; None if it does not cross itself.
 
     Args:
         vertices: (n, 3).
         faces: (m, 3) ids of the corners, facing outward.
+        lines: along which they cross.
     """
-    vertices, faces = compact(vertices, faces)
     size, random = np.ptp(vertices, axis=0).max(), np.random.default_rng(0)
-    lines = crossing_lines(vertices, faces)
     for _ in range(_TRIES):
-        if lines is None or not len(lines.touching):
+        if not len(lines.touching):
             break
         vertices = vertices + random.uniform(-_SHAKEN, _SHAKEN, vertices.shape) * size
-        lines = crossing_lines(vertices, faces)
-    if lines is None or not len(lines.touching) + len(lines.triangles):
+        lines = crossing_lines(vertices, faces) or lines
+    if not len(lines.touching) + len(lines.triangles):
         return None
     if len(lines.touching) or len(lines.triangles) > _MOST_LINES:
         return True

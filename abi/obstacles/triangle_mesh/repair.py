@@ -98,7 +98,10 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     number = np.unique(shells.label[is_solid], return_inverse=True)[1].astype(np.int32)
     parts = int(number.max(initial=-1)) + 1
     if parts > 1:
-        crosses, winds_back = crossing_shells(vertices, faces, number)
+        crosses, winds_back, unasked = crossing_shells(vertices, faces, number)
+        if unasked:
+            parts_told = counted(unasked, "part")
+            notes = (*notes, f"{parts_told} too finely divided to see whether any crosses itself.")
         plain, parts = ~crosses[number], parts - int(winds_back.sum())
         sheets = np.concatenate([sheets, faces[winds_back[number]]])
         rest = faces[(crosses & ~winds_back)[number]]

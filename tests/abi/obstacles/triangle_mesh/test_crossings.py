@@ -33,7 +33,7 @@ def test_shells_that_wind_back_or_twice_are_told_from_those_that_do_not_cross(se
     vertices, faces = pulled(seed)
     around = meshes.box((4, 4, 4))
     label = np.repeat([0, 1], [len(faces), 12])
-    crosses, winds_back = crossing_shells(*meshes.joined((vertices, faces), around), label)
+    crosses, winds_back, _ = crossing_shells(*meshes.joined((vertices, faces), around), label)
     assert not crosses[1]
     assert not winds_back[1]
     points = np.random.default_rng(seed).uniform(-1.6, 1.6, (1000, 3))
@@ -98,7 +98,15 @@ def test_shells_that_cross_themselves_beyond_the_limit_count_as_winding_back(
     vertices[vertices[:, 2].argmax()] = [0.03, 0.02, -3]
     spikes = [(vertices + np.array([k, 0, 0]), faces) for k in range(3)]
     label = np.repeat(np.arange(4, dtype=np.int32), [*[len(faces)] * 3, 12])
-    crosses, winds_back = crossings.crossing_shells(
+    crosses, winds_back, _ = crossings.crossing_shells(
         *meshes.joined(*spikes, meshes.box((8, 2, 2))), label
     )
     assert crosses.tolist() == winds_back.tolist() == [True, True, True, False]
+
+
+def test_what_is_too_finely_divided_to_ask_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = meshes.box((2, 2, 2)), meshes.box((1, 1, 4))
+    both = meshes.joined(first, second)
+    assert not any("finely" in note for note in clean(*both).notes)
+    monkeypatch.setattr(crossings, "_MOST_PAIRS", 10)
+    assert any("2 parts are too finely divided" in note for note in clean(*both).notes)
