@@ -18,11 +18,11 @@ from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.joint_space_motion import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
-from abi.planner.shared_mesh import shared_mesh
 from abi.scene.scene import Scene
 from abi.scene.settings import FINEST_PITCH
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
+from abi.tet_mesh.tet_mesh import shared_mesh
 
 MOST_NODES = 60_000
 """Most nodes of a mesh that is tried."""

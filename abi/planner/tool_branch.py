@@ -29,7 +29,6 @@ from abi.planner.joint_space_motion import JointSpaceMotions
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem, sample_count
 from abi.planner.remembered_call import RememberedCall
-from abi.planner.shared_mesh import shared_mesh
 from abi.planner.stage_results import AnyFit, CurveName, TimedMotion
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
@@ -40,6 +39,7 @@ from abi.search.taut.lower_bound import Bound, lower_bound
 from abi.search.taut.taut_path import TautPath
 from abi.search.taut.taut_path import taut as pull_taut
 from abi.tet_mesh.exclusion import FreeMesh
+from abi.tet_mesh.tet_mesh import shared_mesh
 
 _JOINT_PATHS = 2
 """Largest number of joint paths along the tool's own curve."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -200,3 +201,16 @@ def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:
     ends = tetrahedra[:, _CORNER_PAIRS].reshape(-1, 2)
     keys = np.unique(ends.min(axis=1).astype(np.int64) * nodes + ends.max(axis=1))
     return np.stack(np.divmod(keys, nodes), axis=1).astype(np.int32)
+
+
+_IN_USE: WeakValueDictionary[tuple[Workspace, MeshSettings], TetMesh] = WeakValueDictionary()
+
+
+def shared_mesh(workspace: Workspace, settings: MeshSettings) -> TetMesh:
+    """Return the mesh of a box that is in use, or a new one, as :func:`tetrahedralise` makes it.
+
+    Tables of a large one take megabytes, and never change.
+    """
+    key = workspace, settings
+    mesh = _IN_USE.get(key)
+    return mesh or _IN_USE.setdefault(key, tetrahedralise(workspace, settings))

@@ -19,10 +19,10 @@ from abi.explain.nearest_free_point import nearest_free_point, rounded
 from abi.explain.reason import Reason
 from abi.explain.what_if import MOST_NODES, WhatIf, rounded_down
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner import shared_mesh
 from abi.planner.branch import STAGE_NAMES
 from abi.planner.plan import Plan
 from abi.scene.settings import MeshSettings, Workspace
+from abi.tet_mesh import tet_mesh
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import FreeMesh
 from tests.abi.scene.test_scene import obstacles, points
@@ -205,7 +205,7 @@ def test_no_mesh_of_a_trial_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> No
 
     scene = load_scene("no-way").replace(mesh={"pitch": 1.5})
     without = plan(scene)
-    monkeypatch.setattr(shared_mesh, "tetrahedralise", counted)
+    monkeypatch.setattr(tet_mesh, "tetrahedralise", counted)
     found = explain(scene, without)
 
     assert found is not None

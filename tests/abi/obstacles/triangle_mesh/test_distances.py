@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.rounding import error_of_distances
+from abi.obstacles.triangle_mesh.signed_distance import error_of_distances
 from abi.obstacles.triangle_mesh.surface import Surface
 from tests.abi import mesh_oracles, meshes
 from tests.abi.meshes import Mesh
