@@ -11,7 +11,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.triangle_mesh.distinct_rows import distinct_rows, first_of_distinct_rows
@@ -41,8 +40,8 @@ _MOST_PAIRS = 30_000_000
 shells with more are taken to be whole."""
 _CROWD = 200
 """Triangles at one corner, as of a fan, from which on these are taken not to lie on each other."""
-_AXES = np.vstack(
-    [np.eye(3), scipy.spatial.transform.Rotation.from_rotvec([0.5, 0.7, 0.4]).as_matrix()]
+_AXES = np.array(
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.8, 0.53, 0.27], [-0.53, 0.8, 0.27], [0.27, -0.27, 0.93]]
 )
 """Directions along which it is asked whether an edge and a triangle overlap."""
 _WEDGES = np.array([(1, 1), (1, -1), (-1, 1), (-1, -1)])
