@@ -276,8 +276,8 @@ def test_who_follows_again_is_back_and_a_reloaded_teacher_goes_on() -> None:
         until(lambda: len(server.sessions) == 1)
         _, again = open_tab(server, classroom.secret)
         until(lambda: panel(again).teaches and bool(panel(again).lead.value))
-        assert panel(again).asking.question.value == "Draft?"
-        assert panel(again).asking.right.value == "answer 2"
+        asking = panel(again).asking  # its boxes are filled one after the other
+        until(lambda: (asking.question.value, asking.right.value) == ("Draft?", "answer 2"))
         until(lambda: again.frame.plan.scene.mesh.pitch == 1.1)
         assert session.frame.plan.scene.mesh.pitch == 1.1
     finally:
