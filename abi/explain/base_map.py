@@ -18,7 +18,8 @@ class BaseTrial:
     Attributes:
         base: the place, [unit], world.
         cell: sides of the cell around it, [unit].
-        length: length of the curve that the arm follows, [unit]; None without a certified plan.
+        length: length of the curve that the arm follows, on all legs of its tasks, [unit]; None
+            without a certified plan.
         clearance: distance that the links are proven to keep from the obstacles, [unit].
         fault: reason why there is no certified plan; empty if there is one.
         rank: how far the plan got; larger is farther.

@@ -2,7 +2,8 @@
 
 The region is cut into some sixty cells, and the scene is planned with the base in the middle of
 each. Then the best cells are halved along every side, three times over. The tool's own path does
-not depend on the base, so the planner repeats only the last stage.
+not depend on the base, so the planner repeats only the last stage. Where a scene has tasks, all
+legs are planned at each place, up to the first that has no certified plan.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from abi.obstacles.pose import Vec3
 from abi.planner.joint_space_motion import HASTY
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
+from abi.planner.task_plan import legs_of
 from abi.scene.scene import Scene, require_scene
 
 MOST_NODES = 8_000
@@ -41,6 +43,7 @@ _SPLIT_BLINDLY = 16
 _FARTHEST = 1e6
 _THREE = "three numbers from -1,000,000 to 1,000,000"
 _RANKS = {"start": 1, "goal": 2, "same": 2, "path": 3, "curve": 4}
+_CERTIFIED = 5
 _COARSER = 2 ** (1 / 3)
 
 
@@ -54,7 +57,8 @@ def find_base(
 
     A plan is certified if the arm follows its curve within reach and limits, the curve is proven to
     keep the clearance, and all links are proven clear. Among equally short plans, the one whose
-    links stay farthest from the obstacles is the best.
+    links stay farthest from the obstacles is the best. A sequence of tasks is certified if each of
+    its legs is, and as long as all of them.
 
     Args:
         scene: the scene; only ``arm.base`` is varied.
@@ -89,16 +93,16 @@ def base_maps(scene: Scene, low: Sequence[float], high: Sequence[float]) -> Iter
     """
     found = BaseMap(scene, *_region(low, high))
     coarse = _coarser(scene)
-    planner = Planner(compile=False, effort=HASTY)
+    planners = [Planner(compile=False, effort=HASTY) for _ in scene.tasks or [None]]
     cells = _first_cells(found.low, found.high)
     for number in range(_ROUNDS + 1):
         later = (_ROUNDS - number) * _SPLIT * _parts(cells[0])
         whole = len(found.trials) + len(cells) + later
         for cell in cells:
-            tried = _tried(planner, coarse, cell)
+            tried = _tried(planners, coarse, cell)
             if isinstance(tried, str) and coarse is not scene:
                 coarse = scene
-                tried = _tried(planner, coarse, cell)
+                tried = _tried(planners, coarse, cell)
             if isinstance(tried, str):
                 yield replace(found, fault=tried, is_done=True)
                 return
@@ -114,7 +118,7 @@ def base_maps(scene: Scene, low: Sequence[float], high: Sequence[float]) -> Iter
             cells = [part for cell in split for part in _halves(cell)]
             found = replace(found, cells=kept)
     while coarse is not scene and found.best is not None:
-        found, is_confirmed = _confirmed(found, found.best, planner)
+        found, is_confirmed = _confirmed(found, found.best, planners)
         if is_confirmed:
             break
         yield found
@@ -158,9 +162,9 @@ def _region(low: Sequence[float], high: Sequence[float]) -> tuple[Vec3, Vec3]:
 
 
 def _coarser(scene: Scene) -> Scene:
-    """The scene with a coarser pitch if its mesh is large."""
+    """The scene with a coarser pitch if its mesh is large; legs are planned on the scene's own."""
     mesh = scene.mesh
-    while mesh.node_count(scene.workspace) > MOST_NODES:
+    while not scene.tasks and mesh.node_count(scene.workspace) > MOST_NODES:
         mesh = mesh.model_copy(update={"pitch": mesh.pitch * _COARSER})
     return scene if mesh is scene.mesh else scene.model_copy(update={"mesh": mesh})
 
@@ -203,20 +207,25 @@ def _to_split(cells: Sequence[BaseTrial]) -> list[BaseTrial]:
     return best[: _SPLIT if best[0].length is not None else _SPLIT_BLINDLY]
 
 
-def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
+def _tried(planners: Sequence[Planner], scene: Scene, cell: BaseTrial) -> BaseTrial | str:
     """The cell with the result of a plan from its middle, and a reason if no base can help."""
     arm = scene.arm.model_copy(update={"base": cell.base})
-    plan = planner(scene.model_copy(update={"arm": arm}), chosen_only=True)
-    if plan.error is not None and plan.error.stage != "arm" and plan.error.kind != "too_slow":
-        return plan.error.message
-    fault, rank = _fault(plan)
-    if fault or plan.motion is None or plan.arm_clearance is None:
-        return replace(cell, fault=fault, rank=rank)
-    arc = plan.followed_arc
-    # where the joints follow a curve of their own, the tool's samples
-    tool = float(np.linalg.norm(np.diff(plan.motion.tool, axis=0), axis=1).sum())
-    length = tool if arc is None else arc.length
-    return replace(cell, length=length, clearance=plan.arm_clearance.distance)
+    placed = scene.model_copy(update={"arm": arm})
+    length, clearance = 0.0, math.inf
+    for number, plan in enumerate(legs_of(placed, planners, chosen_only=True)):
+        error = plan.error
+        if number == 0 and error is not None and error.stage != "arm" and error.kind != "too_slow":
+            return error.message
+        fault, rank = _fault(plan)
+        if fault or plan.motion is None or plan.arm_clearance is None:
+            which = f" (leg {number + 1})" if scene.tasks else ""
+            return replace(cell, fault=fault + which, rank=rank + _CERTIFIED * number)
+        arc = plan.followed_arc
+        # where the joints follow a curve of their own, the tool's samples
+        tool = float(np.linalg.norm(np.diff(plan.motion.tool, axis=0), axis=1).sum())
+        length += tool if arc is None else arc.length
+        clearance = min(clearance, plan.arm_clearance.distance)
+    return replace(cell, length=length, clearance=clearance)
 
 
 def _fault(plan: Plan) -> tuple[str, int]:
@@ -233,7 +242,7 @@ def _fault(plan: Plan) -> tuple[str, int]:
         return "the links not proven clear", 4
     if plan.followed_curve is not None and not plan.followed_curve.holds:
         return "the curve not proven clear", 4
-    return "", 5
+    return "", _CERTIFIED
 
 
 def _reason(error: StageError) -> tuple[str, int]:
@@ -254,9 +263,11 @@ def _reason(error: StageError) -> tuple[str, int]:
     return found.get(error.where, "the joints at the goal already"), rank
 
 
-def _confirmed(found: BaseMap, best: BaseTrial, planner: Planner) -> tuple[BaseMap, bool]:
+def _confirmed(
+    found: BaseMap, best: BaseTrial, planners: Sequence[Planner]
+) -> tuple[BaseMap, bool]:
     """The map with its best base planned again on the scene's own mesh; whether that has a plan."""
-    anew = _tried(planner, found.scene, best)
+    anew = _tried(planners, found.scene, best)
     if isinstance(anew, str):
         anew = replace(best, length=None, fault="no path on the scene's own mesh")
     trials = tuple(anew if trial is best else trial for trial in found.trials)

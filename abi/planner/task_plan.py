@@ -7,7 +7,7 @@ attaches is no obstacle any more but a body of the arm, until it is released whe
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -171,15 +171,21 @@ def plan_tasks(scene: Scene) -> TaskPlan:
     """
     require_scene(scene)
     begin = time.perf_counter()
-    legs = tuple(legs_of(scene, Planner()))
+    legs = tuple(legs_of(scene, [Planner()] * max(len(scene.tasks), 1)))
     return TaskPlan(scene, legs, 1e3 * (time.perf_counter() - begin))
 
 
-def legs_of(scene: Scene, planner: Planner) -> Iterator[Plan]:
-    """Plans of the legs, each as soon as it is made, up to the first that has an error."""
-    leg_scene = first_scene(scene)
-    for number in range(max(len(scene.tasks), 1)):
-        plan = planner(leg_scene)
+def legs_of(scene: Scene, planners: Sequence[Planner], chosen_only: bool = False) -> Iterator[Plan]:
+    """Plans of the legs, each as soon as it is made, up to the first that has an error.
+
+    Args:
+        scene: the scene; without tasks its way from start to goal is the only leg.
+        planners: the planner of each leg.
+        chosen_only: whether to run only the search that the scene names.
+    """
+    leg_scene = first_scene(scene) if scene.tasks else scene
+    for number, planner in enumerate(planners):
+        plan = planner(leg_scene, chosen_only)
         yield plan
         if plan.error is not None or number + 1 >= len(scene.tasks):
             return

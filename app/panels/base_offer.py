@@ -50,14 +50,15 @@ def base_card(bases: FindBasePanel, frame: Frame) -> str:
     best = found.best
     if best is None or best.length is None:
         if not bases.running:
-            return _card("None of the places that were tried has a certified plan.", "")
+            none = f"None of the places that were tried has a certified plan{bases.whose}."
+            return _card(none, "")
         return _card(f"Trying places for the arm's base: {done} of {of}.", _stop(bases))
     if not bases.running and best.base == frame.plan.scene.arm.base:
         return ""
     length = f"{format_length(best.length)} {found.scene.unit}"
     place = ", ".join(format_setting(round(number, 4)) for number in best.base)
     so_far = f" so far, of {done} of {of} places" if bases.running else ""
-    told = f"<b>Shortest curve{so_far}: {length}</b>, with the base at ({place})."
+    told = f"<b>Shortest curve{bases.whose}{so_far}: {length}</b>, with the base at ({place})."
     take = button(bases.put, "Put the arm there")
     return _card(told, take + (_stop(bases) if bases.running else ""))
 

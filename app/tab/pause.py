@@ -84,7 +84,7 @@ class Pause:
         if self._is_undiagnosed(frame.plan):
             return self._diagnose(frame)
         if self._panels.stages.bases.running:
-            self._panels.stages.bases.step(scene)
+            self._panels.stages.bases.step(scene, self._panels.messages.legs.number)
             return replace(frame)  # another frame, since the bases are drawn with it
         if not self._has_lights and self.seconds >= LIGHTS_DELAY:
             self._add_lights()

@@ -24,7 +24,11 @@ _INTRO = "Tries the base at many places in a region and shows how long the curve
 
 
 class FindBasePanel:
-    """Folder of stage 6: region, progress, and what was found."""
+    """Folder of stage 6: region, progress, and what was found.
+
+    Attributes:
+        whose: of which legs the search is, as a part of a sentence; empty where there is one.
+    """
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         gui = client.gui
@@ -42,6 +46,7 @@ class FindBasePanel:
         self._maps: Iterator[BaseMap] | None = None
         self._found: BaseMap | None = None
         self._asked = False
+        self.whose = ""
         self._showed = False  # whether the region is shown only for the search
         self._drawn: tuple[object, ...] = ()
 
@@ -77,10 +82,18 @@ class FindBasePanel:
             return None
         return {"arm": {"base": list(best.base)}}
 
-    def step(self, scene: Scene) -> None:
-        """Plan with the base at one more place."""
+    def step(self, scene: Scene, leg: int | None = None) -> None:
+        """Plan with the base at one more place.
+
+        Args:
+            scene: the scene.
+            leg: number of the leg, from 0, where it is one; the first is the scene with all legs.
+        """
         if self._asked:
             self._asked = False
+            count = len(scene.tasks)
+            self.whose = f" for leg {leg + 1} alone" if leg else ""
+            self.whose = f" for all {count} legs" if count > 1 else self.whose
             self._showed |= not self.region.shown.value
             self.region.shown.value = True
             self._maps = base_maps(scene, *self.region.corners)
@@ -115,7 +128,7 @@ class FindBasePanel:
         if found is not None:
             done, of = found.planned
             self.progress.value = min(100.0, 100 * done / of)
-            self._text.content = unbroken(style.paragraph(_result(found)))
+            self._text.content = unbroken(style.paragraph(_result(found, self.whose)))
 
 
 def _with_base(scene: Scene, found: BaseMap) -> Scene:
@@ -124,10 +137,10 @@ def _with_base(scene: Scene, found: BaseMap) -> Scene:
     return scene.model_copy(update={"arm": arm})
 
 
-def _result(found: BaseMap) -> str:
+def _result(found: BaseMap, whose: str) -> str:
     """Findings as HTML."""
     if found.fault:
-        return f"No base helps: {html.escape(found.fault)}"
+        return f"No base helps{whose}: {html.escape(found.fault)}"
     unit, best, lengths = found.scene.unit, found.best, found.lengths
     reasons = list(found.faults.items())[:_REASONS]
     counted = ", ".join(f"{count} × {html.escape(reason)}" for reason, count in reasons)
@@ -135,15 +148,16 @@ def _result(found: BaseMap) -> str:
     tried = len(found.trials)
     if best is None or best.length is None or lengths is None:
         so_far = "" if found.is_done else " so far"
-        return f"None of {tried} places{so_far} has a certified plan.{without}"
+        return f"None of {tried} places{so_far} has a certified plan{whose}.{without}"
     place = ", ".join(format_setting(round(number, 4)) for number in best.base)
     clear = ""
     if best.clearance < float("inf"):
         clear = f", its links {format_lower_bound(best.clearance)} {unit} clear"
     count = tried - sum(found.faults.values())
     return (
-        f"<b>Shortest: {format_length(best.length)} {unit}</b> with the base at ({place}){clear}. "
-        f"{count} of {tried} places have a certified plan.{without}{_scale(*lengths, unit)}"
+        f"<b>Shortest{whose}: {format_length(best.length)} {unit}</b> with the base at "
+        f"({place}){clear}. {count} of {tried} places have a certified plan."
+        f"{without}{_scale(*lengths, unit)}"
     )
 
 

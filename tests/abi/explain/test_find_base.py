@@ -19,6 +19,8 @@ from abi.errors import StageError
 from abi.explain.base_map import BaseMap, BaseTrial
 from abi.explain.find_base import _tried, base_maps, default_region, find_base
 from abi.planner.plan import Plan
+from abi.planner.task_plan import plan_tasks
+from tests.abi.planner.test_tasks import BASE, FILES, JOINTS, data
 
 _LOW, _HIGH = (-4.0, -6.0, 0.0), (10.0, 10.0, 0.0)
 
@@ -108,7 +110,7 @@ def test_a_reason_is_that_of_the_plan(scene: abi.Scene, error: StageError, reaso
     def planner(scene: abi.Scene, chosen_only: bool) -> Plan:
         return Plan(scene=scene, error=error)
 
-    tried = _tried(planner, scene, BaseTrial((0.0, 0.0, 0.0), (1.0, 1.0, 0.0)))  # type: ignore[arg-type]
+    tried = _tried([planner], scene, BaseTrial((0.0, 0.0, 0.0), (1.0, 1.0, 0.0)))  # type: ignore[list-item]
     assert isinstance(tried, BaseTrial)
     assert tried.fault == reason
 
@@ -175,4 +177,22 @@ def test_an_arm_that_goes_from_joints_to_joints_is_ranked_by_the_way_of_its_tool
     assert found.best is not None
     assert motion is not None
     way = np.linalg.norm(np.diff(motion.tool, axis=0), axis=1).sum()
+    assert found.best.length == pytest.approx(way, rel=0.05)
+
+
+@pytest.mark.parametrize("beyond", [None, 2])
+def test_of_tasks_a_base_is_one_for_all_legs(beyond: int | None) -> None:
+    tasks: list[dict[str, Any]] = [{"goal": {"joints": joints}} for joints in JOINTS[1:]]
+    if beyond is not None:
+        tasks[beyond] = {"goal": [2.9, 2.9, 2.9]}
+    scene = abi.Scene.from_dict(data(tasks=tasks), FILES)
+    found, planned = find_base(scene, BASE.tolist(), BASE.tolist()), plan_tasks(scene)
+    if beyond is not None:
+        assert found.best is None
+        assert planned.error is not None
+        assert [*found.faults] == [f"out of reach at the goal (leg {beyond + 1})"]
+        return
+    assert found.best is not None
+    assert planned.trajectory is not None
+    way = np.linalg.norm(np.diff(planned.trajectory.tool, axis=0), axis=1).sum()
     assert found.best.length == pytest.approx(way, rel=0.05)
