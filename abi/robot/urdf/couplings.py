@@ -12,6 +12,7 @@ import itertools
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -27,9 +28,12 @@ from abi.robot.urdf.urdf_joints import some_of
 
 _WORLD = "world"
 _WITH_AXIS = ("revolute", "continuous", "hinge", "prismatic")
-_POSES = 12
+_POSES, _BEYOND = 12, 1.0
+"""Random poses, and least positions on both sides of 0 that joints take in them, [rad] or [m]."""
 _OPEN, _SMALL = 1e-3, 0.01
-"""Accepted gap of a loop, over how far its ends are apart and 1 cm."""
+"""Accepted gap of a loop, over how far its ends are apart and 1 cm, but at most 1 m."""
+_UNLIMITED = 1e5
+"""Limits of a joint from which on it has none, [rad] or [m]."""
 _LISTS = ("group", "group_state")
 
 
@@ -62,6 +66,7 @@ def read_couplings(root: XmlElement, joints: Sequence[Joint], base: str) -> tupl
             elif fault is not None:
                 kind = one.get("type", "").strip()
                 fault = fault._replace(anchor=_anchor(one), kind=kind, axis=_axis(one))
+                fault = fault._replace(limited=_is_limited(one))
         elif tag == "mimic" and told is not None and told.getparent() is not root.xml:
             fault = Coupling(told.get("name") or "", (), closes=False, rests=False)
         else:
@@ -128,6 +133,16 @@ def _axis(element: etree._Element) -> tuple[float, ...] | None:
     return tuple(rotation.apply(np.array(axis) / np.linalg.norm(axis)).tolist())
 
 
+def _is_limited(element: etree._Element) -> bool:
+    """Whether a joint that closes a loop has limits of its own; very large ones are none."""
+    for name, sign in (("lower", -1), ("upper", 1)):
+        limits = [one for axis in _own(element, "axis") for one in _own(axis, "limit")]
+        for number in itertools.chain(*(_numbers(limit.findtext(name)) for limit in limits)):
+            if sign * number < _UNLIMITED:
+                return True
+    return False
+
+
 def _own(element: etree._Element, name: str) -> list[etree._Element]:
     """Elements of that name right below one, whatever their namespace."""
     return [one for one in element if re.sub(".*[}:]", "", str(one.tag)) == name]
@@ -167,8 +182,15 @@ def coupling_notes(couplings: Sequence[Coupling]) -> list[str]:
     """A sentence on loops and followers; none without any."""
     if not couplings:
         return []
-    names = [f"joint {one.name or 'without a name'}" for one in couplings]
-    return [f"Loops and couplings are followed from <mimic> alone, not: {some_of(names)}."]
+    names, limited = (
+        [f"joint {one.name or 'without a name'}" for one in chosen]
+        for chosen in (couplings, [one for one in couplings if one.limited])
+    )
+    told = f"Limits of joints that close a loop are not looked at: {some_of(limited)}."
+    return [
+        *([told] if limited else []),
+        f"Loops and couplings are followed from <mimic> alone, not: {some_of(names)}.",
+    ]
 
 
 def unfollowed_notes(root: XmlElement, joints: Sequence[Joint]) -> list[str]:
@@ -211,11 +233,18 @@ def require_followed(robot: Robot, planned: Collection[str], wanted: Mapping[str
         if not rests and not told:
             does = "closes a loop" if one.closes else "follows another"
             name = one.name or "without a name"
+            expected = "a <mimic> for each joint that moves with the planned ones"
+            if one.closes and follows:
+                expected += (
+                    " and keeps the loop closed as it is where all are at 0, by a hinge, slide, "
+                    "ball or weld whose <pose> is told in its child's frame, and its <axis> in one "
+                    "that is not turned beside the robot's, as files differ in which they mean"
+                )
             raise SceneError(
                 "arm.urdf",
                 f"joint {name}, which {does} for other programs alone",
-                "a <mimic> for each joint that moves with the planned ones, as links that move "
-                "otherwise than they are drawn cannot be proven clear",
+                f"{expected}, as links that move otherwise than they are drawn cannot be proven "
+                "clear",
             )
 
 
@@ -223,24 +252,27 @@ def _stays_closed(robot: Robot, loop: Coupling) -> bool:
     """Check whether both ends of a loop stay joined at random positions of its joints.
 
     Then the joint that closes it stays where it is in both, with its axis if it turns about one;
-    or they slide along one line.
+    or they slide along one line. So it is where all joints are at 0, where the file closes it, and
+    beyond limits, which a motion from elsewhere may pass.
     """
     random = np.random.default_rng(0)
     joints = [joint for joint in robot.joints if joint.kind != "fixed"]
     above = {joint.child: joint for joint in robot.joints}
-    beside = []
+    at = {one.name: 0.0 for one in joints}
+    unmoved = {one.child: replace(one, mimic=None) for one in robot.joints}
+    beside = [_beside(unmoved, loop.ends, at)]
     for _ in range(_POSES):
-        at = {one.name: random.uniform(one.low, one.high) for one in joints if one.mimic is None}
-        first, second = (_pose(above, end, at) for end in loop.ends)
-        beside.append(np.linalg.inv(first) @ second)
+        for one in joints:
+            at[one.name] = random.uniform(min(one.low, -_BEYOND), max(one.high, _BEYOND))
+        beside.append(_beside(above, loop.ends, at))
     turns, places = np.array(beside)[:, :3, :3], np.array(beside)[:, :3, 3]
-    room = _OPEN * (float(np.abs(places).max()) + _SMALL)
+    room = _OPEN * min(float(np.abs(places).max()) + _SMALL, 1.0)
     turned = scipy.spatial.transform.Rotation.from_matrix(turns[0].T @ turns).as_rotvec()
     ways = (places - places[0]) @ turns[0]  # as seen from the second link
     if loop.anchor is None:
         return False
     if loop.kind in _WITH_AXIS:
-        still = _pose(above, loop.ends[1], {one.name: 0.0 for one in joints})[:3, :3]
+        still = _pose(unmoved, loop.ends[1], {one.name: 0.0 for one in joints})[:3, :3]
         # in old files it is told in the frame of the whole robot
         if loop.axis is None or np.abs(np.cross(still @ loop.axis, loop.axis)).max() > _OPEN:
             return False
@@ -253,6 +285,12 @@ def _stays_closed(robot: Robot, loop: Coupling) -> bool:
         return False
     joined = turns @ np.array(loop.anchor) + places
     return loop.kind == "prismatic" or bool(np.abs(joined - joined[0]).max() <= room)
+
+
+def _beside(above: Mapping[str, Joint], ends: Sequence[str], at: Mapping[str, float]) -> FloatArray:
+    """Pose of the second of two links in the frame of the first, (4, 4), [m]."""
+    first, second = (_pose(above, end, at) for end in ends)
+    return np.asarray(np.linalg.inv(first) @ second)
 
 
 def _off(vectors: FloatArray, axis: Sequence[float]) -> float:

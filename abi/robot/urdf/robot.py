@@ -52,6 +52,7 @@ class Coupling(NamedTuple):
         kind: of that joint, as the file says; empty where it does not.
         axis: about which it turns, or along which it slides, in that frame, of length 1; None where
             that is not told.
+        limited: whether that joint has limits of its own.
     """
 
     name: str
@@ -62,6 +63,7 @@ class Coupling(NamedTuple):
     anchor: tuple[float, ...] | None = None
     kind: str = ""
     axis: tuple[float, ...] | None = None
+    limited: bool = False
 
 
 class AttachedObject(NamedTuple):
