@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from contextvars import ContextVar
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from abi import progress
 from abi.arrays import read_only
 from abi.compilation.callees import code_size
 from abi.compilation.plain import as_lists
-
-if TYPE_CHECKING:
-    from abi.compilation.dispatcher import Dispatcher
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -94,7 +91,7 @@ class Kernel(Generic[_P, _R]):
         self._in_numpy = in_numpy
         self._interpreted, self._begun = 0.0, math.inf
         self._options = options
-        self._dispatcher: Dispatcher | None = None
+        self._of_numba: Any = None
         self._compiled: Any = None
         self._run: Callable[..., Any] = self.interpret if fallback else self._compile_and_run
         KERNELS[self.name] = self
@@ -121,20 +118,22 @@ class Kernel(Generic[_P, _R]):
         return self._interpreted + max(time.perf_counter() - self._begun, 0.0)
 
     @property
-    def dispatcher(self) -> Dispatcher:
-        """Numba's part of it, made when it is first asked for."""
+    def of_numba(self) -> Any:
+        """Numba's dispatcher of it, made when it is first asked for."""
         with LOADING:
-            if self._dispatcher is None:
-                from abi.compilation.dispatcher import Dispatcher
+            if self._of_numba is None:
+                from abi.compilation.dispatcher import make_dispatcher
 
-                self._dispatcher = Dispatcher(self.py_func, self.example, self._options)
-            return self._dispatcher
+                self._of_numba = make_dispatcher(self.py_func, self.example, self._options)
+            return self._of_numba
 
     @property
     def cached(self) -> bool:
         """Whether an earlier run cached the compiled form."""
         with LOADING:
-            return self.dispatcher.cached
+            from abi.compilation.dispatcher import is_kept
+
+            return is_kept(self.of_numba)
 
     def compile(self) -> None:
         """Compile the function, or load its cached form; calls run compiled from then on.
@@ -150,8 +149,10 @@ class Kernel(Generic[_P, _R]):
         with LOADING:
             if self.compiled:
                 return
-            self.dispatcher.compile()
-            self._run = self._compiled = self.dispatcher.of_numba
+            from abi.compilation.dispatcher import compile_once
+
+            compile_once(self.of_numba, self.example)
+            self._run = self._compiled = self.of_numba
 
     def interpret(self, *arguments: Any) -> Any:
         """Run the function as Python, or its form in numpy if it has one."""

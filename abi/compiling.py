@@ -20,7 +20,6 @@ import threading
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -63,28 +62,6 @@ _MOST_PROCESSES = 4
 
 _UNASKED_PROCESSES = 2
 """Processes that compile, at most, where nobody has asked for more."""
-
-
-@dataclass(frozen=True)
-class Remaining:
-    """How far the compilation is.
-
-    Attributes:
-        share: part of what no earlier run has cached that is compiled by now, from 0 to 1.
-        seconds: time until all is compiled, [s]; None while that cannot be told.
-    """
-
-    share: float
-    seconds: float | None
-
-    @property
-    def time(self) -> str:
-        """The time that is left, in words; empty while too little is done to tell it."""
-        if self.seconds is None or self.share < _SURE:
-            return ""
-        if self.seconds > _MINUTES:
-            return f"{self.seconds / 60:.0f} minutes"
-        return f"{max(math.ceil(self.seconds / 10), 1) * 10} s"
 
 
 _TOLD = 2.0
@@ -156,14 +133,19 @@ class _Compilation:
                 with suppress(OSError, ValueError):  # it has ended
                     print(kernel.name, file=child.stdin, flush=True)
 
-    def remaining(self) -> Remaining | None:
-        """How far it is; None while nothing is being compiled."""
+    def share_done(self) -> float | None:
+        """Part of what no earlier run has cached that is compiled by now, from 0 to 1.
+
+        None while nothing is being compiled.
+        """
         if not self._missing or self.done.is_set():
             return None
         done = sum(kernel.size for kernel in self._missing if kernel.compiled)
-        share = done / sum(kernel.size for kernel in self._missing)
-        spent = time.monotonic() - self._begun
-        return Remaining(share, spent * (1 / share - 1) if share else None)
+        return done / sum(kernel.size for kernel in self._missing)
+
+    def time_left(self) -> str:
+        """The time until all is compiled, in words; empty while that cannot be told."""
+        return _time_left(self.share_done(), time.monotonic() - self._begun)
 
     def _work(self) -> None:
         self.wanted.wait(_GRACE)
@@ -286,6 +268,16 @@ def _urgency(kernel: Kernel[..., Any]) -> tuple[bool, int, float]:
     return kernel.need == math.inf, kernel.foreseen, kernel.need / kernel.size
 
 
+def _time_left(share: float | None, spent: float) -> str:
+    """Words for the time that is left after some time [s] has led to a share of the work."""
+    if share is None or share < _SURE:
+        return ""
+    left = spent * (1 / share - 1)
+    if left > _MINUTES:
+        return f"{left / 60:.0f} minutes"
+    return f"{max(math.ceil(left / 10), 1) * 10} s"
+
+
 _compilation = _Compilation()
 
 
@@ -315,16 +307,14 @@ def compile(spare: int = 0) -> None:
         raise AbiError(f"spare is {spare!r}; expected a whole number of processors, at least 0.")
     begin(spare)
     while not is_done():
-        progress.tell(_words(remaining()))
+        progress.tell(_words(share_done(), time_left()))
         progress.wait(_compilation.done, _TOLD)
 
 
-def _words(left: Remaining | None) -> str:
+def _words(share: float | None, left: str) -> str:
     """What is told of the compilation while somebody waits for it."""
     words = "compiling the program, once on this machine"
-    if left is None or not left.time:
-        return words
-    return f"{words}: {left.share:.0%} done, about {left.time} left"
+    return f"{words}: {share:.0%} done, about {left} left" if left else words
 
 
 def begin(spare: int | None = None) -> None:
@@ -350,9 +340,14 @@ def wait(timeout: float) -> bool:
     return _compilation.done.wait(timeout)
 
 
-def remaining() -> Remaining | None:
-    """How far the compilation is; None while nothing is being compiled."""
-    return _compilation.remaining()
+def share_done() -> float | None:
+    """Part of what is to be compiled that is, from 0 to 1; None while nothing is being compiled."""
+    return _compilation.share_done()
+
+
+def time_left() -> str:
+    """The time until all is compiled, in words; empty while too little is done to tell it."""
+    return _compilation.time_left()
 
 
 def is_done() -> bool:

@@ -23,7 +23,7 @@ def _build_data(root: Path, version: str = "standard") -> dict[str, Any]:
 def _write(project: Path, folder: Path) -> None:
     """Stand for the compilation, which takes a minute."""
     (folder / "abi-visualiser").mkdir(parents=True)
-    for name in ("search.best_first-0123.py311.nbi", "search.best_first-0123.py311.1.nbc"):
+    for name in ("search.best_first-0123.py311.nbc", "search.estimates-4567.py311.nbc"):
         (folder / "abi-visualiser" / name).write_text(project.name)
 
 
@@ -45,8 +45,8 @@ def test_kernels_go_where_an_installed_package_looks_for_them(
     for _ in range(2):  # files of an earlier build are gone
         data = _build_data(tmp_path)
     assert sorted(data["force_include"].values()) == [
-        "abi/ready_kernels/search.best_first-0123.py311.1.nbc",
-        "abi/ready_kernels/search.best_first-0123.py311.nbi",
+        "abi/ready_kernels/search.best_first-0123.py311.nbc",
+        "abi/ready_kernels/search.estimates-4567.py311.nbc",
     ]
     assert all(Path(file).read_text() == tmp_path.name for file in data["force_include"])
     assert data["tag"] == platform_tag()

@@ -30,7 +30,7 @@ class ReadyKernels(BuildHookInterface):  # type: ignore[type-arg]
         room = Path(self.root, "build", "ready-kernels")
         shutil.rmtree(room, ignore_errors=True)
         compile_kernels(Path(self.root), room)
-        for file in room.rglob("*.nb?"):
+        for file in room.rglob("*.nbc"):
             build_data["force_include"][str(file)] = f"abi/ready_kernels/{file.name}"
         build_data["pure_python"], build_data["tag"] = False, platform_tag()
 

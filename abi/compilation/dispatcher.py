@@ -15,8 +15,7 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 
 from abi.compilation.borrowing import borrowing
 from abi.compilation.helpers import declare_helpers
-from abi.compilation.kernel_cache import KernelCache, ReadyKernels
-from abi.compilation.kernel_folder import kernel_folder
+from abi.compilation.kernel_cache import KernelCache
 from abi.compilation.kernel_stamp import fields_of, stamp
 
 
@@ -55,52 +54,46 @@ def jitted(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     return numba.njit(**options)(function)
 
 
-class Dispatcher:
-    """A function, compiled for the types of one example.
+def make_dispatcher(
+    function: Callable[..., Any], example: tuple[Any, ...], options: dict[str, Any]
+) -> Any:
+    """Numba's dispatcher of a function, with a file of its compiled form for one example's types.
 
-    Attributes:
-        of_numba: numba's own dispatcher, which checks the types of its arguments at each call.
+    It is not compiled yet, and checks the types of its arguments at each call.
     """
+    options = _OPTIONS | options
+    dispatcher = jitted(function, options)
+    described = repr(sorted(options.items())) + fields_of(example) + repr(_types(example))
+    codegen = dispatcher.targetctx.codegen()
+    cache = KernelCache.of(function, stamp(function, described), codegen)
+    if cache is not None:
+        dispatcher._cache = cache
+    return dispatcher
 
-    def __init__(
-        self, function: Callable[..., Any], example: tuple[Any, ...], options: dict[str, Any]
-    ) -> None:
-        options = _OPTIONS | options
-        self._signature = tuple(map(numba.typeof, example))
-        self.of_numba: Any = jitted(function, options)
-        described = repr(sorted(options.items())) + fields_of(example)
-        self._cache = self._cache_of(function, stamp(function, described))
-        if self._cache is not None:
-            self.of_numba._cache = self._cache
 
-    @property
-    def cached(self) -> bool:
-        """Whether an earlier run cached the compiled form, or the wheel brought it."""
-        return self._cache is not None and self._has(self._cache)
+def is_kept(dispatcher: Any) -> bool:
+    """Check whether an earlier run kept the compiled form, or the wheel brought it."""
+    return isinstance(dispatcher._cache, KernelCache) and dispatcher._cache.file.exists()
 
-    def compile(self) -> None:
-        """Compile the function, or load its cached form."""
-        if self.of_numba.signatures:
-            return
-        if self._cache is not None:
-            if self.cached:
-                self._cache.note_use()
-            else:
-                self._cache.remove_unused()
-        try:
-            self.of_numba.compile(self._signature)
-        except OSError:  # it is compiled, and cannot be kept: the disk is full
-            if not self.of_numba.signatures:
-                raise
-        self.of_numba.disable_compile()
 
-    def _cache_of(self, function: Callable[..., Any], stamp: str) -> KernelCache | None:
-        """The wheel's cache if that has the compiled form, else the user's; None without any."""
-        ready = ReadyKernels(function, stamp)
-        if self._has(ready):
-            return ready
-        folder = kernel_folder()
-        return None if folder is None else KernelCache(function, folder, stamp)
+def compile_once(dispatcher: Any, example: tuple[Any, ...]) -> None:
+    """Compile a function for the types of an example, or load its kept form."""
+    if dispatcher.signatures:
+        return
+    cache = dispatcher._cache
+    if isinstance(cache, KernelCache):
+        if is_kept(dispatcher):
+            cache.note_use()
+        else:
+            cache.remove_unused()
+    try:
+        dispatcher.compile(_types(example))
+    except OSError:  # it is compiled, and cannot be kept: the disk is full
+        if not dispatcher.signatures:
+            raise
+    dispatcher.disable_compile()
 
-    def _has(self, cache: KernelCache) -> bool:
-        return cache.has(self._signature, self.of_numba.targetctx.codegen())
+
+def _types(example: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Numba's types of arguments."""
+    return tuple(map(numba.typeof, example))

@@ -1,20 +1,23 @@
-"""Compiled kernels in files, by numba's cache."""
+"""Compiled kernels in files, one for each kernel, as it is written now, and kind of processor."""
 
 from __future__ import annotations
 
+import hashlib
 import pickle
+import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from llvmlite.binding import parse_assembly  # type: ignore[import-untyped]
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.compiler import CompileResult
 from numba.core.runtime.nrt import rtsys
+from numba.core.serialize import dumps
 
-from abi.compilation.kernel_folder import READY
+from abi.atomic_file import replace_file
+from abi.compilation.kernel_folder import READY, kernel_folder
 
 _KEPT = 30 * 24 * 3600.0
 """Seconds after which a file that nobody has used is removed: another clone may use it."""
@@ -26,131 +29,96 @@ _DAY = 24 * 3600.0
 """Seconds after which the use of a file is noted anew."""
 
 
-class KernelCache(FunctionCache):
-    """Numba's cache of one function, in that folder, in files named by a stamp."""
+class KernelCache:
+    """The file of a kernel's compiled form, from which numba's dispatcher takes it.
 
-    def __init__(self, function: Callable[..., Any], folder: Path, stamp: str) -> None:
-        self._impl_class: Any = partial(_Implementation, folder, stamp)
-        self._folder, self._stamp = folder, stamp
-        super().__init__(function)  # type: ignore[no-untyped-call]
+    Attributes:
+        file: where the form is kept, or will be.
+    """
 
-    def has(self, signature: tuple[Any, ...], codegen: Any) -> bool:
-        """Check whether the compiled form for these types is kept."""
-        file: Any = self._cache_file
-        try:
-            name = file._load_index().get(self._index_key(signature, codegen))  # type: ignore[no-untyped-call]
-        except _BROKEN:
-            self._remove()
-            return False
-        return name is not None and (self._folder / name).exists()
+    def __init__(self, file: Path) -> None:
+        self.file = file
 
-    def load_overload(self, signature: Any, context: Any) -> Any:
-        """Load a compiled form; None if it is not kept, or its file is damaged.
+    @classmethod
+    def of(cls, function: Callable[..., Any], stamp: str, codegen: Any) -> KernelCache | None:
+        """The file that a wheel brings, else the user's; None if no folder can be written.
+
+        Args:
+            function: the kernel as it is written.
+            stamp: a hash of all that its compiled form depends on but the processor.
+            codegen: numba's code generator, which knows the processor.
+        """
+        platform, *processor = codegen.magic_tuple()
+        ready = READY / _name(function, stamp, platform, "generic", "")
+        if ready.exists():
+            return cls(ready)
+        folder = kernel_folder()
+        return (
+            None if folder is None else cls(folder / _name(function, stamp, platform, *processor))
+        )
+
+    def load_overload(self, _signature: Any, context: Any) -> Any:
+        """Load the compiled form; None if it is not kept, or its file is damaged.
 
         Numba would import all that it can compile first, which takes longer than the loading.
         """
         rtsys.initialize(context)
         try:
-            with self._guard_against_spurious_io_errors():
-                return self._load_overload(signature, context)  # type: ignore[no-untyped-call]
+            kept = pickle.loads(self.file.read_bytes())
+            return CompileResult._rebuild(context, *kept)  # type: ignore[no-untyped-call]
         except _BROKEN:
-            self._remove()
+            if self._is_of_user:
+                with suppress(OSError):
+                    self.file.unlink()
             return None
 
+    def save_overload(self, _signature: Any, compiled: Any) -> None:
+        """Keep a compiled form: machine code, and what else it needs.
+
+        Not LLVM's code, from which numba would compile what calls a kernel, which nothing does; nor
+        the environments of helpers that hold no constants: the modules of all would be imported.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        if not self._is_of_user:
+            return
+        assert not compiled.library.has_dynamic_globals  # addresses of this process
+        (name, kind, (machine_code, _)), *rest, environments = compiled._reduce()
+        entry = compiled.fndesc.llvm_cpython_wrapper_name
+        named = parse_assembly(f'define void @"{entry}"() {{ unreachable }}').as_bitcode()
+        needed = tuple(one for one in environments if one.consts)
+        kept = (name, kind, (machine_code, named)), *rest, needed
+        self.file.parent.mkdir(parents=True, exist_ok=True)
+        replace_file(self.file, dumps(kept))  # type: ignore[no-untyped-call]
+
     def note_use(self) -> None:
-        """Keep the function's files for another while."""
-        for file in self._files():
-            with suppress(OSError):
-                if _age(file) > _DAY:
-                    file.touch()
+        """Keep the file for another while."""
+        with suppress(OSError):
+            if _age(self.file) > _DAY:
+                self.file.touch()
 
     def remove_unused(self) -> None:
-        """Remove files of any kernel that nobody has used for long."""
-        for file in self._folder.glob("*.nb?"):
+        """Remove files of any kernel in this folder that nobody has used for long."""
+        for file in self.file.parent.glob("*.nb?"):
             with suppress(OSError):
                 if _age(file) > _KEPT:
                     file.unlink()
 
-    def _files(self) -> Iterator[Path]:
-        return self._folder.glob(f"*-{self._stamp[:16]}.*.nb?")
+    @property
+    def _is_of_user(self) -> bool:
+        """Whether it may be written: what a wheel has brought stays as it is."""
+        return self.file.parent != READY
 
-    def _remove(self) -> None:
-        for file in self._files():
-            with suppress(OSError):
-                file.unlink()
+
+def _name(function: Callable[..., Any], stamp: str, *processor: str) -> str:
+    """Name of a kernel's file: of which kernel, as it is written, for which processor."""
+    module = function.__module__.rpartition(".")[2]
+    kernel = f"{module}.{function.__qualname__}".replace("<", "").replace(">", "")
+    key = hashlib.sha256(repr((stamp, processor)).encode()).hexdigest()
+    return f"{kernel}-{key[:32]}.py{sys.version_info[0]}{sys.version_info[1]}{sys.abiflags}.nbc"
 
 
 def _age(file: Path) -> float:
     """Seconds since a file was written, or its use was noted."""
     return time.time() - file.stat().st_mtime
-
-
-class ReadyKernels(KernelCache):
-    """Compiled forms that a wheel brings, for any processor of its platform; nothing is written."""
-
-    def __init__(self, function: Callable[..., Any], stamp: str) -> None:
-        super().__init__(function, READY, stamp)
-
-    def save_overload(self, _signature: Any, _compiled: Any) -> None:
-        """Keep nothing."""
-
-    def _index_key(self, signature: Any, codegen: Any) -> Any:
-        return super()._index_key(signature, _AnyProcessor(codegen))  # type: ignore[no-untyped-call]
-
-    def _remove(self) -> None:
-        pass
-
-
-class _AnyProcessor:
-    """Numba's code generator, as an index names it that was written for any processor."""
-
-    def __init__(self, codegen: Any) -> None:
-        self._codegen = codegen
-
-    def magic_tuple(self) -> tuple[str, str, str]:
-        platform, _, _ = self._codegen.magic_tuple()
-        return platform, "generic", ""
-
-
-class _Implementation(CompileResultCacheImpl):
-    def __init__(self, folder: Path, stamp: str, function: Callable[..., Any]) -> None:
-        self._locator_classes: list[Any] = [_Locator(folder, stamp)]
-        super().__init__(function)  # type: ignore[no-untyped-call]
-
-    def reduce(self, compiled: Any) -> Any:
-        """What is kept: machine code, and what else it needs.
-
-        Not LLVM's code, from which numba would compile what calls a kernel, which nothing does; nor
-        the environments of helpers that hold no constants: the modules of all would be imported.
-        """
-        kept = super().reduce(compiled)  # type: ignore[no-untyped-call]
-        (name, kind, (machine_code, _)), *rest, environments = kept
-        entry = compiled.fndesc.llvm_cpython_wrapper_name
-        named = parse_assembly(f'define void @"{entry}"() {{ unreachable }}').as_bitcode()
-        needed = tuple(one for one in environments if one.consts)
-        return (name, kind, (machine_code, named)), *rest, needed
-
-
-class _Locator:
-    """What numba asks for the place of a function's files."""
-
-    def __init__(self, folder: Path, stamp: str) -> None:
-        self._folder, self._stamp = folder, stamp
-        self._py_file = ""
-
-    def from_function(self, _function: Callable[..., Any], file: str) -> _Locator:
-        self._py_file = file  # numba's warnings name it
-        return self
-
-    def get_cache_path(self) -> str:
-        return str(self._folder)
-
-    def ensure_cache_path(self) -> None:
-        self._folder.mkdir(parents=True, exist_ok=True)
-
-    def get_source_stamp(self) -> str:
-        return self._stamp
-
-    def get_disambiguator(self) -> str:
-        """Part of the files' names: in an index of other sources may be classes that are gone."""
-        return self._stamp[:16]

@@ -56,4 +56,4 @@ def _in_temporary_cache() -> Path:
 def is_anything_kept() -> bool:
     """Check whether there is a compiled form of any kernel, which may be of other sources."""
     folder = kernel_folder()
-    return READY.exists() or (folder is not None and next(folder.glob("*.nbi"), None) is not None)
+    return READY.exists() or (folder is not None and next(folder.glob("*.nbc"), None) is not None)

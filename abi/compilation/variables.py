@@ -18,13 +18,15 @@ from numba.core.lowering import Lower
 from abi.compilation.borrowed import borrowed
 from abi.compilation.counters import COUNTER, places_of_counters
 
+_AssignedOnce = dict[str, tuple[int, Any]]
+"""Block and value of each variable that one line assigns."""
 _PARTS = ("getattr", "static_getitem", "exhaust_iter")
 """Numba's names for what takes a part of a tuple."""
 
 
-def _assigned_once(blocks: dict[int, Any]) -> dict[str, tuple[int, Any]]:
+def _assigned_once(blocks: dict[int, Any]) -> _AssignedOnce:
     """Return the variables that one line assigns, each with the block and the value there."""
-    found: dict[str, tuple[int, Any]] = {}
+    found: _AssignedOnce = {}
     several = set()
     for label, block in blocks.items():
         for line in block.find_insts(ir.Assign):
@@ -35,46 +37,51 @@ def _assigned_once(blocks: dict[int, Any]) -> dict[str, tuple[int, Any]]:
     return {name: where for name, where in found.items() if name not in several}
 
 
-class _Held:
-    """Tells which variables hold what somebody else holds as long as they are used."""
+def _held(lower: Lower, once: _AssignedOnce) -> frozenset[str]:
+    """Return the variables that hold what somebody else holds as long as they are used."""
+    blocks = lower.func_ir.blocks.values()
+    handed_back = (line.value.name for block in blocks for line in block.find_insts(ir.Return))
+    known = dict.fromkeys(handed_back, False)
+    return frozenset(name for name in once if _is_held(name, lower, once, known))
 
-    def __init__(self, lower: Lower, once: dict[str, tuple[int, Any]]) -> None:
-        self._lower, self._once = lower, once
-        blocks = lower.func_ir.blocks.values()
-        handed_back = (line.value.name for block in blocks for line in block.find_insts(ir.Return))
-        self._known = dict.fromkeys(handed_back, False)
 
-    def __contains__(self, name: str) -> bool:
-        if name not in self._known:
-            self._known[name] = False  # while it is being asked
-            self._known[name] = name in self._once and self._is_held(name, self._once[name][1])
-        return self._known[name]
+def _is_held(name: str, lower: Lower, once: _AssignedOnce, known: dict[str, bool]) -> bool:
+    """Check that of one variable; ``known`` are the answers so far."""
+    if name not in known:
+        known[name] = False  # while it is being asked
+        known[name] = name in once and _holds(name, lower, once, known)
+    return known[name]
 
-    def _is_held(self, name: str, value: Any) -> bool:
-        if isinstance(value, ir.Arg):
-            kind = self._lower.typeof("arg." + value.name)  # type: ignore[no-untyped-call]
-            return not isinstance(kind, types.Omitted)
-        if isinstance(value, ir.Var):
-            return value.name in self
-        if not isinstance(value, ir.Expr):
+
+def _holds(name: str, lower: Lower, once: _AssignedOnce, known: dict[str, bool]) -> bool:
+    """Check whether somebody else holds the value that is assigned to a variable."""
+    value = once[name][1]
+    if isinstance(value, ir.Arg):
+        kind = lower.typeof("arg." + value.name)  # type: ignore[no-untyped-call]
+        return not isinstance(kind, types.Omitted)
+    if isinstance(value, ir.Var):
+        return _is_held(value.name, lower, once, known)
+    if not isinstance(value, ir.Expr):
+        return False
+    if value.op == "call":
+        called = once.get(value.func.name, (0, None))[1]
+        if not isinstance(called, ir.Global) or called.value is not borrowed:
             return False
-        if value.op == "call":
-            called = self._once.get(value.func.name, (0, None))[1]
-            if not isinstance(called, ir.Global) or called.value is not borrowed:
-                return False
-            return value.args[0].name in self or self._has_only_arrays(name)
-        if value.op == "static_getitem" and not isinstance(value.index, int):
-            return False
-        return value.op in _PARTS and self._is_held_tuple(value.value.name)
+        lent = _is_held(value.args[0].name, lower, once, known)
+        return lent or _has_only_arrays(lower, name)
+    if value.op not in _PARTS:
+        return False
+    if value.op == "static_getitem" and not isinstance(value.index, int):
+        return False
+    whole = value.value.name
+    kind = lower.typeof(whole)  # type: ignore[no-untyped-call]
+    return isinstance(kind, types.BaseTuple) and _is_held(whole, lower, once, known)
 
-    def _is_held_tuple(self, name: str) -> bool:
-        kind = self._lower.typeof(name)  # type: ignore[no-untyped-call]
-        return isinstance(kind, types.BaseTuple) and name in self
 
-    def _has_only_arrays(self, name: str) -> bool:
-        """Check whether nothing but arrays would be counted, which have no counter once lent."""
-        models, kind = self._lower.context.data_model_manager, self._lower.typeof(name)  # type: ignore[no-untyped-call]
-        return all(counted is COUNTER for _, counted in places_of_counters(models, kind))
+def _has_only_arrays(lower: Lower, name: str) -> bool:
+    """Check whether nothing but arrays would be counted, which have no counter once lent."""
+    models, kind = lower.context.data_model_manager, lower.typeof(name)  # type: ignore[no-untyped-call]
+    return all(counted is COUNTER for _, counted in places_of_counters(models, kind))
 
 
 _find_values: Any = Lower._find_singly_assigned_variable
@@ -88,8 +95,7 @@ def _find_more_values(lower: Any) -> None:
     if lower.func_ir.func_id.is_generator:
         return
     once = _assigned_once(blocks)
-    held = _Held(lower, once)
-    lower._held = frozenset(name for name in once if name in held)
+    lower._held = _held(lower, once)
     models = lower.context.data_model_manager
     lines = (line for block in blocks.values() for line in block.find_insts(ir.Assign))
     lower._uncounted = lower._held | {
@@ -101,9 +107,7 @@ def _find_more_values(lower: Any) -> None:
     lower._singly_assigned_vars |= _values(blocks, once, lower._uncounted - in_memory)
 
 
-def _values(
-    blocks: dict[int, Any], once: dict[str, tuple[int, Any]], names: Iterable[str]
-) -> set[str]:
+def _values(blocks: dict[int, Any], once: _AssignedOnce, names: Iterable[str]) -> set[str]:
     """Return those of some variables that are assigned once, before all blocks that use them."""
     users: dict[str, list[int]] = {}
     for label, used in compute_use_defs(blocks).usemap.items():  # type: ignore[no-untyped-call]

@@ -70,7 +70,7 @@ class WarmUp:
         try:
             compiling.begin(spare=1)  # for the tabs
             while not compiling.wait(NOTICE_DELAY):
-                self._tell(*_words(compiling.remaining()))
+                self._tell(*_words(compiling.share_done(), compiling.time_left()))
             self._call_kernels()
             if self.planned.is_set():
                 self._warm_reader()
@@ -142,13 +142,12 @@ class WarmUp:
         )
 
 
-def _words(remaining: compiling.Remaining | None) -> tuple[str, str]:
-    """Title and text of the notice."""
-    share = "" if remaining is None else f": {remaining.share:.0%} are done"
-    time = "" if remaining is None else remaining.time
+def _words(share: float | None, left: str) -> tuple[str, str]:
+    """Title and text of the notice, from the share that is compiled and the time that is left."""
+    done = "" if share is None else f": {share:.0%} are done"
     return (
-        f"First start: {f'faster in about {time}' if time else 'getting faster'}",
-        f"The program is being compiled, once on this machine{share}. What this scene needs comes "
+        f"First start: {f'faster in about {left}' if left else 'getting faster'}",
+        f"The program is being compiled, once on this machine{done}. What this scene needs comes "
         "first. Meanwhile everything works but fine meshes, which wait for it.",
     )
 

@@ -36,7 +36,7 @@ def test_every_kernel_is_compiled_for_one_signature() -> None:
         for name in ("paper", "forest", "sculpture", "thin-plate", "wall-with-window"):
             for mode in ("least_squares", "pieces"):
                 assert plan(load_scene(name).replace(quadratic={"mode": mode})).motion
-    assert {kernel.name: len(kernel.dispatcher.of_numba.signatures) for kernel in kernels} == {
+    assert {kernel.name: len(kernel.of_numba.signatures) for kernel in kernels} == {
         kernel.name: 1 for kernel in kernels
     }
 
@@ -286,17 +286,16 @@ def test_what_remains_is_told_by_the_share_of_what_was_missing(
 ) -> None:
     other = compiled(example=(FLOATS, NEW_FLOATS))(doubled)
     compilation = compiling._Compilation()
-    assert compilation.remaining() is None
-    compilation._missing, compilation._begun = (kernel, other), time.monotonic() - 5
-    assert compilation.remaining() == compiling.Remaining(0.0, None)
+    assert compilation.share_done() is None
+    compilation._missing, compilation._begun = (kernel, other), time.monotonic() - 25
+    assert compilation.share_done() == 0.0
+    assert not compilation.time_left()
     monkeypatch.setattr(other, "_run", other._compiled)
-    remaining = compilation.remaining()
-    assert remaining is not None
-    assert remaining.seconds is not None
-    assert remaining.share == 0.5  # they are of one size
-    assert remaining.seconds == pytest.approx(5, abs=1)
+    assert compilation.share_done() == 0.5  # they are of one size
+    assert compilation.time_left() == "30 s"
     compilation.done.set()
-    assert compilation.remaining() is None
+    assert compilation.share_done() is None
+    assert not compilation.time_left()
 
 
 @pytest.mark.slow
@@ -308,24 +307,24 @@ def test_a_script_ends_well_while_kernels_are_compiled(tmp_path: Path) -> None:
 
 FORK = """
 import os, threading, abi
-from abi.compilation.dispatcher import Dispatcher
+from abi.compilation import dispatcher
 from abi.tet_mesh import exclusion_kernels
 
 begun, pause, loaded = threading.Event(), threading.Event(), threading.Event()
-load = Dispatcher.compile
+load = dispatcher.compile_once
 
-def slowly(dispatcher):
+def slowly(*kernel):
     begun.set()
     pause.wait(0.5)
-    load(dispatcher)
+    load(*kernel)
     loaded.set()
 
-Dispatcher.compile = slowly
+dispatcher.compile_once = slowly
 threading.Thread(target=exclusion_kernels.mark.compile).start()
 begun.wait()
 child = os.fork()
 if child == 0:
-    Dispatcher.compile = load
+    dispatcher.compile_once = load
     abi.compile()
     os._exit(0 if loaded.is_set() and abi.plan(abi.load_scene("paper")).error is None else 1)
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
@@ -506,12 +505,14 @@ def test_a_compiling_process_outlives_its_parent_by_the_kernels_it_was_told(
     for pipe in (child.stdin, child.stdout):
         pipe.close()
     child.wait()
-    assert list(tmp_path.rglob("*mark*.nbi"))
-    assert list(tmp_path.rglob("*nearest*.nbi"))
+    assert list(tmp_path.rglob("*mark*.nbc"))
+    assert list(tmp_path.rglob("*nearest*.nbc"))
 
 
 def test_who_waits_for_the_compiler_hears_how_long_once_that_can_be_said() -> None:
-    for unsure in (None, compiling.Remaining(0.05, 900.0), compiling.Remaining(0.5, None)):
-        assert "left" not in compiling._words(unsure)
-    assert "30% done, about 2 minutes left" in compiling._words(compiling.Remaining(0.3, 125.0))
-    assert "about 50 s left" in compiling._words(compiling.Remaining(0.8, 44.0))
+    assert not compiling._time_left(None, 5.0)
+    assert not compiling._time_left(0.05, 45.0)
+    assert "left" not in compiling._words(0.05, "")
+    assert compiling._time_left(0.5, 125.0) == "2 minutes"
+    assert compiling._time_left(0.8, 4 * 44.0) == "50 s"
+    assert "30% done, about 50 s left" in compiling._words(0.3, "50 s")

@@ -10,7 +10,7 @@ import pytest
 
 from abi.arrays import FloatArray, read_only
 from abi.compilation import helpers
-from abi.compilation.dispatcher import Dispatcher
+from abi.compilation.dispatcher import compile_once, make_dispatcher
 from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLOATS
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -44,11 +44,12 @@ def powers(exponents: Any, found: Any) -> None:
 
 
 @pytest.fixture
-def compiled_pair() -> tuple[Dispatcher, Dispatcher]:
-    pair = Dispatcher(cubes, (FLOATS, NEW_FLOATS), {}), Dispatcher(powers, (IDS, NEW_FLOATS), {})
-    for one in pair:
-        one.compile()
-    return pair
+def compiled_pair() -> tuple[Any, Any]:
+    pair = []
+    for function, example in (cubes, (FLOATS, NEW_FLOATS)), (powers, (IDS, NEW_FLOATS)):
+        pair.append(make_dispatcher(function, example, {}))
+        compile_once(pair[-1], example)
+    return pair[0], pair[1]
 
 
 def test_helpers_are_compiled_in_this_version_of_numba() -> None:
@@ -59,15 +60,15 @@ def test_helpers_are_compiled_in_this_version_of_numba() -> None:
     assert not helpers.is_known("1.68.0")
 
 
-def test_a_helper_does_the_same_compiled(compiled_pair: tuple[Dispatcher, Dispatcher]) -> None:
+def test_a_helper_does_the_same_compiled(compiled_pair: tuple[Any, Any]) -> None:
     first, second = compiled_pair
     numbers, found = np.array([0.1, -3.0, 1e200]), np.zeros(3)
     numbers.setflags(write=False)
-    assert first.of_numba(numbers, found) == power(2.0, 3)
+    assert first(numbers, found) == power(2.0, 3)
     np.testing.assert_array_equal(found, [cube(float(number)) for number in numbers])
     exponents = np.array([0, 5], np.int32)
     exponents.setflags(write=False)
-    second.of_numba(exponents, found)
+    second(exponents, found)
     np.testing.assert_array_equal(found[:2], [np.inf, np.inf])
 
 

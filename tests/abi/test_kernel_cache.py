@@ -19,7 +19,7 @@ import pytest
 import abi
 from abi import compiler_process, compiling
 from abi.compilation import kernel_cache
-from abi.compilation.dispatcher import Dispatcher
+from abi.compilation.dispatcher import compile_once, is_kept, make_dispatcher
 from abi.compilation.kernel_cache import KernelCache
 from abi.compilation.kernel_folder import kernel_folder
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
@@ -41,33 +41,39 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     kernel_folder.cache_clear()
 
 
-def dispatcher() -> Dispatcher:
-    return Dispatcher(halved, (FLOATS, NEW_FLOATS), {})
+EXAMPLE = FLOATS, NEW_FLOATS
 
 
-@pytest.mark.parametrize("ending", ["nbi", "nbc"])
-def test_a_damaged_file_is_compiled_anew(folder: Path, ending: str) -> None:
-    dispatcher().compile()
-    [file] = folder.glob(f"*.{ending}")
+def dispatcher() -> Any:
+    return make_dispatcher(halved, EXAMPLE, {})
+
+
+def compiled_dispatcher() -> Any:
+    found = dispatcher()
+    compile_once(found, EXAMPLE)
+    return found
+
+
+def test_a_damaged_file_is_compiled_anew(folder: Path) -> None:
+    compiled_dispatcher()
+    [file] = folder.iterdir()
     file.write_bytes(file.read_bytes()[:-20])
-    other = dispatcher()
-    other.compile()
-    other.of_numba(np.ones(2), found := np.zeros(2))
+    compiled_dispatcher()(np.ones(2), found := np.zeros(2))
     assert found.tolist() == [0.5, 0.5]
-    assert dispatcher().cached
+    assert is_kept(dispatcher())
+    assert not compiled_dispatcher()._cache_misses
 
 
 def test_what_nobody_has_used_for_long_is_removed(folder: Path) -> None:
-    used, unused = (KernelCache(halved, folder, letter * 16) for letter in "ab")
     folder.mkdir(parents=True)
     month_ago = time.time() - 31 * 24 * 3600
-    for letter in "abc":
-        file = folder / f"test.halved-{letter * 16}.py311.nbi"
+    files = [folder / name for name in ("used.nbc", "unused.nbc", "older.nbi", "new.nbc")]
+    for file in files:
         file.write_bytes(b"")
-        os.utime(file, (month_ago, month_ago) if letter != "c" else None)
-    used.note_use()
-    unused.remove_unused()
-    assert sorted(file.name.split("-")[1][0] for file in folder.iterdir()) == ["a", "c"]
+        os.utime(file, (month_ago, month_ago) if file.stem != "new" else None)
+    KernelCache(files[0]).note_use()
+    KernelCache(files[1]).remove_unused()
+    assert sorted(file.stem for file in folder.iterdir()) == ["new", "used"]
 
 
 def test_what_cannot_be_kept_where_it_should_is_kept_for_a_while_and_logged(
@@ -75,8 +81,8 @@ def test_what_cannot_be_kept_where_it_should_is_kept_for_a_while_and_logged(
 ) -> None:
     folder.parent.write_text("a file in the way")
     with caplog.at_level(logging.WARNING):
-        dispatcher().compile()
-        assert dispatcher().cached
+        compiled_dispatcher()
+        assert is_kept(dispatcher())
     [line] = caplog.messages
     chosen = kernel_folder()
     assert chosen is not None
@@ -143,7 +149,7 @@ def test_clones_share_what_they_compile_and_an_edit_affects_what_depends_on_it(
 @pytest.fixture(scope="module")
 def brought(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with the compiled form for any processor, as another process wrote it for a wheel."""
-    code = "from tests.abi.test_kernel_cache import dispatcher; dispatcher().compile()"
+    code = "from tests.abi.test_kernel_cache import compiled_dispatcher; compiled_dispatcher()"
     place = tmp_path_factory.mktemp("wheel")
     environment = {"NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(place)}
     subprocess.run([sys.executable, "-c", code], check=True, env=os.environ | environment)
@@ -161,25 +167,24 @@ def ready(folder: Path, brought: Path, tmp_path: Path, monkeypatch: pytest.Monke
 @pytest.mark.slow
 def test_what_a_wheel_brings_is_neither_compiled_nor_written(folder: Path, ready: Path) -> None:
     before = {file: file.read_bytes() for file in ready.iterdir()}
-    loaded = dispatcher()
-    assert loaded.cached
-    loaded.compile()
-    loaded.of_numba(np.ones(2), found := np.zeros(2))
+    assert is_kept(dispatcher())
+    loaded = compiled_dispatcher()
+    assert not loaded._cache_misses
+    loaded(np.ones(2), found := np.zeros(2))
     assert found.tolist() == [0.5, 0.5]
     with pytest.raises(TypeError):
-        loaded.of_numba(np.ones(2, int), found)
+        loaded(np.ones(2, int), found)
     assert not list(folder.glob("*"))
     assert {file: file.read_bytes() for file in ready.iterdir()} == before
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ending", ["nbi", "nbc"])
 def test_what_is_missing_of_a_wheel_is_compiled_and_kept_for_the_user(
-    folder: Path, ready: Path, ending: str
+    folder: Path, ready: Path
 ) -> None:
-    [file] = ready.glob(f"*.{ending}")
+    [file] = ready.iterdir()
     file.unlink()
-    dispatcher().compile()
+    compiled_dispatcher()
     assert list(folder.glob("*.nbc"))
-    assert dispatcher().cached
-    assert len(list(ready.iterdir())) == 1
+    assert is_kept(dispatcher())
+    assert not list(ready.iterdir())

@@ -13,7 +13,7 @@ from numba.core import runtime as numba_runtime
 
 from abi.arrays import FloatArray
 from abi.compilation import shortcuts
-from abi.compilation.dispatcher import Dispatcher
+from abi.compilation.dispatcher import compile_once, make_dispatcher
 from abi.compilation.helpers import is_known
 from abi.compilation.jitable import jitable
 from abi.compiled import NEW_FLOATS
@@ -120,13 +120,13 @@ def test_all_that_is_lent_is_counted_neither_too_often_nor_too_seldom(
 ) -> None:
     use(monkeypatch, shortcuts.SHORTCUTS | shortcuts.OVERLOADS)
     lender, numbers = make_lender(), np.arange(1.0, 6.0)
-    kernel = Dispatcher(lender, (NEW_FLOATS, 1), {})
-    kernel.compile()
+    kernel = make_dispatcher(lender, (NEW_FLOATS, 1), {})
+    compile_once(kernel, (NEW_FLOATS, 1))
     expected, runtime = lender(numbers, 40), cast(Any, numba_runtime)
     runtime._nrt_python.memsys_enable_stats()
     before = runtime.rtsys.get_allocation_stats()
     for _ in range(100):
-        total, places = kernel.of_numba(numbers, 40)
+        total, places = kernel(numbers, 40)
         assert total == expected[0]
         np.testing.assert_array_equal(places, expected[1])
     del places

@@ -11,7 +11,6 @@ from typing import Any, cast
 import pytest
 
 from abi import compiling
-from abi.compiling import Remaining
 from abi.planner.live_planner import LivePlanner
 from abi.scene.scene import load_scene
 from app.server import warm_up
@@ -34,7 +33,7 @@ class Tab:
 
 @pytest.mark.parametrize("left", [0.0, 3.0, 10.0, 11.0, 89.0, 91.0, 600.0])
 def test_the_time_left_is_told_in_round_numbers(left: float) -> None:
-    words = Remaining(0.5, left).time
+    words = compiling._time_left(0.5, left)  # as long again as it has taken
     [number], minutes = re.findall(r"\d+", words), "minutes" in words
     told = int(number) * (60 if minutes else 1)
     assert math.isclose(told, left, abs_tol=30 if minutes else 10)
@@ -42,16 +41,17 @@ def test_the_time_left_is_told_in_round_numbers(left: float) -> None:
 
 
 def test_nothing_is_told_of_a_time_that_is_not_known() -> None:
-    assert not re.search(r"\d", " ".join(_words(None)))
-    assert "40 %" in _words(Remaining(0.4, 25.0))[1].replace("40%", "40 %")
+    assert not re.search(r"\d", " ".join(_words(None, "")))
+    assert "40 %" in _words(0.4, "30 s")[1].replace("40%", "40 %")
 
 
 def test_all_tabs_are_told_how_far_it_is_until_it_is_done(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     first, second, ready = Tab(), Tab(), threading.Event()
-    states = Remaining(0.1, 90.0), Remaining(0.6, 40.0), None
-    coming, told = iter(states), []
+    states = [(0.1, "90 s"), (0.6, "40 s"), (None, "")]
+    shares, times = zip(*states, strict=True)
+    coming, left, told = iter(shares), iter(times), []
 
     def wait(_: float) -> bool:
         told.append([[notice.title for notice in tab.notices] for tab in (first, second)])
@@ -64,14 +64,15 @@ def test_all_tabs_are_told_how_far_it_is_until_it_is_done(
     monkeypatch.setattr(warm_up, "loaded", lambda: None)
     monkeypatch.setattr(compiling, "begin", lambda spare: ready.wait())
     monkeypatch.setattr(compiling, "wait", wait)
-    monkeypatch.setattr(compiling, "remaining", lambda: next(coming))
+    monkeypatch.setattr(compiling, "share_done", lambda: next(coming))
+    monkeypatch.setattr(compiling, "time_left", lambda: next(left))
     for name in ("_plan_opening", "_load", "_call_kernels"):
         monkeypatch.setattr(WarmUp, name, lambda *_: None)
     work = WarmUp(load_scene("paper"), SharedPlans())
     work.add(cast(Any, first))
     ready.set()
     work.thread.join()
-    titles = [_words(state)[0] for state in states]
+    titles = [_words(*state)[0] for state in states]
     assert told == [[[], []], [[titles[0]], []], [[titles[1]]] * 2, [[titles[2]]] * 2]
     assert not first.notices + second.notices
 
