@@ -32,7 +32,7 @@ def check(folder: Path) -> None:
 
     Exit code 0: nothing is wrong; 3: something is; 2: FOLDER has no lesson.
     """
-    from app.tab.view import SWITCHES
+    from app.state.legend import SWITCHES
     from app.teach.lesson_check import check_folder
 
     faults = check_folder(folder, {switch.name for switch in SWITCHES})

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
 from abi.explain.base_map import BaseMap
-from app.state.frame import Frame, Layer, Switch
+from abi.obstacles.pose import Vec3
+from app.state.frame import Draw, Frame
 from app.ui import style
 from app.ui.colour_scale import scale_colours
 from app.ui.layout import Layout
@@ -24,82 +23,73 @@ _PIN = 0.012
 """Radius of the mark of the best, as a part of the workspace's size."""
 
 
-class BaseMapLayer(Layer):
+def base_map_layer(layout: Layout) -> Draw:
     """Tiles level with the bases, grey without a plan, and a pin at the best."""
+    scene = layout.client.scene
+    root = scene.add_frame("/bases", show_axes=False)
+    nodes: list[viser.BatchedMeshHandle | viser.IcosphereHandle] = []
+    drawn: tuple[object, ...] = ()
 
-    switches: ClassVar[tuple[Switch, ...]] = (
-        Switch(
-            "bases",
-            "bases tried (heat map)",
-            style.HEAT[0],
-            hint="After Find a base in stage 6: yellow where the curve is shortest, dark blue "
-            "where it is longest, grey where there is no plan.",
-        ),
+    def draw(frame: Frame) -> None:
+        nonlocal drawn
+        root.visible = "bases" in frame.shown
+        found = frame.bases
+        if drawn == (found, frame.label_scale):
+            return
+        drawn = found, frame.label_scale
+        while nodes:
+            nodes.pop().remove()
+        if found is not None and found.cells:
+            nodes.append(_add_tiles(scene, found))
+            if found.best is not None and found.best.length is not None:
+                best = found.best.base, found.best.length
+                nodes.append(_add_pin(scene, found, *best, frame.label_scale))
+
+    return draw
+
+
+def _add_tiles(scene: viser.SceneApi, found: BaseMap) -> viser.BatchedMeshHandle:
+    layered = found.cells[0].cell[2] > 0
+    sides = np.array([cell.cell for cell in found.cells])
+    # a region that is thin in one direction still has tiles that are seen
+    sides = np.where(sides > 0, sides, sides.max(initial=1e-3) / 4)
+    scales = sides * ((_SMALL if layered else _GAP), (_SMALL if layered else _GAP), 1.0)
+    turns = np.zeros((len(sides), 4), np.float32)
+    turns[:, 0] = 1
+    return scene.add_batched_meshes_simple(
+        "/bases/tiles",
+        _VERTICES,
+        _FACES,
+        turns,
+        np.array([cell.base for cell in found.cells], np.float32),
+        batched_scales=scales.astype(np.float32),
+        batched_colors=_colours(found),
+        lod="off",
+        opacity=_OPACITY,
+        side="double",
+        cast_shadow=False,
+        receive_shadow=False,
     )
 
-    def __init__(self, layout: Layout) -> None:
-        self._scene = layout.client.scene
-        self._root = self._scene.add_frame("/bases", show_axes=False)
-        self._tiles: viser.BatchedMeshHandle | None = None
-        self._pin: viser.IcosphereHandle | None = None
-        self._drawn: tuple[object, ...] = ()
 
-    def draw(self, frame: Frame) -> None:
-        """Draw the map, if there is one."""
-        self._root.visible = "bases" in frame.shown
-        found = frame.bases
-        if (found, frame.label_scale) == self._drawn:
-            return
-        self._drawn = found, frame.label_scale
-        for handle in (self._tiles, self._pin):
-            if handle is not None:
-                handle.remove()
-        self._tiles = self._pin = None
-        if found is not None and found.cells:
-            self._draw_tiles(found)
-            self._draw_best(found, frame.label_scale)
-
-    def _draw_tiles(self, found: BaseMap) -> None:
-        layered = found.cells[0].cell[2] > 0
-        sides = np.array([cell.cell for cell in found.cells])
-        # a region that is thin in one direction still has tiles that are seen
-        sides = np.where(sides > 0, sides, sides.max(initial=1e-3) / 4)
-        scales = sides * ((_SMALL if layered else _GAP), (_SMALL if layered else _GAP), 1.0)
-        turns = np.zeros((len(sides), 4), np.float32)
-        turns[:, 0] = 1
-        self._tiles = self._scene.add_batched_meshes_simple(
-            "/bases/tiles",
-            _VERTICES,
-            _FACES,
-            turns,
-            np.array([cell.base for cell in found.cells], np.float32),
-            batched_scales=scales.astype(np.float32),
-            batched_colors=_colours(found),
-            lod="off",
-            opacity=_OPACITY,
-            side="double",
-            cast_shadow=False,
-            receive_shadow=False,
-        )
-
-    def _draw_best(self, found: BaseMap, scale: float) -> None:
-        best = found.best
-        if best is None or best.length is None:
-            return
-        size = max(found.scene.workspace.size)
-        place = np.array(best.base)
-        self._pin = self._scene.add_icosphere(
-            "/bases/best", radius=_PIN * size, color=style.MARK, position=place
-        )
-        # goes with the pin
-        self._scene.add_label(
-            "/bases/best/label",
-            f"best base · {format_length(best.length)} {found.scene.unit}",
-            anchor="bottom-center",
-            position=(0.0, 0.0, 2 * _PIN * size),
-            depth_test=False,
-            font_screen_scale=scale,
-        )
+def _add_pin(
+    scene: viser.SceneApi, found: BaseMap, base: Vec3, length: float, scale: float
+) -> viser.IcosphereHandle:
+    """A pin at the best base, with the length of the curve from there."""
+    size = max(found.scene.workspace.size)
+    pin = scene.add_icosphere(
+        "/bases/best", radius=_PIN * size, color=style.MARK, position=np.array(base)
+    )
+    # goes with the pin
+    scene.add_label(
+        "/bases/best/label",
+        f"best base · {format_length(length)} {found.scene.unit}",
+        anchor="bottom-center",
+        position=(0.0, 0.0, 2 * _PIN * size),
+        depth_test=False,
+        font_screen_scale=scale,
+    )
+    return pin
 
 
 def _colours(found: BaseMap) -> NDArray[np.uint8]:

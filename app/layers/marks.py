@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import viser
 from numpy.typing import NDArray
 
 from abi.arrays import IntArray
@@ -11,7 +12,7 @@ from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.search.search import SearchResult
 from app.layers.points import add_points, set_points
-from app.state.frame import Frame, Layer
+from app.state.frame import Draw, Frame
 from app.ui import style
 from app.ui.colour_scale import scale_colours
 from app.ui.layout import Layout
@@ -20,57 +21,55 @@ NODE_BUDGET = 20_000
 """Nodes a tab is sent at the most."""
 
 
-class MarksLayer(Layer):
+def marks_layer(layout: Layout) -> Draw:
     """Nodes in the order in which the chosen algorithm expanded them, and large bright points.
 
     A search that is stepped through has nodes in these colours of its own: then there are none.
     """
+    scene = layout.client.scene
+    visited = add_points(scene, "/search/reached")
+    latest = add_points(scene, "/search/latest")
+    named = add_points(scene, "/marks")
+    drawn: tuple[object, int] | None = None
+    told: Reason | None = None
 
-    def __init__(self, layout: Layout) -> None:
-        scene = layout.client.scene
-        self._visited = add_points(scene, "/search/reached")
-        self._latest = add_points(scene, "/search/latest")
-        self._named = add_points(scene, "/marks")
-        self._drawn: object = None
-        self._reason: Reason | None = None
-
-    def draw(self, frame: Frame) -> None:
-        """Draw the first part of the expansions, and the points of the reason."""
-        self._draw_nodes(frame)
-        reason = frame.reason if frame.theatre is None else None
-        if reason is not self._reason:
-            self._reason = reason
-            self._draw_reason(reason, frame.plan)
-
-    def _draw_nodes(self, frame: Frame) -> None:
+    def draw(frame: Frame) -> None:
+        nonlocal drawn, told
         plan, result = frame.plan, frame.plan.path
         order = np.zeros(0, np.int32)
         if frame.theatre is None:
             order = _reached(plan) if result is None else result.order[: frame.visited]
         state = (plan.error if result is None else result), len(order)
-        if state == self._drawn:
-            return
-        self._drawn = state
-        some = plan.graph is not None and len(order) > 0
-        self._visited.visible = some
-        self._latest.visible = some and result is not None
-        if plan.graph is None or not some:
-            return
-        points, pitch = plan.graph.points, plan.graph.mesh.pitch
-        if result is None:
-            # in the colour that the page's hint names
-            set_points(self._visited, points[_thinned(order)], style.A_STAR, 0.08 * pitch)
-            return
-        nodes, colours = _in_order(order, result)
-        set_points(self._visited, points[nodes], colours, 0.13 * pitch)
-        set_points(self._latest, points[order[-1:]], style.MARK, 0.26 * pitch)
+        if state != drawn:
+            drawn = state
+            _draw_nodes(visited, latest, plan, order)
+        reason = frame.reason if frame.theatre is None else None
+        if reason is not told:
+            told = reason
+            named.visible = reason is not None and names_others(reason, plan)
+            if reason is not None and named.visible:
+                set_points(named, reason.points, style.MARK, 0.03 * max(plan.scene.workspace.size))
 
-    def _draw_reason(self, reason: Reason | None, plan: Plan) -> None:
-        """Mark the points that a diagnosis names, such as the free point nearest to the start."""
-        self._named.visible = named = reason is not None and names_others(reason, plan)
-        if reason is not None and named:
-            size = 0.03 * max(plan.scene.workspace.size)
-            set_points(self._named, reason.points, style.MARK, size)
+    return draw
+
+
+def _draw_nodes(
+    visited: viser.PointCloudHandle, latest: viser.PointCloudHandle, plan: Plan, order: IntArray
+) -> None:
+    """Draw the first part of a search's expansions, or what one that failed has reached."""
+    some, result = plan.graph is not None and len(order) > 0, plan.path
+    visited.visible = some
+    latest.visible = some and result is not None
+    if plan.graph is None or not some:
+        return
+    points, pitch = plan.graph.points, plan.graph.mesh.pitch
+    if result is None:
+        # in the colour that the page's hint names
+        set_points(visited, points[_thinned(order)], style.A_STAR, 0.08 * pitch)
+        return
+    nodes, colours = _in_order(order, result)
+    set_points(visited, points[nodes], colours, 0.13 * pitch)
+    set_points(latest, points[order[-1:]], style.MARK, 0.26 * pitch)
 
 
 def _reached(plan: Plan) -> IntArray:

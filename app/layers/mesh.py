@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-from typing import ClassVar
 
 import numpy as np
 import viser
@@ -16,7 +15,7 @@ from app.drawing.straight_lines import straight_lines
 from app.layers.points import add_points, set_lines, set_points
 from app.shared.computed_once import once_a_plan
 from app.stages.catalogue import SHOWN_STAGES
-from app.state.frame import Frame, Layer, Switch
+from app.state.frame import Frame
 from app.ui import style
 from app.ui.layout import Layout
 from app.ui.numbers import format_setting
@@ -39,14 +38,8 @@ _ABOUT_EDGES = frozenset(name for name, one in SHOWN_STAGES.items() if "edges" i
 _ARM_NOTE = ", or the arm would, with its tool tip there"
 
 
-class MeshLayer(Layer):
+class MeshLayer:
     """Edges as one line set, nodes as points, and a note with their counts."""
-
-    switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("edges", "mesh edges", style.MESH),
-        Switch("nodes", "mesh nodes", style.MESH),
-        Switch("excluded", "nodes in obstacles", style.EXCLUDED),
-    )
 
     def __init__(self, layout: Layout) -> None:
         self._scene = layout.client.scene
@@ -62,7 +55,7 @@ class MeshLayer(Layer):
         self._note = ""
         self._stale = False
 
-    def draw(self, frame: Frame) -> None:
+    def __call__(self, frame: Frame) -> None:
         """Draw the plan's mesh, or the part of it that the frame asks for.
 
         While the input changes or a newer plan is made, a mesh over the edge budget keeps its last

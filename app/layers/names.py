@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
+import viser
 
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -13,7 +14,7 @@ from abi.planner.plan import Plan
 from app.camera.framing import axes
 from app.drawing.lines import add_line, parameters, points_at, segments
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame, Layer, Switch
+from app.state.frame import Draw, Frame
 from app.ui import style
 from app.ui.arm_size import oversize
 from app.ui.layout import Layout
@@ -48,79 +49,77 @@ _View = tuple[Vec3, Vec3]
 """Position and target of a camera, [unit], world."""
 
 
-class NamesLayer(Layer):
-    """A label on each line, away from the other labels, and a dimension line."""
+def names_layer(layout: Layout) -> Draw:
+    """A label on each line, away from the other labels, and a dimension line.
 
-    switches: ClassVar[tuple[Switch, ...]] = (
-        Switch(
-            "names",
-            "names and distance",
-            None,
-            hint="Of points and curves, and the curve's least distance from an obstacle.",
-        ),
-    )
+    Names move along their lines only while the input rests.
+    """
+    scene, camera = layout.client.scene, layout.client.camera
+    # one below its line, the others above
+    labels = {
+        name: scene.add_label(f"/name/{name}", "", anchor=anchor, visible=False)
+        for name, anchor in _ANCHORS.items()
+    }
+    distance = scene.add_label("/name/distance", "", anchor="bottom-center", visible=False)
+    line = add_line(scene, "/name/line", style.POINT, 2.0)
+    drawn: tuple[object, ...] = ()
+    places: dict[str, float] = {}
 
-    def __init__(self, layout: Layout) -> None:
-        scene, self._camera = layout.client.scene, layout.client.camera
-        # one below its line, the others above
-        self._labels = {
-            name: scene.add_label(f"/name/{name}", "", anchor=anchor, visible=False)
-            for name, anchor in _ANCHORS.items()
-        }
-        self._distance = scene.add_label(
-            "/name/distance", "", anchor="bottom-center", visible=False
-        )
-        self._line = add_line(scene, "/name/line", style.POINT, 2.0)
-        self._drawn: tuple[object, ...] = ()
-        self._places: dict[str, float] = {}
-        self._measured = False
-
-    def draw(self, frame: Frame) -> None:
-        """Name the plan's lines; names move along them only while the input rests."""
+    def draw(frame: Frame) -> None:
+        nonlocal drawn, places
         plan = frame.plan
-        eye, target = (_rounded(place) for place in (self._camera.position, self._camera.look_at))
+        eye, target = _rounded(camera.position), _rounded(camera.look_at)
         state = (plan, True) if frame.interactive else (plan, False, eye, target)
-        if state != self._drawn:
-            self._drawn = state
-            self._draw(plan, frame.interactive, (eye, target))
-        on = "names" in frame.shown
-        for label in (*self._labels.values(), self._distance):
+        if state != drawn:
+            drawn = state
+            _draw_distance(distance, line, plan)
+            lines = _lines(plan)
+            if not frame.interactive or set(lines) != set(places):
+                places = _apart(plan, (eye, target))
+            for name, points in lines.items():
+                labels[name].text = _title(plan, name)
+                labels[name].position = points_at(points, np.array([places[name]]))[0]
+        narrow = 0 < camera.image_width < _NARROW
+        named = _named(frame, narrow) & places.keys()
+        for name, label in labels.items():
             label.font_screen_scale = frame.label_scale
-        named = {"path", *_CURVES} if _CURVES & frame.shown else set(self._labels)
-        # beside an arm that is far too large for it, all of the scene is as small as one name
-        large = bool(oversize(plan.scene))
-        if large:
-            named = set()
-        search = plan.joint_search
-        if search is not None and search.path is not None:
-            named &= {"path", *style.ALGORITHMS}  # the joints follow none of the curves
-        if 0 < self._camera.image_width < _NARROW and plan.followed in frame.shown:
-            named = {plan.followed}
-        for name, label in self._labels.items():
-            shown = name in named and _switch(plan, name) in frame.shown
-            label.visible = on and shown and name in self._places
-        measured = on and self._measured and plan.followed in frame.shown and not large
-        measured = measured and not frame.asks  # it would give the answer away
-        self._line.visible = self._distance.visible = measured
+            label.visible = name in named and _switch(plan, name) in frame.shown
+        distance.font_screen_scale = frame.label_scale
+        line.visible = distance.visible = _tells_distance(frame)
 
-    def _draw(self, plan: Plan, interactive: bool, view: _View) -> None:
-        nearest, lines = _nearest(plan), _lines(plan)
-        self._draw_distance(plan, nearest)
-        if not interactive or set(lines) != set(self._places):
-            self._places = _apart(plan, view)
-        for name, points in lines.items():
-            self._labels[name].text = _title(plan, name)
-            self._labels[name].position = points_at(points, np.array([self._places[name]]))[0]
+    return draw
 
-    def _draw_distance(self, plan: Plan, nearest: FloatArray | None) -> None:
-        self._measured = nearest is not None
-        if nearest is None:
-            return
-        assert plan.followed_curve is not None
-        self._line.points = segments(nearest)
-        distance = format_lower_bound(distance_to_show(plan.followed_curve.clearance))
-        self._distance.text = f"{distance} {plan.scene.unit}"
-        self._distance.position = nearest.mean(axis=0)
+
+def _draw_distance(label: viser.LabelHandle, line: viser.LineSegmentsHandle, plan: Plan) -> None:
+    nearest = _nearest(plan)
+    if nearest is None:
+        return
+    assert plan.followed_curve is not None
+    line.points = segments(nearest)
+    distance = format_lower_bound(distance_to_show(plan.followed_curve.clearance))
+    label.text = f"{distance} {plan.scene.unit}"
+    label.position = nearest.mean(axis=0)
+
+
+def _named(frame: Frame, narrow: bool) -> set[str]:
+    """Lines that have a name in a frame while they are shown; fewer in a narrow picture."""
+    plan, search = frame.plan, frame.plan.joint_search
+    if "names" not in frame.shown:
+        return set()
+    if narrow and plan.followed in frame.shown:
+        return {plan.followed}
+    if oversize(plan.scene):
+        return set()  # beside such an arm all of the scene is as small as one name
+    named = {"path", *_CURVES} if _CURVES & frame.shown else set(_ANCHORS)
+    if search is not None and search.path is not None:
+        named &= {"path", *style.ALGORITHMS}  # the joints follow none of the curves
+    return named
+
+
+def _tells_distance(frame: Frame) -> bool:
+    """Whether to show the curve's distance to the obstacles; not where it would be the answer."""
+    shown = "names" in frame.shown and frame.plan.followed in frame.shown and not frame.asks
+    return shown and not oversize(frame.plan.scene) and _nearest(frame.plan) is not None
 
 
 def _switch(plan: Plan, name: str) -> str:

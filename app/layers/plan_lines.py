@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import ClassVar
 
 import numpy as np
 import viser
@@ -13,7 +12,7 @@ from abi.planner.plan import Plan
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, dashes, parameters, segments
 from app.layers.points import add_points, set_points
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame, Layer, Switch
+from app.state.frame import Frame
 from app.ui import style
 from app.ui.layout import Layout
 
@@ -23,7 +22,7 @@ _OFFSET = np.array([0.53, -0.80, 0.27])
 _OFFSET_FACTORS = (0.0, 1.0, -1.0, 2.0, -2.0)
 
 
-class PlanLinesLayer(Layer):
+class PlanLinesLayer:
     """A line for each path and curve, in grey while their plan is outdated.
 
     Paths are side by side where they coincide; Dijkstra's is dashed, as in the paper's Fig. 3, and
@@ -31,28 +30,6 @@ class PlanLinesLayer(Layer):
     too near an obstacle. The curve that it followed in the last plan at rest is a ghost, dashed and
     grey.
     """
-
-    switches: ClassVar[tuple[Switch, ...]] = (
-        *(Switch(name, label, colour) for name, (label, colour) in style.ALGORITHMS.items()),
-        Switch(
-            "taut", "shortcut path", style.TAUT, hint="Where stage 3 cuts the corners of the path."
-        ),
-        Switch("bspline", "B-spline", style.BSPLINE),
-        Switch(
-            "control",
-            "control points",
-            style.BSPLINE,
-            hint="Of the B-spline, which bends towards them.",
-        ),
-        Switch("quadratic", "quadratic", style.QUADRATIC),
-        Switch(
-            "ghost",
-            "last plan's curve",
-            style.FADED,
-            on=False,
-            hint="The curve before the last change, to compare.",
-        ),
-    )
 
     def __init__(self, layout: Layout) -> None:
         scene = self._scene = layout.client.scene
@@ -74,7 +51,7 @@ class PlanLinesLayer(Layer):
         self._colours[name] = colour
         self._lines[name] = add_line(self._scene, node, colour, thickness)
 
-    def draw(self, frame: Frame) -> None:
+    def __call__(self, frame: Frame) -> None:
         """Draw the plan's paths and curves, and that of the plan before; none where none are."""
         plan = frame.plan
         if self._is_new("searches", plan.searches):

@@ -14,7 +14,7 @@ from app.drawing.lines import add_line, segments
 from app.drawing.obstacle_body import add_body
 from app.layers.points import add_points, set_points
 from app.layers.search_step import few, order_colours
-from app.state.frame import Frame, Layer
+from app.state.frame import Frame
 from app.theatre.theatre import Theatre, label_of
 from app.ui import style
 from app.ui.colour_scale import scale_colours
@@ -33,7 +33,7 @@ _LEGEND = (
 )
 
 
-class RaceLayer(Layer):
+class RaceLayer:
     """The copies, above the workspace; the camera looks at them while there are any."""
 
     def __init__(self, layout: Layout) -> None:
@@ -48,7 +48,7 @@ class RaceLayer(Layer):
         self._scale = 1.0
         self._view: View | None = None
 
-    def draw(self, frame: Frame) -> None:
+    def __call__(self, frame: Frame) -> None:
         """Draw the race; take the copies away where there is none."""
         theatre = frame.theatre if frame.theatre is not None and frame.theatre.race else None
         if theatre is self._drawn and frame.label_scale == self._scale:

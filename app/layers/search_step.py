@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Mapping
 
 import numpy as np
 import viser
@@ -13,7 +14,7 @@ from abi.search.replay import SearchState, steps_of_changes
 from app.drawing import glb
 from app.drawing.lines import NO_SEGMENTS, add_line, segments
 from app.layers.points import add_points, set_lines, set_points
-from app.state.frame import Frame, Layer
+from app.state.frame import Draw, Frame
 from app.theatre.compared import asks_for_sums, letter_label, lettered, lots
 from app.theatre.text import describe
 from app.theatre.theatre import Theatre, decimals, formula, priorities, rounded
@@ -24,72 +25,81 @@ from app.ui.numbers import unbroken
 
 NODE_BUDGET = 20_000
 """Nodes of each kind that a tab is sent at the most."""
+_LINES = (
+    ("path", style.MARK, 5.0),
+    ("negative", style.VIOLATION, 6.0),
+    ("cycle", style.VIOLATION, 6.0),
+)
+"""Lines of a search: name, colour and thickness, [px]."""
 
 
-class TheatreLayer(Layer):
-    """Pictures of the frame's theatre; nothing while it has none."""
+def search_step_layer(layout: Layout) -> Draw:
+    """Pictures of the frame's theatre; nothing while it has none, or while searches race."""
+    client, scene = layout.client, layout.client.scene
+    with layout.search:
+        text = client.gui.add_html("", visible=False)
+    clouds: dict[str, viser.PointCloudHandle] = {}
+    lines = {
+        name: add_line(scene, f"/theatre/{name}", colour, thickness)
+        for name, colour, thickness in _LINES
+    }
+    tree: viser.GlbHandle | None = None
+    drawn: Theatre | None = None
 
-    def __init__(self, layout: Layout) -> None:
-        self._client, self._scene = layout.client, layout.client.scene
-        scene = self._scene
-        with layout.search:
-            self._text = layout.client.gui.add_html("", visible=False)
-        self._clouds: dict[str, viser.PointCloudHandle] = {}
-        self._tree: viser.GlbHandle | None = None
-        self._path = add_line(scene, "/theatre/path", style.MARK, 5.0)
-        self._negative = add_line(scene, "/theatre/negative", style.VIOLATION, 6.0)
-        self._cycle = add_line(scene, "/theatre/cycle", style.VIOLATION, 6.0)
-        self._drawn: Theatre | None = None
-        self._told = False
-
-    def draw(self, frame: Frame) -> None:
-        """Draw the step; hide all where there is none, or while searches race."""
-        theatre = frame.theatre
-        if theatre is self._drawn:
+    def draw(frame: Frame) -> None:
+        nonlocal tree, drawn
+        theatre, told = frame.theatre, drawn is not None and not drawn.race
+        if theatre is drawn:
             return
+        drawn = theatre
         alone = theatre is not None and not theatre.race
-        for node in (*self._clouds.values(), self._path, self._negative, self._cycle):
+        for node in (*clouds.values(), *lines.values()):
             node.visible = alone
-        self._text.visible = alone
-        if not alone:
-            self._draw_tree(b"")
+        text.visible = alone
+        edges = _tree(theatre.state) if theatre is not None and alone else b""
+        tree = set_lines(scene, "/theatre/tree", tree, edges)
         if theatre is not None and alone:
-            self._draw_state(theatre)
-            self._text.content = unbroken(describe(theatre, frame.plan.scene))
-            page.call(self._client, "showNodes", node_numbers(theatre, frame.plan.scene))
-        elif self._told:
-            page.call(self._client, "showNodes", None)
-        self._told = alone
-        self._drawn = theatre
+            _draw_nodes(scene, clouds, theatre)
+            _draw_lines(lines, theatre.state)
+            text.content = unbroken(describe(theatre, frame.plan.scene))
+            page.call(client, "showNodes", node_numbers(theatre, frame.plan.scene))
+        elif told:
+            page.call(client, "showNodes", None)
 
-    def _draw_state(self, theatre: Theatre) -> None:
-        state = theatre.state
-        points, n = state.trace.arcs.points, len(state.trace.arcs.points)
-        size = _size(state)
-        current, clicked = (
-            np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.answer.node)
-        )
-        waiting = few(state.open, n)
-        shown: dict[str, tuple[style.Colour | ByteArray, float, IntArray]] = {
-            "closed": (style.CLOSED, size, few(state.closed, n)),
-            "open": (waiting_colours(theatre, waiting), 1.25 * size, waiting),
-            "current": (style.MARK, 1.9 * size, current),
-            "clicked": (style.POINT, 1.6 * size, clicked),
-        }
-        for name, (colour, diameter, nodes) in shown.items():
-            if name not in self._clouds:
-                self._clouds[name] = add_points(self._scene, f"/theatre/{name}")
-            set_points(self._clouds[name], points[nodes % n], colour, diameter)
-            self._clouds[name].visible = len(nodes) > 0
-        self._path.points = segments(points[state.path() % n])
-        arc = state.trace.arcs.negative
-        self._negative.points = NO_SEGMENTS if arc is None else segments(points[list(arc)])
-        cycle = state.trace.cycle if state.done else state.trace.cycle[:0]
-        self._cycle.points = segments(points[[*cycle, *cycle[:1]]])
-        self._draw_tree(_tree(state))
+    return draw
 
-    def _draw_tree(self, data: bytes) -> None:
-        self._tree = set_lines(self._scene, "/theatre/tree", self._tree, data)
+
+def _draw_nodes(
+    scene: viser.SceneApi, clouds: dict[str, viser.PointCloudHandle], theatre: Theatre
+) -> None:
+    """Draw the nodes of each kind as a cloud, which is added where there is none yet."""
+    state = theatre.state
+    points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+    size = _size(state)
+    current, clicked = (
+        np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.answer.node)
+    )
+    waiting = few(state.open, n)
+    shown: dict[str, tuple[style.Colour | ByteArray, float, IntArray]] = {
+        "closed": (style.CLOSED, size, few(state.closed, n)),
+        "open": (waiting_colours(theatre, waiting), 1.25 * size, waiting),
+        "current": (style.MARK, 1.9 * size, current),
+        "clicked": (style.POINT, 1.6 * size, clicked),
+    }
+    for name, (colour, diameter, nodes) in shown.items():
+        if name not in clouds:
+            clouds[name] = add_points(scene, f"/theatre/{name}")
+        set_points(clouds[name], points[nodes % n], colour, diameter)
+        clouds[name].visible = len(nodes) > 0
+
+
+def _draw_lines(lines: Mapping[str, viser.LineSegmentsHandle], state: SearchState) -> None:
+    """Draw the path, the negative edge and the cycle that it makes, where there are any."""
+    points, arc = state.trace.arcs.points, state.trace.arcs.negative
+    lines["path"].points = segments(points[state.path() % len(points)])
+    lines["negative"].points = NO_SEGMENTS if arc is None else segments(points[list(arc)])
+    cycle = state.trace.cycle if state.done else state.trace.cycle[:0]
+    lines["cycle"].points = segments(points[[*cycle, *cycle[:1]]])
 
 
 def waiting_colours(theatre: Theatre, nodes: IntArray) -> ByteArray:

@@ -34,7 +34,7 @@ from app.panels.teach.sheet import ABOUT, KEYS, Sheet
 from app.panels.teach.tour import Tour
 from app.panels.toolbar import Toolbar
 from app.panels.widgets import Wake
-from app.state.frame import Drawable, Frame, Switch
+from app.state.frame import Draw, Frame
 from app.state.tab_state import TabState
 from app.teach.challenge import parsed
 from app.teach.cue import Cue
@@ -49,7 +49,7 @@ class AllPanels:
 
     Attributes:
         layout: of the tab.
-        drawn: the panels that show something of a frame.
+        drawn: what shows a frame, of the panels that do.
     """
 
     def __init__(
@@ -57,7 +57,6 @@ class AllPanels:
         client: viser.ClientHandle,
         name: str,
         scene: Scene,
-        switches: tuple[Switch, ...],
         wake: Wake,
         dark: bool,
         library: Library,
@@ -65,7 +64,7 @@ class AllPanels:
         self._client = client
         self.layout = Layout.of(client, scene.unit, stage_folders(client.gui))
         self.stages = StagePanels(self.layout, scene, wake)
-        self.layer_switches = LayerSwitches(self.layout, switches, wake, dark)
+        self.layer_switches = LayerSwitches(self.layout, wake, dark)
         self.obstacles = ObstacleGizmos(client, scene, wake)
         self.ends = EndGizmos(client, scene, wake)
         self.control = ControlHandles(client, wake)
@@ -103,34 +102,35 @@ class AllPanels:
         self._inputs = (self.stages, self.obstacles, self.ends)
         self._typed = True
         self.refused: AbiError | None = None
-        self.drawn = self._drawables()
+        self.drawn = self._draws()
 
-    def _drawables(self) -> tuple[Drawable, ...]:
-        """Panels that show something of a frame, in their order."""
+    def _draws(self) -> tuple[Draw, ...]:
+        """What shows something of a frame, panel by panel, in their order."""
+        toolbar = Toolbar(self.layout, self.history, self.about, self.tour, self.lecture)
         return (
-            self.messages,
-            Toolbar(self.layout, self.history, self.about, self.tour, self.lecture),
-            self.tour,
-            self.lecture,
-            self.stages,
-            self.stages.mesh,
-            self.stages.search,
-            self.stages.bases,
-            self.stages.arm,
-            self.ends,
-            self.control,
-            self.obstacles,
-            self.files,
-            self.check,
-            self.editor,
-            self.layer_switches,
-            self.studies,
-            self.lessons,
-            self.practice,
-            self.figures,
-            self.share,
-            self.keys,
-            self.about,
+            self.messages.draw,
+            toolbar.draw,
+            self.tour.draw,
+            self.lecture.draw,
+            self.stages.draw,
+            self.stages.mesh.draw,
+            self.stages.search.draw,
+            self.stages.bases.draw,
+            self.stages.arm.draw,
+            self.ends.draw,
+            self.control.draw,
+            self.obstacles.draw,
+            self.files.draw,
+            self.check.draw,
+            self.editor.draw,
+            self.layer_switches.draw,
+            self.studies.draw,
+            self.lessons.draw,
+            self.practice.draw,
+            self.figures.draw,
+            self.share.draw,
+            self.keys.draw,
+            self.about.draw,
         )
 
     def close(self) -> None:

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import viser
 
 from app.panels.widgets import Wake, pressed
-from app.state.frame import Frame, Switch
+from app.state.frame import Frame
+from app.state.legend import SHOWN, SWITCHES, Switch
 from app.ui import page, style
 from app.ui.layout import Layout
 
@@ -23,9 +24,7 @@ MESH_VIEWS = {
 class LayerSwitches:
     """Checkboxes of the legend, and how mesh and page are shown."""
 
-    def __init__(
-        self, layout: Layout, switches: tuple[Switch, ...], wake: Wake, dark: bool
-    ) -> None:
+    def __init__(self, layout: Layout, wake: Wake, dark: bool) -> None:
         self._gui = gui = layout.client.gui
         with layout.layers:
             self.dark = gui.add_checkbox("dark page", dark)
@@ -41,10 +40,9 @@ class LayerSwitches:
             )
             self.boxes = {
                 switch.name: gui.add_checkbox(switch.label, switch.on, hint=switch.hint)
-                for switch in switches
+                for switch in SWITCHES
             }
-            gui.add_html(_swatch_style(zip(self.boxes.values(), switches, strict=True)))
-        self._usual = frozenset(switch.name for switch in switches if switch.on)
+            gui.add_html(_swatch_style(zip(self.boxes.values(), SWITCHES, strict=True)))
         self.usual.on_click(wake)
         for box in (self.dark, *self.boxes.values()):
             box.on_update(wake)
@@ -63,7 +61,7 @@ class LayerSwitches:
     def shown(self) -> frozenset[str]:
         """Names of the switches that are on; the usual ones where they were asked for."""
         if pressed(self.usual):
-            self.restore(self._usual, None)
+            self.restore(SHOWN, None)
         return frozenset(name for name, box in self.boxes.items() if box.value)
 
     def chosen_mesh_view(self) -> str:

@@ -258,7 +258,7 @@ def _load(name: str) -> Scene:
 def _library(folder: Path | None) -> Library:
     if folder is None:
         return _shipped_lessons
-    from app.tab.view import SWITCHES
+    from app.state.legend import SWITCHES
     from app.teach.lesson_file import library
 
     return library(folder, {switch.name for switch in SWITCHES})

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
 
 from abi.certification.verdict import MotionVerdict
 from abi.errors import AbiError
@@ -12,27 +12,6 @@ from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from app.state.bent_curve import BentCurve
 from app.theatre.theatre import Theatre
-from app.ui.layout import Layout
-from app.ui.style import Colour
-
-
-@dataclass(frozen=True)
-class Switch:
-    """Entry of the legend that shows or hides something drawn.
-
-    Attributes:
-        name: element of :attr:`Frame.shown` while it is on.
-        label: its text on the page.
-        colour: of what is drawn; None for what has several or none.
-        on: whether a new tab shows it.
-        hint: when it is there, or what it is, where the label does not say that.
-    """
-
-    name: str
-    label: str
-    colour: Colour | None
-    on: bool = True
-    hint: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,17 +91,5 @@ class Frame:
         return plan.profile.duration if plan.motion and plan.profile else 0.0
 
 
-class Drawable(Protocol):
-    """A layer, or a panel that draws."""
-
-    def draw(self, frame: Frame) -> None:
-        """Show ``frame``; return at once if the relevant parts have not changed."""
-
-
-class Layer(Drawable, Protocol):
-    """Part of the picture, in the scene or in a panel, with entries in the legend or none."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
-
-    def __init__(self, layout: Layout) -> None:
-        """Add what is drawn to the containers of a tab."""
+Draw = Callable[[Frame], None]
+"""Shows a frame, of which it sends only what is new: a layer of a tab, or a panel that draws."""

@@ -13,17 +13,15 @@ from app.camera.camera import View, Viewpoint
 from app.camera.extent import extent
 from app.drawing.box import box_corners
 from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
-from app.layers.details import Details
+from app.layers.details import lagging
 from app.panels.all_panels import AllPanels
-from app.panels.obstacles.control_handles import ControlHandles
-from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
-from app.panels.stages.stages import StagePanels
 from app.panels.teach.classroom import ClassroomPanel
 from app.panels.teach.exercise import ExercisePanel
 from app.panels.widgets import Wake
 from app.process.turns import TURNS
-from app.state.frame import Drawable, Frame, Layer
+from app.state.frame import Draw, Frame
+from app.state.legend import SHOWN
 from app.state.tab_state import TabState
 from app.tab.browser_storage import Report
 from app.teach.classroom import Classroom
@@ -34,22 +32,14 @@ from app.ui import notices
 from app.ui.page_area import PageWatch, label_scale
 from app.ui.panel_folding import PanelFolding
 
-_SWITCHABLE: tuple[type[Layer | ControlHandles | ObstacleGizmos], ...]
-_SWITCHABLE = (*LAYERS, ControlHandles, ObstacleGizmos, *SLOW_LAYERS)
-SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
-"""Entries of the legend."""
-SHOWN = frozenset(switch.name for switch in SWITCHES if switch.on)
-"""Entries that are on in a new tab."""
-_DETAILS = (*DETAILS, StagePanels)
-
 
 class TabView:
     """Panels, layers, playback and viewpoint of a tab.
 
     Attributes:
         panels: all panels but the playback.
-        layers: all layers.
-        parts: what draws a frame: at once, and after that what takes longer.
+        layers: what draws each layer.
+        parts: all that draws a frame: at once, and after that what takes longer.
         viewpoint: the tab's camera.
         classroom: panel of the class that the tab has joined; None for none.
         exercise: panel of a student's file; None for none.
@@ -82,20 +72,19 @@ class TabView:
         self._rested_before: Plan | None = None
         self.classroom: ClassroomPanel | None = None
         self.exercise: ExercisePanel | None = None
-        self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
+        self.panels = AllPanels(client, name, scene, wake, dark, library)
         left, right = self.panels.layout.panels
         self._foldings = PanelFolding(left, is_left=True), PanelFolding(right, is_left=False)
-        layers = [layer(self.panels.layout) for layer in LAYERS]
-        slow_layers = [layer(self.panels.layout) for layer in SLOW_LAYERS]
+        self.layers = {layer: layer(self.panels.layout) for layer in (*LAYERS, *SLOW_LAYERS)}
         with self.panels.layout.result:
             self.playback = PlaybackPanel(client.gui, self.panels.layout.overlay, wake)
-        self.layers = (*layers, *slow_layers)
-        drawn = (*self.panels.drawn, *layers)
-        details = [part for part in drawn if isinstance(part, _DETAILS)]
-        others = [part for part in drawn if not isinstance(part, _DETAILS)]
-        self.parts: tuple[tuple[Drawable, ...], ...] = (
-            (*others, Details(details, lambda: TURNS.waiting, overtaken)),
-            tuple(slow_layers),
+        drawn = (*self.panels.drawn, *(self.layers[layer] for layer in LAYERS))
+        may_lag = (self.panels.stages.draw, *(self.layers[layer] for layer in DETAILS))
+        details = [draw for draw in drawn if draw in may_lag]
+        others = [draw for draw in drawn if draw not in may_lag]
+        self.parts: tuple[tuple[Draw, ...], ...] = (
+            (*others, lagging(details, lambda: TURNS.waiting, overtaken)),
+            tuple(self.layers[layer] for layer in SLOW_LAYERS),
         )
 
     def join(
@@ -111,18 +100,18 @@ class TabView:
             lessons = self.panels.lessons
             panel = ClassroomPanel(self._client, overlay, classroom, lessons, wake, nudge, hurry)
         self.classroom = panel
-        self._add(panel)
+        self._add(panel.draw)
 
     def watch_exercise(self, watch: ExerciseWatch, wake: Wake, nudge: Callable[[], None]) -> None:
         """Add the panel of a student's file."""
         with self.panels.layout.learn:
             panel = ExercisePanel(self._client, watch, self.panels.theatre, wake, nudge)
         self.exercise = panel
-        self._add(panel)
+        self._add(panel.draw)
 
-    def _add(self, panel: Drawable) -> None:
+    def _add(self, draw: Draw) -> None:
         quick, slow = self.parts
-        self.parts = ((*quick, panel), slow)
+        self.parts = ((*quick, draw), slow)
 
     def close(self) -> None:
         """Leave the class and the student's file, and stop reading uploads."""
@@ -141,12 +130,12 @@ class TabView:
         with self._client.atomic():
             frame = self._now(frame)
             self._fit(frame)
-            for part in (*quick, *slow) if same else quick:
-                part.draw(frame)
+            for draw in (*quick, *slow) if same else quick:
+                draw(frame)
         if not same:
             with self._client.atomic():
-                for part in slow:
-                    part.draw(frame)
+                for draw in slow:
+                    draw(frame)
         return frame
 
     def timeout(self, frame: Frame) -> float | None:

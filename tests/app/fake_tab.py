@@ -45,8 +45,19 @@ def until(condition: Callable[[], bool], patience: float = WAIT) -> None:
 
 def layer(session: Session, kind: type[_Layer]) -> _Layer:
     """The session's layer of that kind."""
-    (match,) = (layer for layer in session._view.layers if isinstance(layer, kind))
+    (match,) = (layer for layer in session._view.layers.values() if isinstance(layer, kind))
     return match
+
+
+def drawn_node(session: Session, name: str) -> Any:
+    """The node of that name in the session's scene."""
+    return session.client.scene._handle_from_node_name[name]
+
+
+def texts_in(container: Any) -> list[str]:
+    """The texts right in a tab or folder of the page, as HTML, in their order."""
+    children = container._children.values()
+    return [one.content for one in children if isinstance(one, viser.GuiHtmlHandle)]
 
 
 def accept(fake: FakeTab, session: Session, label: str) -> None:

@@ -12,8 +12,8 @@ import abi
 from abi.scene.scene import load_scene
 from app.server.server import Server, start
 from app.state.appearance import PLAIN
+from app.state.legend import SWITCHES
 from app.tab.session import Session
-from app.tab.view import SWITCHES
 from tests.browser import drawn
 from tests.browser.page import FLAGS, Page
 

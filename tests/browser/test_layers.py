@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fnmatch import fnmatch
 
+from app.state.legend import SWITCHES
 from app.tab.session import Session
-from app.tab.view import SWITCHES
 from tests.browser.page import Page
 
 NODES = {

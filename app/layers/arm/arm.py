@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from abi.arm_planning.motion.trajectory import ArmMotion
@@ -14,7 +12,7 @@ from app.drawing.lines import NO_SEGMENTS, Segments, add_line, rows_at, segments
 from app.layers.arm.arm_nodes import ArmNodes
 from app.layers.arm.arm_playback import samples_of, table_of
 from app.layers.arm.kinds import KINDS, kind_of
-from app.state.frame import Frame, Layer, Switch
+from app.state.frame import Frame
 from app.ui import page, style
 from app.ui.layout import Layout
 
@@ -26,18 +24,11 @@ def prepare_bodies(arm: AnyArm) -> None:
     kind_of(arm).bodies(arm)
 
 
-class ArmLayer(Layer):
+class ArmLayer:
     """An arm's nodes: a frame sends the poses of its joints and no geometry.
 
     While the motion plays, the page poses them by itself.
     """
-
-    switches: ClassVar[tuple[Switch, ...]] = (
-        Switch(
-            "trace", "tool tip trace", style.TRACE, hint="Where the tool tip has been since 0 s."
-        ),
-        Switch("arm", "arm", None),
-    )
 
     def __init__(self, layout: Layout) -> None:
         self._client, scene = layout.client, layout.client.scene
@@ -49,7 +40,7 @@ class ArmLayer(Layer):
         self._trace = add_line(scene, "/trace", style.TRACE, 4.0)
         self._traced: tuple[object, int] = (None, -1)
 
-    def draw(self, frame: Frame) -> None:
+    def __call__(self, frame: Frame) -> None:
         """Draw the arm at the frame's time, and the trace up to then."""
         arm = frame.plan.arm
         shown = "arm" in frame.shown

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from abi.arm_planning.branch.followed import Followed
 from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
+from abi.planner.stage_results import AnyFit
 from abi.robot.kinematics.start_poses import REACHED
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.arm.ghost_bodies import GhostBodies, places_of
 from app.layers.arm.kinds import kind_of
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame, Layer, Switch
+from app.state.frame import Draw, Frame
 from app.ui import style
 from app.ui.layout import Layout
 
@@ -23,74 +22,63 @@ _ENDS = ("start", "goal")
 """Names of the ghosts that stand still."""
 
 
-class ArmGhostsLayer(Layer):
-    """The arm's capsules, see-through."""
+def arm_ghosts_layer(layout: Layout) -> Draw:
+    """The arm's capsules, see-through, and the curve of the tool alone."""
+    client = layout.client
+    ghosts = {
+        name: GhostBodies(client, f"/arm_ghost/{name}", colour)
+        for name, colour in (("now", style.FADED), *((end, style.POINT) for end in _ENDS))
+    }
+    line = add_line(client.scene, "/tool_only", style.FADED, 4.0)
+    drawn: dict[str, tuple[object, ...]] = {}
+    lined: AnyFit | None = None
 
-    switches: ClassVar[tuple[Switch, ...]] = (
-        Switch(
-            "other_elbow",
-            "other elbow, or other poses (ghosts)",
-            style.FADED,
-            on=False,
-            hint="Another way for the arm to hold the tool tip where it is now.",
-        ),
-        Switch("end_poses", "poses at start and goal (ghosts)", style.POINT, on=False),
-        Switch(
-            "tool_only",
-            "curve of the tool tip alone",
-            style.FADED,
-            hint="Where the curve would go if the links were no matter; drawn if they are.",
-        ),
-    )
-
-    def __init__(self, layout: Layout) -> None:
-        client = layout.client
-        self._bodies = {
-            name: GhostBodies(client, f"/arm_ghost/{name}", colour)
-            for name, colour in (("now", style.FADED), *((end, style.POINT) for end in _ENDS))
-        }
-        self._drawn: dict[str, tuple[object, ...]] = {}
-        self._line = add_line(client.scene, "/tool_only", style.FADED, 4.0)
-        self._curve: object = None
-
-    def draw(self, frame: Frame) -> None:
-        """Draw what is switched on."""
+    def draw(frame: Frame) -> None:
+        nonlocal lined
         plan = frame.plan
-        for name, bodies in self._bodies.items():
-            self._draw_bodies(name, bodies, frame)
-        if plan.tool_only is not self._curve:
-            self._curve = plan.tool_only
-            self._line.points = NO_SEGMENTS
-            if plan.tool_only is not None:
-                curve = plan.tool_only.curve
-                points = curve(parameters(curve.interval, _SAMPLES))
-                self._line.points = dashes(points, 0.03 * max(plan.scene.workspace.size))
-        self._line.visible = "tool_only" in frame.shown
+        for name, bodies in ghosts.items():
+            drawn[name] = _draw_bodies(name, bodies, frame, drawn.get(name))
+        if plan.tool_only is not lined:
+            lined = plan.tool_only
+            line.points = NO_SEGMENTS
+            if lined is not None:
+                points = lined.curve(parameters(lined.curve.interval, _SAMPLES))
+                line.points = dashes(points, 0.03 * max(plan.scene.workspace.size))
+        line.visible = "tool_only" in frame.shown
 
-    def _draw_bodies(self, name: str, bodies: GhostBodies, frame: Frame) -> None:
-        """Draw a ghost's poses; the others for the page to move while the motion plays."""
-        plan, arm = frame.plan, frame.plan.arm
-        playing = name == "now" and frame.playing and plan.motion is not None
-        positions = np.empty((0, 0))
-        if arm is not None and ("other_elbow" if name == "now" else "end_poses") in frame.shown:
-            positions = (
-                np.array([one.joints[0] for one in _joint_paths(plan)])
-                if playing
-                else _poses_of(name, frame)
-            )
-        state = (plan if playing else arm, playing, *np.round(positions, 9).ravel().tolist())
-        if state == self._drawn.get(name):
-            return
-        self._drawn[name] = state
-        if arm is None or not len(positions):
-            bodies.hide()
-            return
-        ends = arm.place(positions).reshape(-1, 2, 3)
-        radii = np.tile(arm.radii, len(positions))
-        if playing:
-            bodies.follow(ends, radii, _places(plan))
-        else:
-            bodies.stand(ends, radii)
+    return draw
+
+
+def _draw_bodies(
+    name: str, bodies: GhostBodies, frame: Frame, drawn: tuple[object, ...] | None
+) -> tuple[object, ...]:
+    """Draw a ghost's poses; the others for the page to move while the motion plays.
+
+    Returns:
+        What was drawn; where that is what was ``drawn`` before, nothing is.
+    """
+    plan, arm = frame.plan, frame.plan.arm
+    playing = name == "now" and frame.playing and plan.motion is not None
+    positions = np.empty((0, 0))
+    if arm is not None and ("other_elbow" if name == "now" else "end_poses") in frame.shown:
+        positions = (
+            np.array([one.joints[0] for one in _joint_paths(plan)])
+            if playing
+            else _poses_of(name, frame)
+        )
+    state = (plan if playing else arm, playing, *np.round(positions, 9).ravel().tolist())
+    if state == drawn:
+        return state
+    if arm is None or not len(positions):
+        bodies.hide()
+        return state
+    ends = arm.place(positions).reshape(-1, 2, 3)
+    radii = np.tile(arm.radii, len(positions))
+    if playing:
+        bodies.follow(ends, radii, _places(plan))
+    else:
+        bodies.stand(ends, radii)
+    return state
 
 
 def _poses_of(name: str, frame: Frame) -> FloatArray:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arm_planning.joint_search.joint_tree import JointTree
+from abi.arm_planning.joint_search.search_joints import JointSearch
 from abi.planner.plan import Plan
 from abi.robot.any_arm import AnyArm
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, segments
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame, Layer
+from app.state.frame import Draw, Frame
 from app.ui import style
 from app.ui.layout import Layout
 
@@ -24,45 +25,40 @@ _NARROW = 480
 """Width of a picture, [px], in which there is room for but one of them."""
 
 
-class JointTreesLayer(Layer):
+def joint_trees_layer(layout: Layout) -> Draw:
     """Both trees, and the path that was found, with their names; shown with the mesh's edges."""
+    scene, camera = layout.client.scene, layout.client.camera
+    lines = [
+        add_line(scene, f"/joint_tree/{name}", style.JOINT_SPACE, width)
+        for name, width in (("start", 1.5), ("goal", 1.5), ("path", 4.0))
+    ]
+    labels = {
+        name: scene.add_label(f"/joint_tree/{name}_name", text, visible=False)
+        for name, text in _NAMES.items()
+    }
+    drawn: JointSearch | None = None
 
-    def __init__(self, layout: Layout) -> None:
-        scene, self._camera = layout.client.scene, layout.client.camera
-        self._lines = [
-            add_line(scene, f"/joint_tree/{name}", style.JOINT_SPACE, width)
-            for name, width in (("start", 1.5), ("goal", 1.5), ("path", 4.0))
-        ]
-        self._labels = {
-            name: scene.add_label(f"/joint_tree/{name}_name", text, visible=False)
-            for name, text in _NAMES.items()
-        }
-        self._drawn: object = None
-
-    def draw(self, frame: Frame) -> None:
-        """Draw the trees of the plan's search, if it has one."""
+    def draw(frame: Frame) -> None:
+        nonlocal drawn
         plan = frame.plan
-        if plan.joint_search is not self._drawn:
-            self._drawn = plan.joint_search
-            lines = tree_lines(plan)
-            for line, points in zip(self._lines, lines, strict=True):
+        if plan.joint_search is not drawn:
+            drawn = plan.joint_search
+            start, goal, path = found = tree_lines(plan)
+            for line, points in zip(lines, found, strict=True):
                 line.points = points
-            self._place_names(*lines)
-        visible = self._drawn is not None and frame.theatre is None and "edges" in frame.shown
-        for line in self._lines:
+            # at the pose tried last in the larger tree, and in the middle of the path
+            labels["tried"].position = max(start, goal, key=len)[-1, 1]
+            labels["path"].position = path[len(path) // 2, 0]
+        visible = drawn is not None and frame.theatre is None and "edges" in frame.shown
+        for line in lines:
             line.visible = visible
-        found = plan.joint_search is not None and plan.joint_search.path is not None
-        named = visible and found and "names" in frame.shown
-        for name, label in self._labels.items():
-            room = name == "tried" or not 0 < self._camera.image_width < _NARROW
+        named = visible and drawn is not None and drawn.path is not None and "names" in frame.shown
+        for name, label in labels.items():
+            room = name == "tried" or not 0 < camera.image_width < _NARROW
             label.visible = named and room
             label.font_screen_scale = frame.label_scale
 
-    def _place_names(self, start: Segments, goal: Segments, path: Segments) -> None:
-        """Put one name at the pose tried last in the larger tree, one in the middle of the path."""
-        tried = max(start, goal, key=len)
-        for name, point in ("tried", tried[-1, 1]), ("path", path[len(path) // 2, 0]):
-            self._labels[name].position = point
+    return draw
 
 
 @once_a_plan

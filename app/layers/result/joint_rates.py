@@ -14,7 +14,7 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app.layers.result.time_plot import Lines, new_plot, plotted_samples, show_lines
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame, Layer
+from app.state.frame import Frame
 from app.ui import style
 from app.ui.layout import Layout
 from app.ui.table import table
@@ -32,7 +32,7 @@ _USES: Lines = (
 )
 
 
-class JointRatesLayer(Layer):
+class JointRatesLayer:
     """Plots and a table of peaks, drawn once the hand rests."""
 
     def __init__(self, layout: Layout) -> None:
@@ -43,7 +43,7 @@ class JointRatesLayer(Layer):
         with layout.plots:
             self._peaks = layout.client.gui.add_html("", visible=False)
 
-    def draw(self, frame: Frame) -> None:
+    def __call__(self, frame: Frame) -> None:
         """Plot the plan's motion once the hand rests and the plots have been opened."""
         if frame.plots and not frame.interactive and frame.plan is not self._drawn:
             self._drawn = frame.plan

@@ -19,7 +19,7 @@ from app.layers.result.motion_curves import (
     tool_clearance,
 )
 from app.layers.result.time_plot import Lines, new_plot, plotted_samples, show_lines
-from app.state.frame import Frame, Layer
+from app.state.frame import Frame
 from app.ui import style
 from app.ui.layout import Layout
 
@@ -54,7 +54,7 @@ _PLOTS: dict[str, tuple[str, Lines, int]] = {
 """Title of each plot, with ``{}`` for the unit of length, its lines, and its height, [px]."""
 
 
-class PlotsLayer(Layer):
+class PlotsLayer:
     """The speed plot in the result tab, the joints in their own."""
 
     def __init__(self, layout: Layout) -> None:
@@ -80,7 +80,7 @@ class PlotsLayer(Layer):
         title, lines, height = _PLOTS[name]
         return new_plot(self._layout.client.gui, title.format(self._unit), lines, height)
 
-    def draw(self, frame: Frame) -> None:
+    def __call__(self, frame: Frame) -> None:
         """Plot the plan's motion; nothing where there is none."""
         plan = frame.plan
         if plan.motion is not self._motion:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import viser
@@ -17,7 +17,7 @@ from abi.planner.plan import Plan
 from app.drawing.lines import NO_SEGMENTS, add_line, dashes, parameters, segments
 from app.panels.widgets import Wake
 from app.state.bent_curve import BentCurve, bend
-from app.state.frame import Frame, Switch
+from app.state.frame import Frame
 from app.ui import style
 from app.ui.numbers import distance_to_show, format_length, format_lower_bound, format_setting
 
@@ -36,17 +36,6 @@ class ControlHandles:
     The plan and its proofs stay as they are: the bent curve is drawn beside the plan's, and says
     what it keeps itself. It lasts until there is another B-spline, or its switch is turned off.
     """
-
-    switches: ClassVar[tuple[Switch, ...]] = (
-        Switch(
-            "bent",
-            "control points to drag",
-            style.BSPLINE,
-            on=False,
-            hint="A dashed curve follows them and says what it keeps; the plan stays as it is. "
-            "Off and on again puts them back.",
-        ),
-    )
 
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
         self._scene, self._wake = client.scene, wake

@@ -8,7 +8,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import viser
@@ -22,9 +22,9 @@ from abi.scene.scene import Scene
 from app.drawing.obstacle_body import Body, add_body, add_edges
 from app.panels.obstacles.refused_obstacles import accepted_obstacles
 from app.panels.widgets import Wake, phase_holds
-from app.state.frame import Frame, Switch
+from app.state.frame import Frame
 from app.state.named_obstacles import named_obstacles
-from app.ui import page, style
+from app.ui import page
 
 _MOST_NUMBERED = 40
 """Obstacles that are all numbered in the scene: more numbers would hide it."""
@@ -70,8 +70,6 @@ class ObstacleGizmos:
         dragged: whether a hand has ever moved one.
         foreseen: a mesh that is no obstacle yet.
     """
-
-    switches: ClassVar[tuple[Switch, ...]] = (Switch("obstacles", "obstacles", style.OBSTACLE),)
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         self._scene = client.scene

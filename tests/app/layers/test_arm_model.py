@@ -22,11 +22,9 @@ from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene, load_scene
 from app.layers.arm.arm import ArmLayer
-from app.layers.arm.arm_ghosts import ArmGhostsLayer, _poses_of
+from app.layers.arm.arm_ghosts import _poses_of
 from app.layers.arm.arm_nodes import JointNode
 from app.layers.arm.arm_playback import samples_of
-from app.layers.arm.arm_regions import ArmRegionsLayer
-from app.layers.arm.ghost_bodies import GhostBodies
 from app.layers.arm.link_body import link_mesh
 from app.layers.arm.urdf_arm import _muted, joint_origin, joint_values
 from app.layers.arm.urdf_poses import end_pose, other_poses, poses_at
@@ -35,7 +33,7 @@ from app.tab.session import Session
 from tests.abi.robot import robots
 from tests.abi.robot.robots import OWN, arm, packed
 from tests.abi.robot.test_visuals import dae, looking
-from tests.app.fake_tab import FakeTab, accept, heard, layer, notified, send_file, until
+from tests.app.fake_tab import FakeTab, accept, drawn_node, heard, layer, notified, send_file, until
 
 
 def panel(session: Session) -> ArmPanel:
@@ -337,8 +335,9 @@ def test_the_page_plays_an_arm_of_a_urdf_by_itself(
         np.testing.assert_allclose(at, motion.tool[rows[number]], atol=1e-5 * made.reach)
 
 
-def _is_shown(ghost: GhostBodies) -> bool:
-    return ghost._root is not None and ghost._root.visible
+def _is_shown(session: Session, node: str) -> bool:
+    handle = session.client.scene._handle_from_node_name.get(node)
+    return handle is not None and handle.visible
 
 
 @pytest.mark.slow
@@ -347,21 +346,21 @@ def test_ghosts_and_regions_are_those_of_any_arm(tab: tuple[FakeTab, Session]) -
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
     fake.set(session.playback.slider, 1.0)
-    drawn_ghosts = layer(session, ArmGhostsLayer)
-    regions = layer(session, ArmRegionsLayer)._meshes
-    ghosts = drawn_ghosts._bodies
-    names = {"other_elbow": ("now",), "end_poses": ("start", "goal")}
-    for switch, drawn in names.items():
+    nodes = {
+        "other_elbow": ("/arm_ghost/now",),
+        "end_poses": ("/arm_ghost/start", "/arm_ghost/goal"),
+        "shadow": ("/arm_region/shadow",),
+        "reach": ("/arm_region/reach",),
+    }
+    for switch, names in nodes.items():
         fake.set(session.panels.layer_switches.boxes[switch], True)
-        until(lambda: all(one in ghosts and _is_shown(ghosts[one]) for one in drawn))  # noqa: B023
-    for switch in ("shadow", "reach"):
-        fake.set(session.panels.layer_switches.boxes[switch], True)
-        until(lambda: switch in regions and regions[switch].visible)  # noqa: B023
-        assert len(regions[switch].vertices) > 100
-    for switch in (*names, "shadow", "reach"):
+        until(lambda: all(_is_shown(session, name) for name in names))  # noqa: B023
+    for region in ("shadow", "reach"):
+        assert len(drawn_node(session, f"/arm_region/{region}").vertices) > 100
+    for switch in nodes:
         fake.set(session.panels.layer_switches.boxes[switch], False)
-    until(lambda: not any(map(_is_shown, ghosts.values())))
-    until(lambda: not any(one.visible for one in regions.values()))
+    for names in nodes.values():
+        until(lambda: not any(_is_shown(session, name) for name in names))  # noqa: B023
 
 
 @pytest.mark.slow
@@ -388,8 +387,7 @@ def test_the_page_plays_the_other_poses_by_itself(
     places = table.reshape(-1, len(names), 7)
     rows = samples_of(plan.motion)
     assert len(places) == len(rows)
-    nodes = layer(session, ArmGhostsLayer)._bodies["now"]
-    assert [node.name for node in nodes._nodes] == names
+    assert all(name.startswith("/arm_ghost/now/") for name in names)
     checked = 0
     for number in (0, 37, 100):
         shown = replace(frame, time=float(plan.motion.time[rows[number]]), playing=False)
@@ -410,9 +408,11 @@ def test_the_page_plays_the_other_poses_by_itself(
     assert len(sent) == count + 1
     positions = _poses_of("now", session.frame)
     ends = plan.arm.place(positions).reshape(-1, 2, 3)
-    until(lambda: len(nodes._nodes) == len(ends))
-    for node, end in zip(nodes._nodes, ends, strict=True):
-        np.testing.assert_allclose(node.position, end.mean(axis=0), atol=1e-6 * plan.arm.reach)
+    drawn_scene = session.client.scene
+    until(lambda: f"/arm_ghost/now/{len(ends)}" not in drawn_scene._handle_from_node_name)
+    for number, end in enumerate(ends):
+        place = drawn_node(session, f"/arm_ghost/now/{number}").position
+        np.testing.assert_allclose(place, end.mean(axis=0), atol=1e-6 * plan.arm.reach)
 
 
 def test_other_poses_hold_the_tool_where_it_is() -> None:

@@ -9,7 +9,7 @@ import pytest
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
 from app.layers import details
-from app.layers.details import LONGEST, PAUSE, Details
+from app.layers.details import LONGEST, PAUSE, lagging
 from app.state.frame import Frame
 
 
@@ -29,7 +29,7 @@ class Recorder:
     def __init__(self) -> None:
         self.frames: list[Frame] = []
 
-    def draw(self, frame: Frame) -> None:
+    def __call__(self, frame: Frame) -> None:
         self.frames.append(frame)
 
 
@@ -51,9 +51,9 @@ def _never() -> bool:
 
 def test_alone_a_tab_draws_every_detail_of_every_frame(clock: Clock, dragged: Frame) -> None:
     layer = Recorder()
-    alone = Details([layer], lambda: 0, _never)
+    alone = lagging([layer], lambda: 0, _never)
     for _ in range(5):
-        alone.draw(replace(dragged))
+        alone(replace(dragged))
     assert len(layer.frames) == 5
 
 
@@ -62,25 +62,25 @@ def test_in_a_crowd_details_pause_but_never_for_long(
     clock: Clock, dragged: Frame, waiting: int, pause: float
 ) -> None:
     layer = Recorder()
-    crowded = Details([layer], lambda: waiting, _never)
-    crowded.draw(dragged)
+    crowded = lagging([layer], lambda: waiting, _never)
+    crowded(dragged)
     clock.now += 0.9 * pause
-    crowded.draw(replace(dragged))
+    crowded(replace(dragged))
     assert layer.frames == [dragged]
     clock.now += 0.2 * pause
-    crowded.draw(last := replace(dragged))
+    crowded(last := replace(dragged))
     assert layer.frames == [dragged, last]
 
 
 def test_in_a_crowd_a_drag_begins_without_details(clock: Clock, dragged: Frame) -> None:
     layer, waiting = Recorder(), 3
-    crowded = Details([layer], lambda: waiting, _never)
-    crowded.draw(still := replace(dragged, interactive=False))
+    crowded = lagging([layer], lambda: waiting, _never)
+    crowded(still := replace(dragged, interactive=False))
     clock.now += 1000
-    crowded.draw(dragged)
+    crowded(dragged)
     assert layer.frames == [still]
     clock.now += 1.1 * waiting * PAUSE
-    crowded.draw(dragged)
+    crowded(dragged)
     assert layer.frames == [still, dragged]
 
 
@@ -91,9 +91,9 @@ def test_what_is_asked_for_and_the_last_frame_do_not_wait(
     clock: Clock, dragged: Frame, change: dict[str, object]
 ) -> None:
     layer = Recorder()
-    crowded = Details([layer], lambda: 1000, _never)
-    crowded.draw(dragged)
-    crowded.draw(other := replace(dragged, **change))  # type: ignore[arg-type]
+    crowded = lagging([layer], lambda: 1000, _never)
+    crowded(dragged)
+    crowded(other := replace(dragged, **change))  # type: ignore[arg-type]
     assert layer.frames == [dragged, other]
 
 
@@ -102,8 +102,8 @@ def test_once_another_choice_is_made_the_rest_waits_for_its_frame(
 ) -> None:
     layers = [Recorder(), Recorder(), Recorder()]
     chosen = iter([False, True, False, False, False])
-    crowded = Details(layers, lambda: 1000, lambda: next(chosen))
-    crowded.draw(dragged)
+    crowded = lagging(layers, lambda: 1000, lambda: next(chosen))
+    crowded(dragged)
     assert [layer.frames for layer in layers] == [[dragged], [], []]
-    crowded.draw(last := replace(dragged))
+    crowded(last := replace(dragged))
     assert [layer.frames for layer in layers] == [[dragged, last], [last], [last]]

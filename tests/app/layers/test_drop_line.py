@@ -3,9 +3,8 @@ from __future__ import annotations
 import numpy as np
 
 from app.layers.drop_line import moved_place
-from app.layers.workspace import WorkspaceLayer
 from app.tab.session import Session
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, drawn_node, until
 
 A, B, C = (0.0, 0.0, 2.0), (5.0, 3.0, 4.0), (1.0, 2.0, 3.0)
 
@@ -21,7 +20,7 @@ def test_what_is_dragged_has_a_line_to_the_floor_until_something_else_moves(
     tab: tuple[FakeTab, Session],
 ) -> None:
     fake, session = tab
-    line, start = layer(session, WorkspaceLayer)._drop_line, session.panels.ends.gizmos["start"]
+    line, start = drawn_node(session, "/drop_line"), session.panels.ends.gizmos["start"]
     until(lambda: session.resting)
     assert not line.visible
     fake.drag(start, [0.0, 2.0, 1.0])

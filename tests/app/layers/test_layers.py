@@ -21,14 +21,13 @@ from abi.search.search import SEARCHES
 from abi.search.subset import fits
 from app.drawing.lines import points_at
 from app.layers.arm.arm import ArmLayer
-from app.layers.details import Details
-from app.layers.marks import MarksLayer, names_others
+from app.layers.details import lagging
+from app.layers.marks import names_others
 from app.layers.mesh import EDGE_BUDGET, MeshLayer, _counts, _picture
-from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
+from app.layers.names import _apart, _lines, _nearest, _rounded, names_layer, pictured
 from app.layers.points import add_points, set_points
-from app.layers.result.plan_numbers import PlanNumbersLayer
+from app.layers.result.plan_numbers import plan_numbers_layer
 from app.layers.result.plots import PlotsLayer, _joints_title
-from app.layers.workspace import WorkspaceLayer
 from app.panels.base_offer import _may_help
 from app.panels.headline import headline, stage_headline
 from app.panels.offered_changes import change_label
@@ -38,13 +37,13 @@ from app.server.server import Server, start
 from app.stages.catalogue import SHOWN_STAGES
 from app.state.appearance import PLAIN
 from app.state.frame import Frame
+from app.state.legend import SWITCHES
 from app.tab.session import Session
-from app.tab.view import SWITCHES
 from app.ui.colour_scale import scale_colours
 from app.ui.numbers import format_lower_bound, unbroken
 from app.ui.plan_notes import notes
 from app.ui.style import CURVES, HEAT
-from tests.app.fake_tab import FakeTab, drawn_points, layer, until
+from tests.app.fake_tab import FakeTab, drawn_node, drawn_points, layer, texts_in, until
 
 
 def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) -> None:
@@ -71,55 +70,61 @@ def test_a_cloud_without_points_has_a_colour_which_the_page_asks_for(
 def test_no_distance_is_named_while_it_is_asked(tab: tuple[FakeTab, Session]) -> None:
     _, session = tab
     until(lambda: session.resting and not session._worker.is_woken())
-    names = layer(session, NamesLayer)
+    names = session._view.layers[names_layer]
+    label, line = drawn_node(session, "/name/distance"), drawn_node(session, "/name/line")
     for asks in (False, True):
-        names.draw(replace(session.frame, asks=asks))
-        assert names._distance.visible == names._line.visible == (not asks)
+        names(replace(session.frame, asks=asks))
+        assert label.visible == line.visible == (not asks)
 
 
 def test_a_lesson_has_notes_on_what_it_shows_alone(tab: tuple[FakeTab, Session]) -> None:
     _, session = tab
     until(lambda: session.resting)
-    written, note = layer(session, PlanNumbersLayer), notes(session.frame.plan)["quadratic"]
+    numbers, note = session._view.layers[plan_numbers_layer], notes(session.frame.plan)["quadratic"]
+    folder = session.panels.layout.folders["quadratic"]
     assert note
     for shown in ({"edges", "bspline"}, {"edges", "quadratic"}, {"edges"}):
         frame = replace(session.frame, lesson=True, shown=frozenset(shown))
         assert bool(plan_sentence(frame)) == (frame.plan.followed in shown)
-        written.draw(frame)
-        assert (unbroken(note) in written._notes["quadratic"].content) == ("quadratic" in shown)
+        numbers(frame)
+        assert (unbroken(note) in "".join(texts_in(folder))) == ("quadratic" in shown)
 
 
 def test_the_distance_to_the_obstacles_is_shown_with_its_curve(
     tab: tuple[FakeTab, Session],
 ) -> None:
     fake, session = tab
-    names, boxes = layer(session, NamesLayer), session.panels.layer_switches.boxes
+    boxes = session.panels.layer_switches.boxes
+    label, line = drawn_node(session, "/name/distance"), drawn_node(session, "/name/line")
     assert session.plan is not None
     assert session.plan.followed == "bspline"
     for on in (True, False, True):
         fake.set(boxes["bspline"], on)
-        until(lambda: names._line.visible == names._distance.visible == on)  # noqa: B023
+        until(lambda: line.visible == label.visible == on)  # noqa: B023
     fake.set(boxes["names"], False)
-    until(lambda: not names._distance.visible)
+    until(lambda: not label.visible)
 
 
 def test_every_search_has_its_name_where_no_curve_is_shown(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    names, boxes = layer(session, NamesLayer), session.panels.layer_switches.boxes
+    boxes = session.panels.layer_switches.boxes
+    labels = [
+        drawn_node(session, f"/name/{name}") for name in ("path", "bspline", "quadratic", *SEARCHES)
+    ]
 
     def named() -> set[str]:
-        return {label.text for label in names._labels.values() if label.visible}
+        return {label.text for label in labels if label.visible}
 
     until(lambda: session.resting and named() == {"A*", "B-spline ▸", "quadratic"})
     fake.set(boxes["bspline"], False)
     until(lambda: named() == {"A*", "quadratic"})
     fake.set(boxes["quadratic"], False)
-    labels = {one.label for one in SEARCHES.values()}
-    until(lambda: named() == labels)
+    searches = {one.label for one in SEARCHES.values()}
+    until(lambda: named() == searches)
     fake.set(boxes["dijkstra"], False)
-    until(lambda: named() == labels - {"Dijkstra"})
+    until(lambda: named() == searches - {"Dijkstra"})
     fake.set(session.panels.stages.search.algorithm, "Dijkstra")
-    until(lambda: named() == labels - {"Dijkstra"} and session.resting)
+    until(lambda: named() == searches - {"Dijkstra"} and session.resting)
 
 
 @pytest.mark.parametrize("direction", VIEWS.values(), ids=list(VIEWS))
@@ -166,7 +171,7 @@ def test_the_ground_is_below_the_arm(tab: tuple[FakeTab, Session]) -> None:
     for height in (-4.0, 0.0):
         fake.set(session.panels.stages.arm.base, (3.0, -3.0, height))
         until(lambda z=height: session.plan.scene.arm.base[2] == z)  # type: ignore[misc, union-attr]
-        until(lambda z=height: z - 0.1 < layer(session, WorkspaceLayer)._grid.position[2] < z)  # type: ignore[misc, union-attr]
+        until(lambda z=height: z - 0.1 < drawn_node(session, "/ground").position[2] < z)  # type: ignore[misc]
 
 
 @pytest.mark.slow
@@ -226,9 +231,9 @@ def test_a_plot_has_its_data_once_and_before_it_is_shown(tab: tuple[FakeTab, Ses
         )
     result = plan(load_scene("paper"))
     assert result.motion is not None
-    layer.draw(Frame(result, interactive=True))
-    layer.draw(Frame(result, plots=True))
-    layer.draw(Frame(result, plots=True, time=0.5))
+    layer(Frame(result, interactive=True))
+    layer(Frame(result, plots=True))
+    layer(Frame(result, plots=True, time=0.5))
     for plot in layer._plots.values():
         # the page itself marks the time
         assert [name for of, name in updates if of is plot] == ["data", "visible"]
@@ -267,8 +272,8 @@ def test_a_mesh_whose_drawing_was_ended_anywhere_is_drawn_whole_later(
     ended = 0
     for looks in itertools.count():
         overtaken = itertools.chain([False] * looks, itertools.repeat(True))
-        ends = Details([mesh], lambda: 0, lambda: next(overtaken))  # noqa: B023
-        ends.draw(Frame(result))
+        draw = lagging([mesh], lambda: 0, lambda: next(overtaken))  # noqa: B023
+        draw(Frame(result))
         if mesh._written[:1] == (result,):
             break
         ended += 1
@@ -290,8 +295,8 @@ def _still(session: Session) -> Frame:
 
 def _draw(session: Session, frame: Frame) -> None:
     for group in session._view.parts:
-        for drawn in group:
-            drawn.draw(frame)
+        for draw in group:
+            draw(frame)
 
 
 @pytest.mark.slow
@@ -338,19 +343,19 @@ def test_the_axes_lead_along_x_y_and_z_in_the_scenes_unit(tab: tuple[FakeTab, Se
     fake, session = tab
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: session.frame.plan.scene == load_scene("kitchen-ur5e"))
-    axes = layer(session, WorkspaceLayer)
-    until(lambda: axes._labels[2].text == "z [m]")
+    until(lambda: drawn_node(session, "/axes/z/label").text == "z [m]")
     workspace = session.frame.plan.scene.workspace
-    for axis, (arrow, label) in enumerate(zip(axes._arrows, axes._labels, strict=True)):
-        (begin, end), *barbs = np.asarray(arrow.points)
+    for axis, name in enumerate("xyz"):
+        label = drawn_node(session, f"/axes/{name}/label")
+        (begin, end), *barbs = np.asarray(drawn_node(session, f"/axes/{name}").points)
         direction = np.eye(3)[axis]
         np.testing.assert_allclose(begin, 0)
         np.testing.assert_allclose(end / np.linalg.norm(end), direction)
         assert all(np.array_equal(barb[1], end) for barb in barbs)
         assert label.text == ("x", "y", "z [m]")[axis]
     # beside the workspace, where no obstacle, path or end is
-    assert axes._corner.position[0] > workspace.max[0]
-    assert axes._corner.position[1] < workspace.min[1]
+    assert drawn_node(session, "/axes").position[0] > workspace.max[0]
+    assert drawn_node(session, "/axes").position[1] < workspace.min[1]
 
 
 def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
@@ -420,15 +425,15 @@ def test_what_is_proven_is_not_said_of_a_scene_that_is_still_planned(
     _, session = tab
     until(lambda: session.resting)
     layout, stages = session.panels.layout, session.panels.stages
-    lengths = layer(session, PlanNumbersLayer)
+    numbers = session._view.layers[plan_numbers_layer]
 
     def texts() -> list[str]:
         headings = " ".join(str(folder.label) for folder in layout.folders.values())
-        return [layout.overlay.shown["numbers"], lengths._tables.content, headings]
+        return [layout.overlay.shown["numbers"], texts_in(layout.result)[0], headings]
 
     for outdated in (True, False):
-        for one in (session.panels.messages, lengths, stages):
-            one.draw(replace(session.frame, outdated=outdated))
+        for draw in (session.panels.messages.draw, numbers, stages.draw):
+            draw(replace(session.frame, outdated=outdated))
         assert [" ✓" in text.replace("✓ keeps", "") for text in texts()] == 3 * [not outdated]
 
 
@@ -551,7 +556,7 @@ def test_a_direction_that_can_be_kept_for_a_part_is_a_button() -> None:
 
 def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    slider, visited = session.panels.stages.search.shown, layer(session, MarksLayer)
+    slider, cloud = session.panels.stages.search.shown, drawn_node(session, "/search/reached")
     until(lambda: session.resting)
     plan = session.frame.plan
     assert plan.path is not None
@@ -560,15 +565,14 @@ def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]
     assert slider.max == len(order)
     count = len(order) // 2
     fake.set(slider, count)
-    until(lambda: len(drawn_points(visited._visited)) == count)
+    until(lambda: len(drawn_points(cloud)) == count)
     until(lambda: session.resting)
     places = plan.graph.points[order[:count]].astype(np.float32)
     assert len(np.unique(order[:count])) == count  # A* expands no node again
-    cloud = visited._visited
     colour = {tuple(p): tuple(c) for p, c in zip(cloud.points, cloud.colors, strict=True)}
     wanted = map(tuple, scale_colours(HEAT, np.arange(count) / (len(order) - 1)))
     assert [colour[tuple(place)] for place in places] == list(wanted)
-    assert np.allclose(drawn_points(visited._latest), places[-1:])
+    assert np.allclose(drawn_points(drawn_node(session, "/search/latest")), places[-1:])
     fake.set(session.panels.theatre.on, True)  # which has nodes of its own in these colours
     until(lambda: not cloud.visible)
     fake.set(session.panels.theatre.on, False)

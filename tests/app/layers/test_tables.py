@@ -15,7 +15,7 @@ from abi.errors import SceneError
 from abi.planner.arm_words import arm_result, contact_sentence
 from abi.planner.plan import Plan
 from abi.scene.scene import load_scene
-from app.layers.result.plan_numbers import PlanNumbersLayer
+from app.layers.result.plan_numbers import plan_numbers_layer
 from app.layers.result.tables import _searches, _stages
 from app.panels.plan_sentence import _replan_ms, plan_sentence
 from app.panels.stages.stage_headings import headings
@@ -77,19 +77,22 @@ class _Tables:
     """The layer without a page."""
 
     def __init__(self) -> None:
-        gui = SimpleNamespace(add_html=lambda _: SimpleNamespace(content=""))
+        self._texts: list[SimpleNamespace] = []
+        gui = SimpleNamespace(add_html=self._add)
         folders = dict.fromkeys(("bspline", "quadratic", "arm"), contextlib.nullcontext())
         layout = SimpleNamespace(
             result=contextlib.nullcontext(), folders=folders, client=SimpleNamespace(gui=gui)
         )
-        self._layer = PlanNumbersLayer(layout)  # type: ignore[arg-type]
+        self._draw = plan_numbers_layer(layout)  # type: ignore[arg-type]
+
+    def _add(self, content: str) -> SimpleNamespace:
+        self._texts.append(SimpleNamespace(content=content))
+        return self._texts[-1]
 
     def show(self, plan: Plan, partial: bool = False) -> list[list[str]]:
         """The cells of every row, and the paragraphs."""
-        self._layer.draw(Frame(replace(plan, coarse=partial, partial=partial)))
-        rows = re.findall(
-            r"<tr>(.*?)</tr>|<div[^>]*>(?!<table)(.*?)</div>", self._layer._tables.content
-        )
+        self._draw(Frame(replace(plan, coarse=partial, partial=partial)))
+        rows = re.findall(r"<tr>(.*?)</tr>|<div[^>]*>(?!<table)(.*?)</div>", self._texts[0].content)
         return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) or [text] for row, text in rows]
 
 

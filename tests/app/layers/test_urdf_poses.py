@@ -10,7 +10,7 @@ from abi.planner.planner import Planner
 from abi.robot.kinematics.start_poses import first_poses
 from abi.robot.urdf_arm import UrdfArm
 from abi.scene.scene import load_scene
-from app.layers.arm.arm_regions import ArmRegionsLayer
+from app.layers.arm.arm_regions import arm_regions_layer
 from app.layers.arm.urdf_poses import end_pose
 from app.state.frame import Frame
 
@@ -37,7 +37,7 @@ def test_regions_stay_while_the_start_is_dragged_and_follow_what_else_changes() 
     without = replace(first, plan=planner(scene.replace(obstacles=[])))
     layout = MagicMock()
     drawn = layout.client.scene.add_mesh_simple
-    regions = ArmRegionsLayer(layout)
+    draw = arm_regions_layer(layout)
     counts = []
     for frame, interactive in (
         (first, False),
@@ -45,6 +45,6 @@ def test_regions_stay_while_the_start_is_dragged_and_follow_what_else_changes() 
         (moved, False),
         (without, True),
     ):
-        regions.draw(replace(frame, interactive=interactive))
+        draw(replace(frame, interactive=interactive))
         counts.append(drawn.call_count)
     assert counts == [1, 1, 2, 3]

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.layers.result.plan_numbers import PlanNumbersLayer
 from app.tab.session import Session
 from tests.abi.certification.test_bags import POSITIONS, mcap, sqlite
-from tests.app.fake_tab import FakeTab, layer, notified, send_file, until
+from tests.app.fake_tab import FakeTab, notified, send_file, texts_in, until
 
 pytestmark = pytest.mark.slow
 JOINTS = (
@@ -67,9 +66,9 @@ def test_a_verdict_is_shown_in_place_of_the_plan(
     assert "touching" in overlay["message"]
     assert "linear-gradient" in overlay["marks"]
 
-    notes = layer(session, PlanNumbersLayer)._notes
-    until(lambda: "from elsewhere: 2.00" in notes["motion"].content)
-    assert "straight in the joints" in notes["arm"].content
+    layout = session.panels.layout
+    until(lambda: "from elsewhere: 2.00" in "".join(texts_in(layout.result)))
+    assert "straight in the joints" in "".join(texts_in(layout.folders["arm"]))
 
     send_file(session, check.upload, "two.mcap", mcap("/plan", "/other"))
     until(lambda: bool(check.uploads.choice.visible) or len(told) > 2)

@@ -11,12 +11,11 @@ import pytest
 from abi.explain.base_map import BaseMap, BaseTrial
 from abi.explain.find_base import default_region
 from abi.scene.scene import load_scene
-from app.layers.base_map import BaseMapLayer
 from app.panels.base_offer import base_card
 from app.panels.stages import find_base
 from app.tab.session import Session
 from app.ui import page
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, drawn_node, until
 
 Tab = tuple[FakeTab, Session]
 
@@ -45,8 +44,7 @@ def test_the_best_base_is_taken_and_undone(behind_a_wall: Tab) -> None:
     until(lambda: session.panels.history.noted == before)
     found = _search(fake, session)
     until(lambda: bool(panel.put.visible) and not panel.progress.visible)
-    tiles = layer(session, BaseMapLayer)._tiles
-    assert tiles is not None
+    tiles = drawn_node(session, "/bases/tiles")
     assert len(tiles.batched_positions) == len(found.cells)
     assert len(np.unique(np.array(tiles.batched_colors), axis=0)) > 3
 
@@ -80,7 +78,7 @@ def test_it_stops_when_asked_and_when_the_scene_changes(behind_a_wall: Tab) -> N
     fake.drag(session.panels.obstacles.gizmos[3], [x, y + 0.5, z])
     until(lambda: session.frame.plan.scene.obstacles[3].position[1] == y + 0.5)
     until(lambda: session.frame.bases is None and not panel.running)
-    until(lambda: layer(session, BaseMapLayer)._tiles is None)
+    until(lambda: "/bases/tiles" not in session.client.scene._handle_from_node_name)
     until(lambda: not panel.region.gizmo.visible)  # the search has shown it
 
     fake.set(panel.region.shown, True)

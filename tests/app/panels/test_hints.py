@@ -11,8 +11,8 @@ from abi.planner.plan import Plan
 from app.layers.result.tables import _searches, _stages
 from app.panels.headline import headline
 from app.stages.catalogue import SHOWN_STAGES
+from app.state.legend import SWITCHES
 from app.tab.session import Session
-from app.tab.view import SWITCHES
 from app.ui.numbers import format_setting
 from tests.app.fake_tab import FakeTab, until
 

@@ -104,11 +104,11 @@ def test_the_page_goes_to_the_moment_at_which_links_turn_red(
     layer = ArmLayer(MagicMock())
     moments = (0.0, 0.5, 1.1, 1.3, 1.6, 0.0)
     for time in moments:
-        layer.draw(replace(first, time=time))
+        layer(replace(first, time=time))
     assert told == [("play", 0.0), ("seek", 1.1), ("seek", 1.6)]
     # another motion begins at its own moment
     other = replace(first.plan, motion=replace(made.motion))  # type: ignore[type-var]
-    layer.draw(replace(first, plan=other, time=1.2))
+    layer(replace(first, plan=other, time=1.2))
     assert told[3:] == [("play", 1.2)]
 
 

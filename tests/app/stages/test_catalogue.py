@@ -9,7 +9,7 @@ import pytest
 import abi
 from abi.planner.branch import STAGE_NAMES
 from app.stages.catalogue import SHOWN_STAGES, STAGE_OF_ERROR, TITLES
-from app.tab.view import SWITCHES
+from app.state.legend import SWITCHES
 
 ROOT = Path(__file__).parents[3]
 PLAN = abi.plan(abi.load_scene("paper"))

@@ -19,8 +19,8 @@ from abi.teach.exercise_file import exercises_in
 from app.cli.command_line import cli
 from app.panels.teach.figures import _wrapped
 from app.state.frame import Frame
+from app.state.legend import SHOWN, SWITCHES
 from app.tab.session import Session
-from app.tab.view import SHOWN, SWITCHES
 from app.teach.exercise_files import NOTEBOOK, SCRIPT
 from app.teach.figures import figures
 from app.teach.lesson import Lesson, Step, scene_of

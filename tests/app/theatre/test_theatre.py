@@ -10,15 +10,14 @@ from abi import load_scene, plan
 from abi.planner.comparison import search_problem
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState, replay, with_next
-from app.layers.race import RaceLayer
 from app.layers.search_step import (
     NODE_BUDGET,
-    TheatreLayer,
     few,
     node_numbers,
     order_colours,
     waiting_colours,
 )
+from app.state.legend import SHOWN
 from app.tab.session import Session
 from app.teach.lesson import scene_of
 from app.teach.lesson_file import load_lessons
@@ -34,7 +33,7 @@ from app.theatre.theatre import (
     race_of,
     where,
 )
-from tests.app.fake_tab import FakeTab, drawn_points, layer, until
+from tests.app.fake_tab import FakeTab, drawn_node, drawn_points, until
 
 PLAN = plan(load_scene("paper"))
 
@@ -253,20 +252,21 @@ def test_the_chosen_search_is_in_the_race() -> None:
 
 
 def drawn(session: Session) -> list[object]:
-    clouds = layer(session, TheatreLayer)._clouds
-    parts = [drawn_points(clouds[name]).tobytes() for name in ("closed", "open", "current")]
-    return [*parts, layer(session, TheatreLayer)._path.points.tobytes()]
+    clouds = (drawn_node(session, f"/theatre/{name}") for name in ("closed", "open", "current"))
+    return [
+        *map(bytes, map(drawn_points, clouds)),
+        bytes(drawn_node(session, "/theatre/path").points),
+    ]
 
 
 @pytest.mark.slow
 def test_steps_forward_and_back_show_the_same(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    panel = session.panels.theatre
+    panel, nodes = session.panels.theatre, session.client.scene._handle_from_node_name
 
     def at(step: int) -> bool:
         theatre = session.frame.theatre
-        shown = layer(session, TheatreLayer)._drawn is theatre
-        return theatre is not None and theatre.state.step == step and session.resting and shown
+        return theatre is not None and theatre.state.step == step and session.resting
 
     fake.set(panel.on, True)
     until(lambda: at(0))
@@ -285,10 +285,10 @@ def test_steps_forward_and_back_show_the_same(tab: tuple[FakeTab, Session]) -> N
     assert drawn(session) == pictures[3]
     fake.set(panel.race, True)
     until(lambda: bool(session.frame.theatre.race))  # type: ignore[union-attr]
-    assert layer(session, RaceLayer)._root is not None
+    assert drawn_node(session, "/race").visible
     assert [name for name, _ in session.frame.theatre.race] == list(race_of("a_star"))  # type: ignore[union-attr]
     fake.set(panel.on, False)
-    until(lambda: session.frame.theatre is None and layer(session, RaceLayer)._root is None)
+    until(lambda: session.frame.theatre is None and "/race" not in nodes)
 
 
 @pytest.mark.slow
@@ -357,11 +357,7 @@ def test_a_lesson_says_itself_what_is_shown_beside_a_search(tab: tuple[FakeTab, 
     lessons = session.panels.lessons
     until(lambda: len(lessons.choice.options) > 12)
     fake.set(lessons.choice, lessons.choice.options[-1])
-    until(
-        lambda: (
-            lessons.progress.chosen and session.frame.shown < session.panels.layer_switches._usual
-        )
-    )
+    until(lambda: lessons.progress.chosen and session.frame.shown < SHOWN)
     shown = session.frame.shown
     assert "arm" in shown
     fake.set(session.panels.theatre.on, True)
