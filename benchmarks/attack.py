@@ -78,7 +78,7 @@ def _work(tab: FakeTab, session: Session, hostile: threading.Thread) -> Iterator
 def _change(tab: FakeTab, session: Session, speed: float) -> float:
     """Time from setting the motion's speed to its plan, [s]."""
     begin = time.monotonic()
-    tab.set(session.panels.stages.motion.speed, speed)
+    tab.set(session.panels.stages.fields["motion.speed"], speed)
     until(lambda: session.frame.plan.scene.motion.speed == speed)
     return time.monotonic() - begin
 

@@ -95,7 +95,7 @@ class Chooser:
             self._set(panels.files.choice, scene)
             self._shows(scene)
         begun = session._planner._begun
-        self._set(panels.stages.mesh.pitch, pitch)
+        self._set(panels.stages.fields["mesh.pitch"], pitch)
         self._until(lambda: session._planner._begun > begun)
         self._page.tab.wait_for_timeout(1e3 * wait)
         took = None if session.resting else self._choose(arm)

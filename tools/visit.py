@@ -45,7 +45,7 @@ class Visit:
 
     def search(self, percent: int) -> None:
         """Colour the nodes that the search has looked at by then."""
-        slider = self.session.panels.stages.search.shown
+        slider = self.session.panels.stages.visited
         slider.value = round(percent / 100 * slider.max)
         self.follow()
 

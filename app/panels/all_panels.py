@@ -113,8 +113,7 @@ class AllPanels:
             self.tour.draw,
             self.lecture.draw,
             self.stages.draw,
-            self.stages.mesh.draw,
-            self.stages.search.draw,
+            self.stages.draw_inputs,
             self.stages.bases.draw,
             self.stages.arm.draw,
             self.ends.draw,
@@ -315,7 +314,7 @@ class AllPanels:
             lecture=self.lecture.on,
             stage=self.lecture.stage,
             mesh_view=self.layer_switches.chosen_mesh_view(),
-            visited=self.stages.search.visited(),
+            visited=self.stages.visited_nodes(),
         )
 
     def _write(self, scene: Scene) -> None:

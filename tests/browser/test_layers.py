@@ -131,7 +131,7 @@ def test_the_search_slider_shows_what_was_expanded(page: Page, session: Session)
     assert session.plan.path is not None
     assert "/search/reached" not in page.shown()
     order = session.plan.path.order.tolist()
-    page.until(lambda: session.panels.stages.search.shown.max == len(order), "the slider's end")
+    page.until(lambda: session.panels.stages.visited.max == len(order), "the slider's end")
     page.set_number("show visited", len(order))
     page.until(lambda: "/search/reached" in page.shown(), "the expanded nodes")
     points = page.points("/search/reached")

@@ -69,8 +69,8 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
     hostile = server.sessions[number]
     page.until(lambda: hostile.plan is not None, "its plan")
     for handle in (
-        hostile.panels.stages.mesh.pitch,
-        hostile.panels.stages.motion.speed,
+        hostile.panels.stages.fields["mesh.pitch"],
+        hostile.panels.stages.fields["motion.speed"],
         hostile.playback.slider,
     ):
         for value in (NAN, math.inf, -1e308, "junk", None, [NAN]):
@@ -87,11 +87,11 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
         uuid = handle._impl.uuid
         page.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
 
-    say(mine.panels.stages.motion.speed, NAN)
+    say(mine.panels.stages.fields["motion.speed"], NAN)
     page.reads("it is nan")
     shown = mine.playback.slider.value
     say(mine.playback.slider, NAN)
-    say(mine.panels.stages.motion.speed, math.inf)
+    say(mine.panels.stages.fields["motion.speed"], math.inf)
     page.reads("it is inf")
     page.until(lambda: mine.playback.slider.value == shown, "the good time again")
     assert mine.plan is good
@@ -104,7 +104,7 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
         "owner": mine.panels.obstacles.gizmos[0]._impl.api._owner_id,
         "wxyz": [1.0, 0.0, 0.0, 0.0],
     }
-    say(mine.panels.stages.motion.speed, 4.0)
+    say(mine.panels.stages.fields["motion.speed"], 4.0)
     page.send({**place, "position": [NAN, 3.0, 3.0]})
     page.reads("position of obstacle 1")
     assert mine.plan is good

@@ -11,7 +11,7 @@ from abi.scene.scene import Scene
 from app.panels.length_step import fine_step, length_step
 from app.panels.stages.arm_model import ArmModelPanel
 from app.panels.stages.end_box import EndBox
-from app.panels.stages.fields import Fields
+from app.panels.stages.fields import Fields, Widgets
 from app.panels.widgets import Wake
 from app.state.frame import Frame
 
@@ -61,7 +61,7 @@ class ArmPanel:
         )
         self.ends = {"start": EndBox(gui, "start", wake), "goal": EndBox(gui, "goal", wake)}
         self._add_papers(gui, arm)
-        widgets = {
+        widgets: Widgets = {
             "arm.avoid": self.avoid,
             "arm.elbow": self.elbow,
             "arm.clearance": self.clearance,

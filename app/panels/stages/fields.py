@@ -7,35 +7,47 @@ from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
+import viser
+
 from abi.scene.scene import Scene
 from app.panels.widgets import DIGITS, Wake, label_of
 
+Widgets = Mapping[str, viser.GuiInputHandle[Any]]
+"""Widgets by the names of their fields, ``section.field``; of several numbers, all in a row."""
+Labels = Mapping[str, str]
+"""Labels of a dropdown, with the value that each stands for."""
+
 
 class Fields:
-    """Widgets by the names of their fields, ``section.field``; of several numbers, all in a row.
+    """Widgets that each show and set a field of the scene, or several numbers.
 
     ``{unit}`` in a widget's label stands for the scene's unit of length.
     """
 
     def __init__(
         self,
-        widgets: Mapping[str, Any],
+        widgets: Widgets,
         wake: Wake,
-        options: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
+        options: Mapping[str, Labels] = MappingProxyType({}),
     ) -> None:
         """Have every widget wake the tab.
 
         Args:
             widgets: by field.
             wake: callback.
-            options: of a dropdown's field, the values that its labels stand for.
+            options: labels of dropdowns, by field.
         """
+        self._rows: list[tuple[list[str], Any, str]]
         self._rows = [(names.split(), widget, widget.label) for names, widget in widgets.items()]
         self._options = options
         for _, widget, _ in self._rows:
             widget.on_update(wake)
             if isinstance(widget.value, float | tuple):
                 widget.precision = DIGITS
+
+    def __getitem__(self, field: str) -> Any:
+        """The widget that shows a field."""
+        return next(widget for names, widget, _ in self._rows if field in names)
 
     def read(self) -> dict[str, Any]:
         """Read the sections as typed; a label without a value as it is, for the scene to refuse."""

@@ -8,57 +8,44 @@ import viser
 
 from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
-from app.panels.stages.fields import Fields
-from app.panels.widgets import Wake, clamp, range_hint
-from app.state.frame import Frame
+from app.panels.stages.fields import Fields, Labels, Widgets
+from app.panels.widgets import clamp, range_hint
 
-_LABELS = {kind.label: name for name, kind in LATTICES.items()}
+LATTICE_LABELS: Labels = {kind.label: name for name, kind in LATTICES.items()}
 _SPACING = "Distance between neighbouring nodes. Halving it gives up to eight times as many."
 
 
-class MeshPanel:
-    """The ``mesh`` section of a scene."""
-
-    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
-        low, high, step = _pitch_range(scene)
-        self.lattice = gui.add_dropdown(
-            "grid type", tuple(_LABELS), hint="How the workspace is cut into tetrahedra."
-        )
-        self.pitch = gui.add_slider(
-            "spacing [{unit}]",
-            low,
-            high,
-            step,
-            clamp(scene.mesh.pitch, low, high),
-        )
-        self.seed = gui.add_number(
+def mesh_inputs(gui: viser.GuiApi, scene: Scene) -> Widgets:
+    """Add widgets of the ``mesh`` section of a scene."""
+    low, high, step = _pitch_range(scene)
+    return {
+        "mesh.lattice": gui.add_dropdown(
+            "grid type", tuple(LATTICE_LABELS), hint="How the workspace is cut into tetrahedra."
+        ),
+        "mesh.pitch": gui.add_slider(
+            "spacing [{unit}]", low, high, step, clamp(scene.mesh.pitch, low, high)
+        ),
+        "mesh.seed": gui.add_number(
             "seed",
             scene.mesh.seed,
             min=0,
             step=1,
             hint="Another number gives another irregular grid. A whole one, 0 or more.",
-        )
-        widgets = {"lattice": self.lattice, "pitch": self.pitch, "seed": self.seed}
-        named = {f"mesh.{name}": one for name, one in widgets.items()}
-        self._fields = Fields(named, wake, {"mesh.lattice": _LABELS})
-        self.read = self._fields.read
-        self.write(scene)
+        ),
+    }
 
-    def write(self, scene: Scene) -> None:
-        """Show ``scene``."""
-        low, high, step = _pitch_range(scene)
-        self.pitch.min, self.pitch.max, self.pitch.step = low, high, step
-        self.pitch.hint = range_hint(_SPACING, low, high, scene.unit)
-        self._fields.write(scene)
-        self._show_seed(scene)
 
-    def draw(self, frame: Frame) -> None:
-        """Show the seed where the plan's lattice has one."""
-        if frame.current:
-            self._show_seed(frame.plan.scene)
+def fit_pitch(fields: Fields, scene: Scene) -> None:
+    """Give the spacing's slider the range of a scene."""
+    low, high, step = _pitch_range(scene)
+    pitch = fields["mesh.pitch"]
+    pitch.min, pitch.max, pitch.step = low, high, step
+    pitch.hint = range_hint(_SPACING, low, high, scene.unit)
 
-    def _show_seed(self, scene: Scene) -> None:
-        self.seed.visible = LATTICES[scene.mesh.lattice].seeded
+
+def show_seed(fields: Fields, scene: Scene) -> None:
+    """Show the seed where the scene's lattice has one."""
+    fields["mesh.seed"].visible = LATTICES[scene.mesh.lattice].seeded
 
 
 def _pitch_range(scene: Scene) -> tuple[float, float, float]:

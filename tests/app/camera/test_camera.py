@@ -124,7 +124,7 @@ def test_a_view_that_is_chosen_follows_the_picture(tab: tuple[FakeTab, Session])
 def test_undo_leaves_the_camera_where_the_hand_has_put_it(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     until(lambda: session.resting)
-    speed = session.panels.stages.motion.speed
+    speed = session.panels.stages.fields["motion.speed"]
     fake.look(session.client.camera, 900, position=[1.0, -9.0, 2.0])
     fake.set(speed, 3.0)
     until(lambda: session.resting and session.panels.history.can_undo)

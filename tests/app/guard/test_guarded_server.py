@@ -239,7 +239,7 @@ def test_malformed_messages_are_dropped_and_many_of_them_close_only_their_tab(
     server: Server, tab: tuple[FakeTab, Session], caplog: pytest.LogCaptureFixture
 ) -> None:
     fake, session = tab
-    pitch = session.panels.stages.mesh.pitch
+    pitch = session.panels.stages.fields["mesh.pitch"]
     frames: list[bytes | str] = [
         "text",
         b"\xc1",
@@ -277,7 +277,7 @@ def test_moves_that_come_too_fast_wait_and_end_where_the_hand_does(
     begin = time.monotonic()
     for step in range(TOO_MANY):
         fake.drag(gizmo, [x + 1e-3 * step, y, z])
-    fake.set(session.panels.stages.mesh.pitch, 0.7)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.7)
     last = x + 1e-3 * (TOO_MANY - 1)
     until(lambda: session.plan.scene.mesh.pitch == 0.7)  # type: ignore[union-attr]
     # what came before the other is done before it, and all of it at the rate that is let through
@@ -320,7 +320,7 @@ def test_a_file_that_no_button_takes_is_not_stored(tab: tuple[FakeTab, Session])
         fake.send({**begin, "transfer_uuid": name, "filename": name, "size_bytes": size})
     part = {"type": "FileTransferPart", "source_component_uuid": None, "part_index": 0}
     fake.send({**part, "transfer_uuid": "scene.exe", "content": b"abc"})
-    fake.set(session.panels.stages.mesh.pitch, 0.8)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.8)
     until(lambda: session.plan.scene.mesh.pitch == 0.8)  # type: ignore[union-attr]
     assert session.client.gui._current_file_upload_states == {}
     assert session.panels.files.upload.value.content == b""

@@ -25,7 +25,7 @@ def test_every_joint_has_its_line_and_torques_where_there_are_masses(
     assert "no masses of links" in drawn._peaks.content
     assert "torque" not in _lines_of_limits(drawn)
     assert "✗" not in drawn._peaks.content
-    fake.set(session.panels.stages.motion.joint_acceleration, 0.01)
+    fake.set(session.panels.stages.fields["motion.joint_acceleration"], 0.01)
     until(lambda: "✗" in drawn._peaks.content)
 
     fake.set(session.panels.files.choice, "kitchen-ur5e")

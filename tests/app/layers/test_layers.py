@@ -123,7 +123,7 @@ def test_every_search_has_its_name_where_no_curve_is_shown(tab: tuple[FakeTab, S
     until(lambda: named() == searches)
     fake.set(boxes["dijkstra"], False)
     until(lambda: named() == searches - {"Dijkstra"})
-    fake.set(session.panels.stages.search.algorithm, "Dijkstra")
+    fake.set(session.panels.stages.fields["search.algorithm"], "Dijkstra")
     until(lambda: named() == searches - {"Dijkstra"} and session.resting)
 
 
@@ -149,7 +149,7 @@ def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
     tab: tuple[FakeTab, Session],
 ) -> None:
     fake, session = tab
-    fake.set(session.panels.stages.mesh.pitch, 0.2)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.2)
     until(lambda: session.plan.scene.mesh.pitch == 0.2 and session.resting)  # type: ignore[union-attr]
     fake.drag(session.panels.ends.gizmos["start"], [5.7, 0.35, 0.1])
 
@@ -210,11 +210,11 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
 
 def test_the_seed_is_offered_where_it_counts(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    assert not session.panels.stages.mesh.seed.visible
-    fake.set(session.panels.stages.mesh.lattice, "Delaunay (irregular)")
-    until(lambda: session.panels.stages.mesh.seed.visible)
-    fake.set(session.panels.stages.mesh.lattice, "Kuhn (cube cut in 6)")
-    until(lambda: not session.panels.stages.mesh.seed.visible)
+    assert not session.panels.stages.fields["mesh.seed"].visible
+    fake.set(session.panels.stages.fields["mesh.lattice"], "Delaunay (irregular)")
+    until(lambda: session.panels.stages.fields["mesh.seed"].visible)
+    fake.set(session.panels.stages.fields["mesh.lattice"], "Kuhn (cube cut in 6)")
+    until(lambda: not session.panels.stages.fields["mesh.seed"].visible)
 
 
 def test_a_plot_has_its_data_once_and_before_it_is_shown(tab: tuple[FakeTab, Session]) -> None:
@@ -556,7 +556,7 @@ def test_a_direction_that_can_be_kept_for_a_part_is_a_button() -> None:
 
 def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    slider, cloud = session.panels.stages.search.shown, drawn_node(session, "/search/reached")
+    slider, cloud = session.panels.stages.visited, drawn_node(session, "/search/reached")
     until(lambda: session.resting)
     plan = session.frame.plan
     assert plan.path is not None

@@ -81,7 +81,7 @@ def test_a_button_takes_the_link_clearance_that_is_kept(tab: tuple[FakeTab, Sess
 
 def test_a_button_follows_the_curve_that_is_clear(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    fake.set(session.panels.stages.motion.curve, "quadratic")
+    fake.set(session.panels.stages.fields["motion.curve"], "quadratic")
     until(lambda: "Follow the B-spline" in _told(session) and session.resting)
     accept(fake, session, "Follow the B-spline")
     until(lambda: session.frame.plan.followed == "bspline" and session.resting)

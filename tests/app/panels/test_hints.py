@@ -84,18 +84,19 @@ def test_each_number_box_tells_its_range(tab: tuple[FakeTab, Session]) -> None:
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: session.frame.plan.scene == abi.load_scene("kitchen-ur5e") and session.resting)
     stages, editor = session.panels.stages, session.panels.editor
-    pitch = stages.mesh.pitch
+    pitch = stages.fields["mesh.pitch"]
     assert pitch.hint is not None
     assert pitch.hint.endswith(
         f" From {format_setting(pitch.min)} to {format_setting(pitch.max)} m."
     )
     until(lambda: "x from −0.5 to 0.5" in (editor._end_boxes["goal"].handle.hint or ""))
-    arm, motion, sizes = stages.arm, stages.motion, editor.sizes
+    arm, sizes = stages.arm, editor.sizes
     lengths = (arm.columns, arm.links, arm.masses, arm.radii)
-    rates = (motion.speed, motion.rates, motion.joint_acceleration, motion.jerk)
+    names = ("speed", "acceleration", "joint_acceleration", "jerk")
+    rates = [stages.fields[f"motion.{name}"] for name in names]
     for box in (*lengths, *rates, sizes.size, sizes.radius, sizes.height, sizes.scale):
         assert "above 0" in (box.hint or "").lower()
-    for hint in (arm.clearance.hint, arm.extension.hint, stages.mesh.seed.hint):
+    for hint in (arm.clearance.hint, arm.extension.hint, stages.fields["mesh.seed"].hint):
         assert "0 or more" in (hint or "")
-    for slider in (pitch, stages.spline.degree, stages.spline.clearance):
+    for slider in (pitch, stages.fields["spline.degree"], stages.fields["spline.clearance"]):
         assert re.search(r"From \S+ to \S+", slider.hint or "")

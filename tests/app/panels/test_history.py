@@ -102,7 +102,7 @@ def test_everything_is_undone_and_done_again(tab: tuple[FakeTab, Session]) -> No
         until(lambda: panels.history.noted == session.frame.plan.scene)
         scenes.append(session.frame.plan.scene)
 
-    fake.set(panels.stages.spline.degree, 2)
+    fake.set(panels.stages.fields["spline.degree"], 2)
     done()
     fake.drag(panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
     done()
@@ -153,7 +153,7 @@ def test_what_was_changed_just_before_another_scene_was_opened_is_not_lost(
     panels, paper = session.panels, load_scene("paper")
     until(lambda: session.resting)
     for degree in (2, 3):
-        fake.set(panels.stages.spline.degree, degree)
+        fake.set(panels.stages.fields["spline.degree"], degree)
         until(lambda degree=degree: session.scene.spline.degree == degree)  # type: ignore[misc]
         fake.set(panels.files.choice, "two-boxes")  # not yet at rest
         until(lambda: session.frame.plan.scene == load_scene("two-boxes"))
@@ -188,7 +188,7 @@ def test_what_was_changed_just_before_a_drag_is_a_step_of_its_own(
     fake, session = tab
     panels, gizmo = session.panels, session.panels.obstacles.gizmos[0]
     until(lambda: session.resting)
-    fake.set(panels.stages.spline.degree, 2)
+    fake.set(panels.stages.fields["spline.degree"], 2)
     until(lambda: session.scene.spline.degree == 2)
     changed = session.scene
     fake.hold(gizmo)  # not yet at rest

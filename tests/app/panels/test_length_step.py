@@ -39,8 +39,13 @@ def test_boxes_of_a_scene_step_by_it(tab: tuple[FakeTab, Session], name: str, st
         *(sizes.size, sizes.radius, sizes.height, editor._position.handle),
         *(box.handle for box in editor._end_boxes.values()),
         *(stages.arm.base, stages.arm.links, stages.arm.extension),
-        *(stages.motion.speed, stages.motion.rates, region.middle.handle, region.sides.handle),
+        *(
+            stages.fields["motion.speed"],
+            stages.fields["motion.acceleration"],
+            region.middle.handle,
+            region.sides.handle,
+        ),
     )
     assert {box.step for box in boxes} == {step}
     assert math.isclose(stages.arm.clearance.step, step / 2)
-    assert math.isclose(stages.motion.jerk.step, 10 * step)
+    assert math.isclose(stages.fields["motion.jerk"].step, 10 * step)

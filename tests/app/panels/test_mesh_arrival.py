@@ -64,7 +64,7 @@ def test_a_mesh_is_drawn_and_planning_goes_on_while_it_is_prepared(
     assert foreseen.body is not None
     faint = foreseen.body.opacity
 
-    fake.set(session.panels.stages.spline.degree, 3)
+    fake.set(session.panels.stages.fields["spline.degree"], 3)
     until(lambda: session.plan.scene.spline.degree == 3)  # type: ignore[union-attr]
     assert session.plan is not None
     assert len(session.plan.scene.obstacles) == 1

@@ -149,7 +149,7 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
 
     monkeypatch.setattr(session.client, "send_file_download", keep)
     good = session.plan
-    fake.set(session.panels.stages.motion.speed, 0.0)
+    fake.set(session.panels.stages.fields["motion.speed"], 0.0)
     shown = session.panels.layout.overlay.shown
     until(lambda: "The cruise speed must be above 0; it is 0." in shown["message"])
 
@@ -160,7 +160,7 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     assert good is not None
     assert sent[0] == ("paper.yaml", dump(good.scene.to_dict(), "scene.yaml").encode())
 
-    fake.set(session.panels.stages.motion.speed, 2.0)
+    fake.set(session.panels.stages.fields["motion.speed"], 2.0)
     until(lambda: session.plan.scene.motion.speed == 2.0)  # type: ignore[union-attr]
     assert len(sent) == 1
 
@@ -170,7 +170,7 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     fake, session = tab
     shown = session.panels.layout.overlay.shown
     until(lambda: session.resting)
-    fake.set(session.panels.stages.motion.speed, 0.0)
+    fake.set(session.panels.stages.fields["motion.speed"], 0.0)
     until(lambda: "The cruise speed must be" in shown["message"])
 
     # at rest the good scene is planned in full, where that had to wait
@@ -180,7 +180,7 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     assert "The cruise speed must be" in shown["message"]
     assert session.frame.refused is not None
 
-    fake.set(session.panels.stages.motion.speed, 4.0)
+    fake.set(session.panels.stages.fields["motion.speed"], 4.0)
     until(lambda: "✗" not in shown["message"] and session.frame.current)
 
 
@@ -304,7 +304,7 @@ def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path
     path = tmp_path / "other.yaml"
     Scene.from_dict(MILLIMETRES).save(path)
     fake.set(session.panels.files.choice, str(path))
-    fake.set(session.panels.stages.spline.degree, 3)
+    fake.set(session.panels.stages.fields["spline.degree"], 3)
     until(lambda: session.plan.scene.spline.degree == 3)  # type: ignore[union-attr]
     assert session.plan is not None
     assert session.plan.scene == load_scene("paper").replace(spline={"degree": 3})

@@ -88,7 +88,7 @@ def test_planning_goes_on_while_a_file_is_read(
     uploads = _begin(session, kind)
     until(lambda: uploads._stop.visible and uploads._bar.visible)
     assert "reading" in uploads._line.content
-    fake.set(session.panels.stages.spline.degree, 2)
+    fake.set(session.panels.stages.fields["spline.degree"], 2)
     until(lambda: session.frame.plan.scene.spline.degree == 2)
     assert not _is_taken(session, kind)
     held.set()
@@ -134,7 +134,7 @@ def test_a_file_that_is_stopped_changes_nothing(
     until(lambda: not uploads._stop.visible)
     held.set()
     until(lambda: uploads._pending == 0)
-    fake.set(session.panels.stages.spline.degree, 2)
+    fake.set(session.panels.stages.fields["spline.degree"], 2)
     until(lambda: session.frame.plan.scene == before.replace(spline={"degree": 2}))
     assert not _is_taken(session, kind)
 
@@ -144,7 +144,7 @@ def test_a_scene_is_reset_beside_the_list_and_that_is_undone(
 ) -> None:
     fake, session = tab
     files = session.panels.files
-    fake.set(session.panels.stages.spline.degree, 2)
+    fake.set(session.panels.stages.fields["spline.degree"], 2)
     until(lambda: session.frame.plan.scene.spline.degree == 2 and session.resting)
     changed = session.frame.plan.scene
     fake.set(files.reset, True)

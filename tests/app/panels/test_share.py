@@ -225,7 +225,7 @@ def test_nobody_is_invited_to_drag_what_a_challenge_keeps(
     challenge = challenge_of(goal, session.frame)
     assert challenge is not None
     panels.restore(replace(session.state(), challenge=challenge.model_dump_json()))
-    fake.set(panels.stages.spline.degree, 3)
+    fake.set(panels.stages.fields["spline.degree"], 3)
     until(lambda: bool(shown.get("challenge")))
     until(lambda: ("Drag" in shown["message"]) == (challenge.task == ""))
     assert "B-spline" in shown["message"]  # what was done is told all the same

@@ -141,17 +141,17 @@ def test_a_link_gets_the_mesh_that_fits_and_a_typed_spacing_is_refused(
     pitch = session.scene.mesh.pitch
     assert told[0] == "Coarser than asked for"
     assert f"at least {pitch:g} cm" in told[1]
-    assert session.panels.stages.mesh.pitch.value == pitch
+    assert session.panels.stages.fields["mesh.pitch"].value == pitch
     assert _needed(session.scene) <= SMALL
 
-    fake.set(session.panels.stages.mesh.pitch, 0.06)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.06)
     until(lambda: session.frame.refused is not None)
     assert session.scene.mesh.pitch == pitch
     (gizmo, *_) = session.panels.obstacles.gizmos
     fake.drag(gizmo, [3.5, 3.0, 3.0])
     until(lambda: session.scene.obstacles[0].position[0] == 3.5)  # a drag goes on beside it
     assert session.scene.mesh.pitch == pitch
-    fake.set(session.panels.stages.mesh.pitch, 1.0)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 1.0)
     until(lambda: session.scene.mesh.pitch == 1.0 and session.frame.refused is None)
     number = session.client.client_id
     assert server.budget.taken(number) == _needed(session.scene)
@@ -163,7 +163,7 @@ def test_a_closed_tab_gives_back_what_it_had_where_another_needs_it(server: Serv
     budget = server.budget
     fake, session = opened(server)
     number = session.client.client_id
-    fake.set(session.panels.stages.mesh.pitch, 0.9)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.9)
     until(lambda: budget.taken(number) > 0)
     fake.close()
     until(lambda: number not in server.sessions)

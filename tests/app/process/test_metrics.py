@@ -38,7 +38,7 @@ def test_figures_follow_what_a_tab_does(server: Server, tab: tuple[FakeTab, Sess
     fake, session = tab
     before = _figures(server)
     assert before["abi_tabs"] >= 1
-    fake.set(session.panels.stages.motion.speed, 3.1)
+    fake.set(session.panels.stages.fields["motion.speed"], 3.1)
     until(lambda: session.plan.scene.motion.speed == 3.1)  # type: ignore[union-attr]
     until(lambda: session.resting)
     after = _figures(server)

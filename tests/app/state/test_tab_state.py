@@ -134,7 +134,7 @@ def test_a_tab_shows_what_its_page_remembers(server: Server) -> None:
 def test_a_report_of_nonsense_changes_nothing(tab: tuple[FakeTab, Session], report: str) -> None:
     fake, session = tab
     fake.set(session._memory._box, report + " ")
-    fake.set(session.panels.stages.spline.degree, 3)
+    fake.set(session.panels.stages.fields["spline.degree"], 3)
     until(lambda: session.plan.scene.spline.degree == 3)  # type: ignore[union-attr]
     assert session.plan is not None
     assert session.plan.scene.obstacles == load_scene("paper").obstacles

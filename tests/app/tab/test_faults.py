@@ -83,7 +83,7 @@ def test_going_back_after_a_fault_shows_the_last_plan_as_it_is(
 ) -> None:
     fake, session = tab
     until(lambda: session.resting)
-    good, speed = session.plan, session.panels.stages.motion.speed
+    good, speed = session.plan, session.panels.stages.fields["motion.speed"]
     planner = session._planner.live._planner
     before, whole = speed.value, planner._tool._profiles
     planner._tool._profiles = _fail(RuntimeError())  # type: ignore[assignment]
@@ -104,7 +104,7 @@ def test_a_scene_that_breaks_a_stage_is_not_the_one_listed(
     good, planner = session.plan, session._planner.live._planner
     whole = planner._tool._fit_bspline
     planner._tool._fit_bspline = _fail(RuntimeError())  # type: ignore[assignment]
-    files, speed = session.panels.files, session.panels.stages.motion.speed
+    files, speed = session.panels.files, session.panels.stages.fields["motion.speed"]
     fake.set(files.choice, "two-boxes")
     until(lambda: bool(notices))
     until(lambda: files.choice.value == "paper" and session.frame.current)

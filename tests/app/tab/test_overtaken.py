@@ -90,7 +90,7 @@ def test_no_verdict_stays_while_a_change_is_planned(
     until(lambda: session.resting)
     heading = session.panels.layout.folders["arm"]
     assert heading.label != "6 · Arm — planning …"
-    fake.set(session.panels.stages.spline.degree, _SLOW_DEGREE)
+    fake.set(session.panels.stages.fields["spline.degree"], _SLOW_DEGREE)
     until(lambda: session._planner._said == "never ending")
     until(lambda: heading.label == "6 · Arm — planning …" and session.frame.outdated)
     fake.set(session.panels.files.choice, "two-boxes")

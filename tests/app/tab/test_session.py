@@ -102,9 +102,9 @@ def test_what_is_typed_during_a_drag_counts(tab: tuple[FakeTab, Session]) -> Non
         for k in range(6):
             fake.drag(gizmo, [3.0, 3.0, 2.0 + 0.1 * step + 0.01 * k])
             if k == step % 6:
-                fake.set(stages.mesh.pitch, spacing)
+                fake.set(stages.fields["mesh.pitch"], spacing)
             if k == step // 2:
-                fake.set(stages.spline.clearance, clearance)
+                fake.set(stages.fields["spline.clearance"], clearance)
         fake.drag(panels.ends.gizmos["goal"], [5.0, 5.0, 4.0 + 0.1 * step])
 
         def arrived(step: int, spacing: float, clearance: float) -> bool:
@@ -139,8 +139,8 @@ def _stands(session: Session, place: list[float]) -> bool:
 
 def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    gizmo, pitch = session.panels.obstacles.gizmos[0], session.panels.stages.mesh.pitch
-    fake.set(session.panels.stages.motion.speed, -1.0)
+    gizmo, pitch = session.panels.obstacles.gizmos[0], session.panels.stages.fields["mesh.pitch"]
+    fake.set(session.panels.stages.fields["motion.speed"], -1.0)
     until(lambda: session.frame.refused is not None)
     for step in range(5):
         frame = session.frame
@@ -151,7 +151,7 @@ def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session
         # what was typed wrongly is left out, and all else is planned
         until(partial(_stands, session, place))
         assert session.scene.motion.speed > 0
-    fake.set(session.panels.stages.motion.speed, 1.5)
+    fake.set(session.panels.stages.fields["motion.speed"], 1.5)
     fake.set(pitch, 1.1)
     until(lambda: session.frame.refused is None and session.scene.mesh.pitch == 1.1)
     assert session.scene.motion.speed == 1.5
@@ -219,7 +219,7 @@ def test_an_unused_tab_gives_its_memory_back_and_goes_on_as_if_it_had_not(
 
 def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    fake.set(session.panels.stages.mesh.pitch, 0.35)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.35)
     until(lambda: session.plan.scene.mesh.pitch == 0.35)  # type: ignore[union-attr]
     before = session.plans
     for step in range(200):
@@ -248,7 +248,7 @@ def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
         return math.isclose(place[2], 2.0) and pitch == 0.25 and len(session.plan.searches) == 3
 
     session._planner.live.budget.nodes = 6_000
-    fake.set(session.panels.stages.mesh.pitch, 0.25)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.25)
     for step in range(20):
         fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.05])
     fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
@@ -269,13 +269,13 @@ def test_a_bad_number_keeps_the_last_plan_and_says_why(
     fake, session = tab
     good = session.plan
     shown = session.panels.layout.overlay.shown
-    fake.set(session.panels.stages.mesh.pitch, value)
+    fake.set(session.panels.stages.fields["mesh.pitch"], value)
     until(lambda: "✗" in shown["message"])
 
     assert session.plan is good
     assert "The node spacing must be " in shown["message"]
 
-    fake.set(session.panels.stages.mesh.pitch, 1.0)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 1.0)
     until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
     until(lambda: "✗" not in shown["message"])
 
@@ -286,10 +286,10 @@ def test_a_value_of_another_kind_never_ends_the_session(
     tab: tuple[FakeTab, Session], value: Any
 ) -> None:
     fake, session = tab
-    fake.set(session.panels.stages.motion.curve, value)
+    fake.set(session.panels.stages.fields["motion.curve"], value)
     fake.set(session.panels.stages.arm.elbow, value)
-    fake.set(session.panels.stages.spline.degree, 3)
-    fake.set(session.panels.stages.motion.curve, "quadratic")
+    fake.set(session.panels.stages.fields["spline.degree"], 3)
+    fake.set(session.panels.stages.fields["motion.curve"], "quadratic")
     fake.set(session.panels.stages.arm.elbow, "down")
     until(lambda: session.plan.scene.arm.elbow == "down")  # type: ignore[union-attr]
 
@@ -299,10 +299,11 @@ def test_a_value_of_another_kind_never_ends_the_session(
 
 def test_a_speed_runs_the_motion_only(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    fake.set(session.panels.stages.spline.degree, 3)  # the first plan may be another tab's
+    # the first plan may be another tab's
+    fake.set(session.panels.stages.fields["spline.degree"], 3)
     until(lambda: session.plan.scene.spline.degree == 3 and session.resting)  # type: ignore[union-attr]
     before = session.plan
-    fake.set(session.panels.stages.motion.speed, 2.0)
+    fake.set(session.panels.stages.fields["motion.speed"], 2.0)
     until(lambda: session.plan is not before)
 
     assert before is not None
@@ -320,7 +321,7 @@ def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
     assert session.plan.error is not None
     shown = session.panels.layout.overlay.shown
     assert "No path" in shown["message"]
-    assert session.panels.stages.mesh.pitch.value == load_scene("no-way").mesh.pitch
+    assert session.panels.stages.fields["mesh.pitch"].value == load_scene("no-way").mesh.pitch
 
     fake.set(session.panels.files.choice, "paper")
     until(lambda: session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
@@ -366,11 +367,11 @@ def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) ->
     fake, session = tab
     other, second = opened(server)
     before = second.plan
-    fake.set(session.panels.stages.spline.degree, 5)
+    fake.set(session.panels.stages.fields["spline.degree"], 5)
     until(lambda: session.plan.scene.spline.degree == 5)  # type: ignore[union-attr]
 
     assert second.plan is before
-    assert second.panels.stages.spline.degree.value == 4
+    assert second.panels.stages.fields["spline.degree"].value == 4
     other.close()
     until(lambda: len(server.sessions) == 1)
 
@@ -390,7 +391,7 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
     until(lambda: len(calls) == 2)
     (session,) = sessions.values()
     plans = session.plans
-    fake.set(session.panels.stages.motion.speed, 3.0)
+    fake.set(session.panels.stages.fields["motion.speed"], 3.0)
     until(lambda: session.plans > plans)
     fake.close()
     running.stop()
@@ -476,7 +477,7 @@ def test_tabs_that_open_alike_share_their_first_plan_and_no_other(
     assert len({id(session.plan) for session in sessions}) == 1
     assert len(planned) <= 1
     # where one goes on, it goes on alone
-    fakes[0][0].set(sessions[0].panels.stages.spline.degree, 3)
+    fakes[0][0].set(sessions[0].panels.stages.fields["spline.degree"], 3)
     until(lambda: sessions[0].plan.scene.spline.degree == 3)  # type: ignore[union-attr]
     assert sessions[1].plan is sessions[2].plan
     assert sessions[1].plan.scene.spline.degree == 4  # type: ignore[union-attr]
@@ -496,7 +497,7 @@ def test_a_clock_that_is_set_back_holds_nothing_up(
     for x in (2.5, 3.5, 3.0):
         fake.drag(gizmo, [x, 3.0, 3.0])
         until(lambda x=x: session.plan.scene.obstacles[0].position[0] == x)  # type: ignore[misc, union-attr]
-    fake.set(session.panels.stages.mesh.pitch, 0.9)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.9)
     until(lambda: session.plan.scene.mesh.pitch == 0.9 and session.resting)  # type: ignore[union-attr]
     until(lambda: session._memory._kept is None or session._memory._kept.scene.mesh.pitch == 0.9)
     assert session._fault is None

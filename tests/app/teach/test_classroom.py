@@ -62,7 +62,7 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     alone.set(panel(free).follow, False)
     until(lambda: not panel(free).follow.value)
     teacher.set(panel(taught).lead, True)
-    teacher.set(taught.panels.stages.mesh.pitch, 1.1)
+    teacher.set(taught.panels.stages.fields["mesh.pitch"], 1.1)
     for _, session in students[:2]:
         until(lambda session=session: session.frame.plan.scene.mesh.pitch == 1.1)  # type: ignore[misc]
     teacher.set(panel(taught).lead, False)
@@ -140,7 +140,7 @@ def test_a_student_takes_the_teachers_plan_and_undo_brings_back_the_own_work(
     teacher, taught = open_tab(server, classroom.secret)
     student, session = open_tab(server)
     until(lambda: panel(taught).teaches)
-    student.set(session.panels.stages.mesh.pitch, 1.2)
+    student.set(session.panels.stages.fields["mesh.pitch"], 1.2)
     until(lambda: session.resting and session.frame.plan.scene.mesh.pitch == 1.2)
     gizmos = list(session.panels.obstacles.gizmos)
     teacher.set(panel(taught).lead, True)

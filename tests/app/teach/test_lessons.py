@@ -361,7 +361,7 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
     fake, session = tab
     panels, lessons = session.panels, session.panels.lessons
     until(lambda: len(lessons.choice.options) == len(LESSONS) + 1)
-    fake.set(panels.stages.spline.degree, 2)
+    fake.set(panels.stages.fields["spline.degree"], 2)
     fake.set(panels.layer_switches.boxes["trace"], False)
     until(lambda: session.resting and "trace" not in session.frame.shown)
     scene, shown = session.frame.plan.scene, session.frame.shown

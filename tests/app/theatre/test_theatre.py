@@ -337,7 +337,7 @@ def test_a_search_opens_with_the_one_of_stage_three_at_its_first_step(
 ) -> None:
     fake, session = tab
     panel = session.panels.theatre
-    fake.set(session.panels.stages.search.algorithm, "Dijkstra")
+    fake.set(session.panels.stages.fields["search.algorithm"], "Dijkstra")
     until(lambda: session.resting and session.frame.plan.scene.search.algorithm == "dijkstra")
     panel.set(on=True, algorithm="greedy_best_first", step=4)  # as a lesson does
     fake.set(panel.edges, "one")
@@ -426,14 +426,14 @@ def test_the_comparison_follows_a_small_plan(tab: tuple[FakeTab, Session]) -> No
     fake.set(panel.compare, True)
     until(lambda: panel.table.visible)
     before = panel.table.content
-    fake.set(session.panels.stages.mesh.pitch, 0.9)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 0.9)
     until(lambda: session.resting and panel.table.content != before)
     assert panel._compared is not None
     assert panel._compared.graph is session.frame.plan.graph
     assert "Theta" in panel.table.content
 
     panel._ms = 1e9  # as if the searches took long
-    fake.set(session.panels.stages.mesh.pitch, 1.3)
+    fake.set(session.panels.stages.fields["mesh.pitch"], 1.3)
     until(lambda: "press again" in panel.table.content)
     fake.set(panel.compare, True)
     until(lambda: "Theta" in panel.table.content)
