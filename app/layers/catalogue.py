@@ -17,9 +17,9 @@ from app.layers.base_map import base_map_layer
 from app.layers.marks import marks_layer
 from app.layers.mesh import MeshLayer
 from app.layers.names import names_layer
-from app.layers.plan_lines import PlanLinesLayer
-from app.layers.race import RaceLayer
-from app.layers.result.joint_rates import JointRatesLayer
+from app.layers.plan_lines import plan_lines_layer
+from app.layers.race import race_layer
+from app.layers.result.joint_rates import joint_rates_layer
 from app.layers.result.plan_numbers import plan_numbers_layer
 from app.layers.result.plots import PlotsLayer
 from app.layers.search_step import search_step_layer
@@ -32,13 +32,13 @@ Layer = Callable[[Layout], Draw]
 LAYERS: tuple[Layer, ...] = (
     plan_numbers_layer,
     PlotsLayer,
-    JointRatesLayer,
+    joint_rates_layer,
     workspace_layer,
     MeshLayer,
-    PlanLinesLayer,
+    plan_lines_layer,
     marks_layer,
     search_step_layer,
-    RaceLayer,
+    race_layer,
     base_map_layer,
     names_layer,
 )

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 
 import numpy as np
 import viser
 
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
+from abi.planner.stage_results import AnyFit
 from app.drawing.lines import NO_SEGMENTS, Segments, add_line, dashes, parameters, segments
 from app.layers.points import add_points, set_points
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame
+from app.state.frame import Draw, Frame
 from app.ui import style
 from app.ui.layout import Layout
 
@@ -21,8 +23,17 @@ SAMPLES = 160
 _OFFSET = np.array([0.53, -0.80, 0.27])
 _OFFSET_FACTORS = (0.0, 1.0, -1.0, 2.0, -2.0)
 
+_LINES: dict[str, tuple[str, style.Colour, float]] = {
+    **{name: (f"/path/{name}", colour, 3.5) for name, (_, colour) in style.ALGORITHMS.items()},
+    "taut": ("/path/taut", style.TAUT, 3.5),
+    **{name: (f"/curve/{name}", colour, 5.0) for name, (_, colour) in style.CURVES.items()},
+    "control": ("/curve/control_polygon", style.BSPLINE, 1.0),
+    "violations": ("/curve/entering", style.VIOLATION, 9.0),
+}
+"""Node, colour and thickness, [px], of each line of a plan."""
 
-class PlanLinesLayer:
+
+def plan_lines_layer(layout: Layout) -> Draw:
     """A line for each path and curve, in grey while their plan is outdated.
 
     Paths are side by side where they coincide; Dijkstra's is dashed, as in the paper's Fig. 3, and
@@ -30,94 +41,79 @@ class PlanLinesLayer:
     too near an obstacle. The curve that it followed in the last plan at rest is a ghost, dashed and
     grey.
     """
+    scene = layout.client.scene
+    lines = {name: add_line(scene, *drawing) for name, drawing in _LINES.items()}
+    ghost = add_line(scene, "/ghost", style.FADED, 3.0)
+    control = add_points(scene, "/curve/control_points")
+    was_faded = False
+    last: Plan | None = None
+    before: Plan | None = None
 
-    def __init__(self, layout: Layout) -> None:
-        scene = self._scene = layout.client.scene
-        self._colours: dict[str, style.Colour] = {}
-        self._lines: dict[str, viser.LineSegmentsHandle] = {}
-        for name, (_, colour) in style.ALGORITHMS.items():
-            self._add(name, f"/path/{name}", colour, 3.5)
-        self._add("taut", "/path/taut", style.TAUT, 3.5)
-        for name, (_, colour) in style.CURVES.items():
-            self._add(name, f"/curve/{name}", colour, 5.0)
-        self._add("control", "/curve/control_polygon", style.BSPLINE, 1.0)
-        self._add("violations", "/curve/entering", style.VIOLATION, 9.0)
-        self._ghost = add_line(scene, "/ghost", style.FADED, 3.0)
-        self._control = add_points(scene, "/curve/control_points")
-        self._faded = False
-        self._drawn: dict[str, object] = {}
-
-    def _add(self, name: str, node: str, colour: style.Colour, thickness: float) -> None:
-        self._colours[name] = colour
-        self._lines[name] = add_line(self._scene, node, colour, thickness)
-
-    def __call__(self, frame: Frame) -> None:
-        """Draw the plan's paths and curves, and that of the plan before; none where none are."""
-        plan = frame.plan
-        if self._is_new("searches", plan.searches):
-            self._draw_searches(plan)
-        if self._is_new("taut", plan.taut):
-            longest = max(plan.scene.workspace.size)
+    def draw(frame: Frame) -> None:
+        nonlocal was_faded, last, before
+        plan, longest = frame.plan, max(frame.plan.scene.workspace.size)
+        if last is None or plan.searches is not last.searches:
+            _draw_searches(lines, plan)
+        if last is None or plan.taut is not last.taut:
             points = np.zeros((0, 3)) if plan.taut is None else plan.taut.points
-            self._lines["taut"].points = _dashed("taut", points, longest)
-        self._draw_curves(plan)
-        if self._is_new("ghost", frame.before):
-            self._ghost.points = _ghost(frame.before)
-        self._fade(not frame.current)
-        for name, line in (*self._lines.items(), ("ghost", self._ghost)):
-            line.visible = ("quadratic" if name == "violations" else name) in frame.shown
-        self._control.visible = "control" in frame.shown
-
-    def _is_new(self, name: str, drawn: object) -> bool:
-        """Note what is drawn now by a name; whether it is another object than before."""
-        is_new = self._drawn.get(name, self) is not drawn
-        self._drawn[name] = drawn
-        return is_new
-
-    def _fade(self, faded: bool) -> None:
-        """Draw the plan's lines in grey, or in their colours."""
-        if faded != self._faded:
-            self._faded = faded
-            for name, line in self._lines.items():
-                line.colors = np.array(style.FADED if faded else self._colours[name], np.uint8)
-
-    def _draw_searches(self, plan: Plan) -> None:
-        longest = max(plan.scene.workspace.size)
-        results = {result.algorithm: result for result in plan.searches}
-        factors = itertools.cycle(_OFFSET_FACTORS)
-        for name, factor in zip(style.ALGORITHMS, factors, strict=False):
-            line = self._lines[name]
-            line.thickness = 3.2 if plan.path and name == plan.path.algorithm else 1.8
-            if name not in results:
-                line.points = NO_SEGMENTS
-                continue
-            points = results[name].points + factor * 0.006 * longest * _OFFSET
-            line.points = _dashed(name, points, longest)
-
-    def _draw_curves(self, plan: Plan) -> None:
+            lines["taut"].points = _dashed("taut", points, longest)
         for name, fit in plan.curves.items():
-            line, curve = self._lines[name], None if fit is None else fit.curve
-            line.thickness = 7.0 if name == plan.followed else 4.0
-            if not self._is_new(name, curve):
-                continue
-            line.points = NO_SEGMENTS if curve is None else _curve(plan, name)
-            if name == "bspline":
-                self._draw_control(plan)
-            else:
-                self._draw_violations(plan)
+            lines[name].thickness = 7.0 if name == plan.followed else 4.0
+            known = None if last is None else last.curves[name]
+            if last is None or _curve_of(fit) is not _curve_of(known):
+                lines[name].points = NO_SEGMENTS if fit is None else _curve(plan, name)
+                if name == "bspline":
+                    points = _control_points(plan)
+                    lines["control"].points = segments(points)
+                    set_points(control, points, style.BSPLINE, 0.025 * longest)
+                else:
+                    lines["violations"].points = _violations(plan)
+        last = plan
+        if frame.before is not before:
+            before = frame.before
+            ghost.points = _ghost(before)
+        if (faded := not frame.current) != was_faded:
+            was_faded = faded
+            for name, (_, colour, _) in _LINES.items():
+                lines[name].colors = np.array(style.FADED if faded else colour, np.uint8)
+        for name, line in (*lines.items(), ("ghost", ghost)):
+            line.visible = ("quadratic" if name == "violations" else name) in frame.shown
+        control.visible = "control" in frame.shown
 
-    def _draw_violations(self, plan: Plan) -> None:
-        """Draw the stretches of the quadratic that come nearer than the clearance."""
-        stretches = [NO_SEGMENTS]
-        if plan.quadratic is not None:
-            for first, last in plan.quadratic.clearance.violations:
-                stretches.append(segments(plan.quadratic.curve(np.linspace(first, last, 24))))
-        self._lines["violations"].points = np.concatenate(stretches)
+    return draw
 
-    def _draw_control(self, plan: Plan) -> None:
-        points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.curve.control_points
-        self._lines["control"].points = segments(points)
-        set_points(self._control, points, style.BSPLINE, 0.025 * max(plan.scene.workspace.size))
+
+def _draw_searches(lines: Mapping[str, viser.LineSegmentsHandle], plan: Plan) -> None:
+    longest = max(plan.scene.workspace.size)
+    results = {result.algorithm: result for result in plan.searches}
+    factors = itertools.cycle(_OFFSET_FACTORS)
+    for name, factor in zip(style.ALGORITHMS, factors, strict=False):
+        line = lines[name]
+        line.thickness = 3.2 if plan.path and name == plan.path.algorithm else 1.8
+        if name not in results:
+            line.points = NO_SEGMENTS
+            continue
+        points = results[name].points + factor * 0.006 * longest * _OFFSET
+        line.points = _dashed(name, points, longest)
+
+
+def _curve_of(fit: AnyFit | None) -> object:
+    """The curve of a fit, which two plans may share; None without one."""
+    return None if fit is None else fit.curve
+
+
+def _control_points(plan: Plan) -> FloatArray:
+    """Control points (n, 3) of the B-spline; none without one."""
+    return np.zeros((0, 3)) if plan.bspline is None else plan.bspline.curve.control_points
+
+
+def _violations(plan: Plan) -> Segments:
+    """Stretches of the quadratic that come nearer than the clearance."""
+    stretches = [NO_SEGMENTS]
+    if plan.quadratic is not None:
+        for first, last in plan.quadratic.clearance.violations:
+            stretches.append(segments(plan.quadratic.curve(np.linspace(first, last, 24))))
+    return np.concatenate(stretches)
 
 
 @once_a_plan

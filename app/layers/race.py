@@ -14,7 +14,7 @@ from app.drawing.lines import add_line, segments
 from app.drawing.obstacle_body import add_body
 from app.layers.points import add_points, set_points
 from app.layers.search_step import few, order_colours
-from app.state.frame import Frame
+from app.state.frame import Draw, Frame
 from app.theatre.theatre import Theatre, label_of
 from app.ui import style
 from app.ui.colour_scale import scale_colours
@@ -33,102 +33,98 @@ _LEGEND = (
 )
 
 
-class RaceLayer:
+def race_layer(layout: Layout) -> Draw:
     """The copies, above the workspace; the camera looks at them while there are any."""
+    client, scene_nodes = layout.client, layout.client.scene
+    with layout.search:
+        text = client.gui.add_html("", visible=False)
+    root: viser.FrameHandle | None = None
+    labels: list[viser.LabelHandle] = []
+    built: tuple[object, ...] = ()
+    drawn: tuple[Theatre | None, float] = (None, 1.0)
+    view: View | None = None
 
-    def __init__(self, layout: Layout) -> None:
-        self._client = layout.client
-        self._scene = layout.client.scene
-        with layout.search:
-            self._text = layout.client.gui.add_html("", visible=False)
-        self._root: viser.FrameHandle | None = None
-        self._labels: list[viser.LabelHandle] = []
-        self._built: tuple[object, ...] = ()
-        self._drawn: Theatre | None = None
-        self._scale = 1.0
-        self._view: View | None = None
-
-    def __call__(self, frame: Frame) -> None:
-        """Draw the race; take the copies away where there is none."""
+    def draw(frame: Frame) -> None:
+        nonlocal root, labels, built, drawn, view
         theatre = frame.theatre if frame.theatre is not None and frame.theatre.race else None
-        if theatre is self._drawn and frame.label_scale == self._scale:
+        if drawn == (theatre, frame.label_scale):
             return
-        self._drawn, self._scale = theatre, frame.label_scale
-        self._text.visible = theatre is not None
+        drawn = theatre, frame.label_scale
+        text.visible = theatre is not None
+        scene, before = frame.plan.scene, built
+        built = ()
+        if theatre is not None:
+            built = scene.obstacles, scene.workspace, len(theatre.race)
+        if root is not None and built != before:
+            root.remove()
+            root = None
+            if view is not None:
+                view.show(client.camera)
         if theatre is None:
-            self._clear()
             return
-        scene = frame.plan.scene
-        built = (scene.obstacles, scene.workspace, len(theatre.race))
-        if built != self._built or self._root is None:
-            self._clear()
-            self._build(scene, len(theatre.race))
-            self._built = built
+        if root is None:
+            view = View.of_camera(client.camera)
+            root, labels = _build(scene_nodes, scene, len(theatre.race))
+            _look_at_copies(client.camera, scene)
         for place, (name, state) in enumerate(theatre.race):
-            self._draw_one(place, name, state, scene)
-        for label in self._labels:
-            label.font_screen_scale = frame.label_scale
-        unit = frame.plan.scene.unit
-        lines = [report(name, state, unit) for name, state in theatre.race]
-        self._text.content = style.paragraph("<br>".join([*lines, _LEGEND]))
+            _draw_one(scene_nodes, place, state, scene)
+            labels[place].text = _label(name, state, scene.unit)
+            labels[place].font_screen_scale = frame.label_scale
+        lines = [report(name, state, scene.unit) for name, state in theatre.race]
+        text.content = style.paragraph("<br>".join([*lines, _LEGEND]))
 
-    def _build(self, scene: Scene, count: int) -> None:
-        """Add boxes and obstacles, and turn the camera to them."""
-        longest = max(scene.workspace.size)
-        self._root = self._scene.add_frame("/race", show_axes=False)
-        for place in range(count):
-            shift = offset(scene, place, count)
-            name = f"/race/{place}"
-            self._scene.add_frame(name, show_axes=False, position=tuple(shift.tolist()))
-            box = add_line(self._scene, f"{name}/box", style.WORKSPACE, 1.5)
-            box.points = box_edges(scene.workspace.min, scene.workspace.max).astype(np.float32)
-            for number, obstacle in enumerate(scene.obstacles):
-                self._scene.add_frame(
-                    f"{name}/obstacle_{number}",
-                    show_axes=False,
-                    position=obstacle.position,
-                    wxyz=obstacle.wxyz,
-                )
-                add_body(self._scene, f"{name}/obstacle_{number}/body", obstacle)
-            middle = np.add(scene.workspace.min, scene.workspace.max) / 2
-            top = (middle[0], middle[1], scene.workspace.max[2] + 0.3 * longest)
-            self._labels.append(
-                self._scene.add_label(f"{name}/label", "", position=top, anchor="bottom-center")
+    return draw
+
+
+def _build(
+    nodes: viser.SceneApi, scene: Scene, count: int
+) -> tuple[viser.FrameHandle, list[viser.LabelHandle]]:
+    """Add boxes and obstacles; the node that all are in, and the label of each copy."""
+    longest, labels = max(scene.workspace.size), []
+    root = nodes.add_frame("/race", show_axes=False)
+    for place in range(count):
+        shift = offset(scene, place, count)
+        name = f"/race/{place}"
+        nodes.add_frame(name, show_axes=False, position=tuple(shift.tolist()))
+        box = add_line(nodes, f"{name}/box", style.WORKSPACE, 1.5)
+        box.points = box_edges(scene.workspace.min, scene.workspace.max).astype(np.float32)
+        for number, obstacle in enumerate(scene.obstacles):
+            nodes.add_frame(
+                f"{name}/obstacle_{number}",
+                show_axes=False,
+                position=obstacle.position,
+                wxyz=obstacle.wxyz,
             )
-        camera = self._client.camera
-        self._view = View.of_camera(camera)
-        centre = np.add(scene.workspace.min, scene.workspace.max) / 2
-        target = centre + offset(scene, 0, 1)
-        away = np.array([_ROW[1], -_ROW[0], 0.42])
-        sideways = np.tan(camera.fov / 2) * min(aspect(camera), 1.5)
-        camera.position = target + max(2.5 / sideways, 2.5) * longest * away
-        camera.look_at = target
+            add_body(nodes, f"{name}/obstacle_{number}/body", obstacle)
+        middle = np.add(scene.workspace.min, scene.workspace.max) / 2
+        top = (middle[0], middle[1], scene.workspace.max[2] + 0.3 * longest)
+        labels.append(nodes.add_label(f"{name}/label", "", position=top, anchor="bottom-center"))
+    return root, labels
 
-    def _clear(self) -> None:
-        """Take the copies away, and give the camera back."""
-        if self._root is None:
-            return
-        self._root.remove()
-        self._root, self._built = None, ()
-        self._labels.clear()
-        if self._view is not None:
-            self._view.show(self._client.camera)
 
-    def _draw_one(self, place: int, name: str, state: SearchState, scene: Scene) -> None:
-        points, n = state.trace.arcs.points, len(state.trace.arcs.points)
-        closed, front = few(state.closed, n), few(state.open, n)
-        visited = scale_colours(_COLOURS, order_colours(state, closed))
-        visited[closed == state.current] = style.MARK
-        waiting = np.tile(np.array(style.WAITING[1], np.uint8), (len(front), 1))
-        colours = np.concatenate([visited, waiting])
-        nodes = np.concatenate([closed, front])
-        size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))
-        cloud = add_points(self._scene, f"/race/{place}/nodes")
-        set_points(cloud, points[nodes % n], colours, size)
-        cloud.visible = True
-        path = add_line(self._scene, f"/race/{place}/path", style.MARK, 5.0)
-        path.points = segments(points[state.trace.vertices]) if state.done else path.points
-        self._labels[place].text = _label(name, state, scene.unit)
+def _look_at_copies(camera: viser.CameraHandle, scene: Scene) -> None:
+    centre = np.add(scene.workspace.min, scene.workspace.max) / 2
+    target = centre + offset(scene, 0, 1)
+    away = np.array([_ROW[1], -_ROW[0], 0.42])
+    sideways = np.tan(camera.fov / 2) * min(aspect(camera), 1.5)
+    camera.position = target + max(2.5 / sideways, 2.5) * max(scene.workspace.size) * away
+    camera.look_at = target
+
+
+def _draw_one(scene_nodes: viser.SceneApi, place: int, state: SearchState, scene: Scene) -> None:
+    points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+    closed, front = few(state.closed, n), few(state.open, n)
+    visited = scale_colours(_COLOURS, order_colours(state, closed))
+    visited[closed == state.current] = style.MARK
+    waiting = np.tile(np.array(style.WAITING[1], np.uint8), (len(front), 1))
+    colours = np.concatenate([visited, waiting])
+    nodes = np.concatenate([closed, front])
+    size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))
+    cloud = add_points(scene_nodes, f"/race/{place}/nodes")
+    set_points(cloud, points[nodes % n], colours, size)
+    cloud.visible = True
+    path = add_line(scene_nodes, f"/race/{place}/path", style.MARK, 5.0)
+    path.points = segments(points[state.trace.vertices]) if state.done else path.points
 
 
 def offset(scene: Scene, place: int, count: int) -> FloatArray:

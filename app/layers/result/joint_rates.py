@@ -5,16 +5,19 @@ from __future__ import annotations
 import html
 import itertools
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import viser
 
+from abi.arm_planning.joint_rates import JointRates
+from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arm_planning.motion_law import ROUNDING
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app.layers.result.time_plot import Lines, new_plot, plotted_samples, show_lines
 from app.shared.computed_once import once_a_plan
-from app.state.frame import Frame
+from app.state.frame import Draw, Frame
 from app.ui import style
 from app.ui.layout import Layout
 from app.ui.table import table
@@ -32,80 +35,79 @@ _USES: Lines = (
 )
 
 
-class JointRatesLayer:
-    """Plots and a table of peaks, drawn once the hand rests."""
+def joint_rates_layer(layout: Layout) -> Draw:
+    """Plots and a table of peaks, drawn once the hand rests and the plots have been opened."""
+    drawn: Plan | None = None
+    made: tuple[object, ...] = ()
+    plots: dict[str, viser.GuiUplotHandle] = {}
+    with layout.plots:
+        peaks = layout.client.gui.add_html("", visible=False)
 
-    def __init__(self, layout: Layout) -> None:
-        self._layout = layout
-        self._drawn: object = None
-        self._made: tuple[object, ...] | None = None
-        self._plots: dict[str, viser.GuiUplotHandle] = {}
-        with layout.plots:
-            self._peaks = layout.client.gui.add_html("", visible=False)
-
-    def __call__(self, frame: Frame) -> None:
-        """Plot the plan's motion once the hand rests and the plots have been opened."""
-        if frame.plots and not frame.interactive and frame.plan is not self._drawn:
-            self._drawn = frame.plan
-            self._replace(frame.plan)
-
-    def _replace(self, plan: Plan) -> None:
-        rates, motion = plan.joint_rates, plan.motion
-        self._peaks.visible = rates is not None
-        if rates is None or motion is None:
-            self._remove()
+    def draw(frame: Frame) -> None:
+        nonlocal drawn, made, plots
+        plan = frame.plan
+        if not frame.plots or frame.interactive or plan is drawn:
             return
-        made = motion.joints, plan.scene.unit, rates.torques is not None
-        if self._made != made:
-            self._remove()
-            self._made = made
-            self._make(motion.joints, motion.slides, plan.scene.unit)
-        self._peaks.content = _peaks(plan)
-        samples = plotted_samples(motion)
-        time = motion.time[samples]
-        for name, values in (
-            ("speeds", rates.speeds),
-            ("accelerations", rates.accelerations),
-            ("torques", rates.torques),
-        ):
-            if values is None:
-                self._plots[name].visible = False
-            else:
-                show_lines(self._plots[name], time, *values[samples].T)
-        used = [100 * share[samples] for share in _shares(plan)]
-        show_lines(self._plots["limits"], time, *used, np.full(len(time), 100.0))
+        drawn, before = plan, made
+        rates, motion = plan.joint_rates, plan.motion
+        peaks.visible = rates is not None
+        made = ()
+        if rates is not None and motion is not None:
+            made = motion.joints, plan.scene.unit, rates.torques is not None
+        if made != before:
+            # at once: a page may miss that they are hidden first
+            for plot in plots.values():
+                plot.remove()
+            plots = {} if not made else _new_plots(layout, plan)
+        if rates is not None and motion is not None:
+            peaks.content = _peaks(plan)
+            _show_rates(plots, plan, motion, rates)
 
-    def _uses(self) -> Lines:
-        """Lines of the plot of the limits: none of torques where these are not known."""
-        has_torques = self._made is not None and self._made[-1]
-        return tuple(line for line in _USES if has_torques or line[0] != "torque")
+    return draw
 
-    def _remove(self) -> None:
-        """Remove the plots: a page may miss that they are hidden first and removed at once."""
-        for plot in self._plots.values():
-            plot.remove()
-        self._plots, self._made = {}, None
 
-    def _make(self, joints: tuple[str, ...], slides: tuple[bool, ...], unit: str) -> None:
-        """Make the plots for joints with these names."""
-        gui = self._layout.client.gui
-        labels = [
-            f"{name} (slide, {unit})" if slide else name
-            for name, slide in zip(joints, slides, strict=True)
-        ]
-        names = tuple(zip(labels, itertools.cycle(style.JOINTS), strict=False))
-        also = (f", {unit}/s", f", {unit}/s²", ", N") if any(slides) else ("", "", "")
-        titles = {
-            "limits": "share of its limit, of the joint nearest to it [%]",
-            "speeds": f"joint speeds [rad/s{also[0]}]",
-            "accelerations": f"joint accelerations [rad/s²{also[1]}]",
-            "torques": f"joint torques [N·m{also[2]}]",
+def _new_plots(layout: Layout, plan: Plan) -> dict[str, viser.GuiUplotHandle]:
+    """New plots for the joints of a plan's motion."""
+    motion, unit = plan.motion, plan.scene.unit
+    assert motion is not None
+    assert plan.joint_rates is not None
+    labels = [
+        f"{name} (slide, {unit})" if slide else name
+        for name, slide in zip(motion.joints, motion.slides, strict=True)
+    ]
+    names = tuple(zip(labels, itertools.cycle(style.JOINTS), strict=False))
+    knows_torques = plan.joint_rates.torques is not None
+    uses = tuple(line for line in _USES if knows_torques or line[0] != "torque")
+    also = (f", {unit}/s", f", {unit}/s²", ", N") if any(motion.slides) else ("", "", "")
+    titles = {
+        "limits": "share of its limit, of the joint nearest to it [%]",
+        "speeds": f"joint speeds [rad/s{also[0]}]",
+        "accelerations": f"joint accelerations [rad/s²{also[1]}]",
+        "torques": f"joint torques [N·m{also[2]}]",
+    }
+    with layout.plots:
+        return {
+            key: new_plot(layout.client.gui, title, uses if key == "limits" else names, 250)
+            for key, title in titles.items()
         }
-        with self._layout.plots:
-            self._plots = {
-                key: new_plot(gui, title, self._uses() if key == "limits" else names, 250)
-                for key, title in titles.items()
-            }
+
+
+def _show_rates(
+    plots: Mapping[str, viser.GuiUplotHandle], plan: Plan, motion: ArmMotion, rates: JointRates
+) -> None:
+    samples = plotted_samples(motion)
+    time = motion.time[samples]
+    for name, values in (
+        ("speeds", rates.speeds),
+        ("accelerations", rates.accelerations),
+        ("torques", rates.torques),
+    ):
+        if values is None:
+            plots[name].visible = False
+        else:
+            show_lines(plots[name], time, *values[samples].T)
+    used = [100 * share[samples] for share in _shares(plan)]
+    show_lines(plots["limits"], time, *used, np.full(len(time), 100.0))
 
 
 @once_a_plan
