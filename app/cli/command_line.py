@@ -27,25 +27,13 @@ from app.cli.verify import verify
 from app.process.versions import version_text
 
 
-class _DefaultGroup(click.Group):
-    """Command group with ``serve`` as its default, so that ``abi --port 8123`` works."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if not args or args[0] not in {*self.commands, "--help", "--version"}:
-            meant = difflib.get_close_matches(args[0], self.commands, 1, 0.75) if args else []
-            if meant and not Path(args[0]).exists():
-                raise click.UsageError(f"There is no command {args[0]!r}; did you mean {meant[0]}?")
-            args = ["serve", *args]
-        return super().parse_args(ctx, args)
-
-
 def _print_versions(ctx: click.Context, parameter: click.Parameter, asked: bool) -> None:
     if asked:
         click.echo(version_text())
         ctx.exit()
 
 
-@click.group(cls=_DefaultGroup)
+@click.group()
 @click.option(
     "--version",
     is_flag=True,
@@ -62,11 +50,25 @@ for command in (serve, plan, verify, certify, export, sweep, reproduce, exercise
     cli.add_command(command)
 
 
+def with_command(args: list[str]) -> list[str]:
+    """The arguments with ``serve`` where they name no command, so that ``abi --port 8123`` works.
+
+    Raises:
+        UsageError: the first is nearly a command, and no file.
+    """
+    if args and args[0] in {*cli.commands, "--help", "--version"}:
+        return args
+    meant = difflib.get_close_matches(args[0], cli.commands, 1, 0.75) if args else []
+    if meant and not Path(args[0]).exists():
+        raise click.UsageError(f"There is no command {args[0]!r}; did you mean {meant[0]}?")
+    return ["serve", *args]
+
+
 def run() -> None:
     """Run the command; an expected error is one line on stderr and exit code 2."""
     ensure_streams()
     try:
-        cli(standalone_mode=False)
+        cli(with_command(sys.argv[1:]), standalone_mode=False)
         sys.stdout.flush()
     except click.ClickException as error:
         click.echo(f"abi: {error.format_message()}", err=True)

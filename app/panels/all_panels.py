@@ -31,9 +31,9 @@ from app.panels.teach.lessons import LessonPanel
 from app.panels.teach.practice import PracticePanel
 from app.panels.teach.search_theatre import TheatrePanel
 from app.panels.teach.sheet import ABOUT, KEYS, Sheet
-from app.panels.teach.tour import Tour
-from app.panels.toolbar import Toolbar
-from app.panels.widgets import Wake
+from app.panels.teach.tour import tour
+from app.panels.toolbar import toolbar
+from app.panels.widgets import Wake, hidden_button
 from app.state.frame import Draw, Frame
 from app.state.tab_state import TabState
 from app.teach.challenge import parsed
@@ -97,20 +97,20 @@ class AllPanels:
         )
         self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
         self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")
-        self.tour = Tour(self.layout, wake)
+        self.begin_tour = hidden_button(client.gui, "Tour", wake)
         self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self._typed = True
         self.refused: AbiError | None = None
-        self.drawn = self._draws()
+        self.drawn = self._draws(wake)
 
-    def _draws(self) -> tuple[Draw, ...]:
+    def _draws(self, wake: Wake) -> tuple[Draw, ...]:
         """What shows something of a frame, panel by panel, in their order."""
-        toolbar = Toolbar(self.layout, self.history, self.about, self.tour, self.lecture)
+        layout, begin_tour = self.layout, self.begin_tour
         return (
             self.messages.draw,
-            toolbar.draw,
-            self.tour.draw,
+            toolbar(layout, self.history, self.about.open, begin_tour, self.lecture),
+            tour(layout, begin_tour, wake),
             self.lecture.draw,
             self.stages.draw,
             self.stages.draw_inputs,

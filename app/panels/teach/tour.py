@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import viser
+
 from app.panels.widgets import Wake, hidden_button, pressed
-from app.state.frame import Frame
+from app.state.frame import Draw, Frame
 from app.ui import page
 from app.ui.layout import Layout
 from app.ui.overlay import button
@@ -40,50 +42,50 @@ _NAMED: tuple[tuple[str, ...], ...] = (
 """What each step speaks of, as ``pointOut`` of ``assets/page`` has it."""
 
 
-class Tour:
+def tour(layout: Layout, begin: viser.GuiButtonHandle, wake: Wake) -> Draw:
     """A card with the step, and buttons to go on, back, or to end it; its subject is framed.
 
-    Attributes:
-        begin: button of the toolbar that begins it; hidden itself.
+    The button ``begin`` begins it; a lesson that begins ends it.
     """
+    client, overlay = layout.client, layout.overlay
+    forward, back, end = (hidden_button(client.gui, one, wake) for one in ("Next", "Back", "End"))
+    step: int | None = None
+    framed: int | None = None
+    in_lesson = False
 
-    def __init__(self, layout: Layout, wake: Wake) -> None:
-        self._overlay, self._client = layout.overlay, layout.client
-        gui = layout.client.gui
-        self.begin = hidden_button(gui, "Tour", wake)
-        self._next = hidden_button(gui, "Next", wake)
-        self._back = hidden_button(gui, "Back", wake)
-        self._end = hidden_button(gui, "End", wake)
-        self._step: int | None = None
-        self._framed: int | None = None
-        self._in_lesson = False
+    def draw(frame: Frame) -> None:
+        nonlocal step, framed, in_lesson
+        if frame.lesson and not in_lesson:
+            step = None
+        in_lesson = frame.lesson
+        if pressed(begin):
+            step = 0
+        if pressed(forward) and step is not None:
+            step = step + 1 if step + 1 < len(STEPS) else None
+        if pressed(back) and step:
+            step -= 1
+        if pressed(end):
+            step = None
+        if step != framed:
+            framed = step
+            page.call(client, "pointOut", None if step is None else _NAMED[step])
+        overlay.show("tour", "" if step is None else _card(step, back, forward, end))
 
-    def draw(self, frame: Frame) -> None:
-        """Show the step that the buttons lead to; a lesson that begins ends it."""
-        if frame.lesson and not self._in_lesson:
-            self._step = None
-        self._in_lesson = frame.lesson
-        if pressed(self.begin):
-            self._step = 0
-        if pressed(self._next) and self._step is not None:
-            self._step = self._step + 1 if self._step + 1 < len(STEPS) else None
-        if pressed(self._back) and self._step:
-            self._step -= 1
-        if pressed(self._end):
-            self._step = None
-        if self._step != self._framed:
-            self._framed = self._step
-            named = None if self._step is None else _NAMED[self._step]
-            page.call(self._client, "pointOut", named)
-        self._overlay.show("tour", "" if self._step is None else self._card(self._step))
+    return draw
 
-    def _card(self, step: int) -> str:
-        last = step == len(STEPS) - 1
-        buttons = button(self._back, "Back", enabled=step > 0)
-        buttons += button(self._next, "Done" if last else "Next")
-        if not last:
-            buttons += button(self._end, "End")
-        return (
-            f'<div class="abi-card abi-tour">{step + 1} of {len(STEPS)}. {STEPS[step]}'
-            f'<div class="abi-buttons" style="margin-top:5px">{buttons}</div></div>'
-        )
+
+def _card(
+    step: int,
+    back: viser.GuiButtonHandle,
+    forward: viser.GuiButtonHandle,
+    end: viser.GuiButtonHandle,
+) -> str:
+    last = step == len(STEPS) - 1
+    buttons = button(back, "Back", enabled=step > 0)
+    buttons += button(forward, "Done" if last else "Next")
+    if not last:
+        buttons += button(end, "End")
+    return (
+        f'<div class="abi-card abi-tour">{step + 1} of {len(STEPS)}. {STEPS[step]}'
+        f'<div class="abi-buttons" style="margin-top:5px">{buttons}</div></div>'
+    )

@@ -349,11 +349,11 @@ def test_a_lesson_that_begins_ends_the_tour(tab: tuple[FakeTab, Session]) -> Non
     fake, session = tab
     panels = session.panels
     until(lambda: session.resting and len(panels.lessons.choice.options) > 1)
-    fake.set(panels.tour.begin, True)
+    fake.set(panels.begin_tour, True)
     until(lambda: "1 of 5" in panels.layout.overlay.shown.get("tour", ""))
     fake.set(panels.lessons.choice, panels.lessons.choice.options[1])
     until(lambda: session.frame.lesson and not panels.layout.overlay.shown.get("tour", ""))
-    fake.set(panels.tour.begin, True)
+    fake.set(panels.begin_tour, True)
     until(lambda: "1 of 5" in panels.layout.overlay.shown.get("tour", ""))
 
 
