@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -34,35 +35,6 @@ Accepts = Callable[[Quadratic], bool]
 """Further conditions on a curve that keeps the clearance."""
 
 
-@dataclass(frozen=True, eq=False)
-class Demand:
-    """Conditions that a curve has to meet.
-
-    Attributes:
-        obstacles: to keep clear of.
-        clearance: distance to keep from every obstacle, [unit].
-        accepts: a further condition, such as that the arm is clear along the curve.
-    """
-
-    obstacles: ObstacleSet
-    clearance: float
-    accepts: Accepts | None = None
-
-    def proven(self, curve: Quadratic | None) -> Fit[Quadratic] | None:
-        """Fit of the curve if it is proven to keep the clearance, else None."""
-        if curve is None:
-            return None
-        fitted = proven_fit(curve, curve.extent, self.obstacles, self.clearance)
-        return fitted if fitted.holds else None
-
-    def met(self, curve: Quadratic | None) -> Fit[Quadratic] | None:
-        """The fit, if its curve is proven clear and meets the further condition, else None."""
-        fitted = self.proven(curve)
-        if fitted is None or self.accepts is None or self.accepts(fitted.curve):
-            return fitted
-        return None
-
-
 def fit(
     spline: Fit[BSpline],
     obstacles: ObstacleSet,
@@ -91,8 +63,7 @@ def fit(
     fitted = proven_fit(quadratic, quadratic.extent, obstacles, clearance)
     if mode == "least_squares" or (fitted.holds and (accepts is None or accepts(quadratic))):
         return fitted
-    demand = Demand(obstacles, clearance, accepts)
-    single = nearest_single(quadratic, spline.at_share, demand)
+    single = nearest_single(quadratic, spline.at_share, obstacles, clearance, accepts)
     if single is not None:
         return single
     if mode == "clear":
@@ -101,7 +72,7 @@ def fit(
             note="No single quadratic with these ends was found that keeps the clearance; "
             "mode pieces joins several.",
         )
-    several = fewest_pieces(spline, demand)
+    several = fewest_pieces(spline, obstacles, clearance, accepts)
     if several is not None:
         return several
     contrast = "; the B-spline does" if spline.holds else ": the B-spline does not"
@@ -110,7 +81,13 @@ def fit(
     )
 
 
-def nearest_single(quadratic: Quadratic, curve: PointsAt, demand: Demand) -> Fit[Quadratic] | None:
+def nearest_single(
+    quadratic: Quadratic,
+    curve: PointsAt,
+    obstacles: ObstacleSet,
+    clearance: float,
+    accepts: Accepts | None = None,
+) -> Fit[Quadratic] | None:
     """The clear quadratic nearest in L2 to ``quadratic`` among those searched, with its ends.
 
     Its one free control point is moved in 48 directions by 12 distances. From the nearest clear
@@ -120,20 +97,25 @@ def nearest_single(quadratic: Quadratic, curve: PointsAt, demand: Demand) -> Fit
     Args:
         quadratic: the least-squares quadratic of one piece, not clear.
         curve: points of the curve that it approximates, at shares of its arc length.
-        demand: what it has to meet. If the nearest clear curve does not meet the further condition,
-            the nearest of the moved ones that does is taken and brought nearer by halving its
-            distance.
+        obstacles, clearance: to keep clear of, and how far, [unit].
+        accepts: a further condition. If the nearest clear curve does not meet it, the nearest of
+            the moved ones that does is taken and brought nearer by halving its distance.
     """
     c0, c1, c2 = quadratic.coefficients[0]
     points = np.stack([c0, c0 + c1 / 2, c0 + c1 + c2])
-    target = Target(quadratic.breaks, read_only(points), demand.obstacles, demand.clearance)
-    found = demand.proven(nearest_clear(target, [curve, *_starts(target)]))
-    if found is None or demand.accepts is None or demand.accepts(found.curve):
+    target = Target(quadratic.breaks, read_only(points), obstacles, clearance)
+    found = _met(nearest_clear(target, [curve, *_starts(target)]), obstacles, clearance)
+    if found is None or accepts is None or accepts(found.curve):
         return found
-    return _nearest_met(target, demand)
+    return _nearest_met(target, accepts)
 
 
-def fewest_pieces(spline: Fit[BSpline], demand: Demand) -> Fit[Quadratic] | None:
+def fewest_pieces(
+    spline: Fit[BSpline],
+    obstacles: ObstacleSet,
+    clearance: float,
+    accepts: Accepts | None = None,
+) -> Fit[Quadratic] | None:
     """The clear C¹ curve with the fewest quadratic pieces found, from two up.
 
     The quadratic B-spline on the control polygon, refined by :func:`abi.curves.fit_bspline.fit`,
@@ -144,65 +126,88 @@ def fewest_pieces(spline: Fit[BSpline], demand: Demand) -> Fit[Quadratic] | None
 
     Args:
         spline: the curve to approximate, of a length above 0.
-        demand: what it has to meet.
+        obstacles, clearance: to keep clear of, and how far, [unit].
+        accepts: a further condition.
     """
-    last = demand.met(_on_the_polygon(spline.curve, demand))
+    on_polygon = _on_the_polygon(spline.curve, obstacles, clearance)
+    last = _met(on_polygon, obstacles, clearance, accepts)
     most = MOST_PIECES if last is None else min(MOST_PIECES, len(last.curve.pieces) - 1)
     tried = 1
+    in_pieces = partial(_in_pieces, spline.at_share, obstacles, clearance, accepts)
     for pieces in (count for count in _COUNTS if count <= most):
-        fitted = _in_pieces(pieces, spline.at_share, demand)
+        fitted = in_pieces(pieces)
         if fitted is not None:
-            between = (_in_pieces(k, spline.at_share, demand) for k in range(tried + 1, pieces))
+            between = map(in_pieces, range(tried + 1, pieces))
             return next((fewer for fewer in between if fewer is not None), fitted)
         tried = pieces
     return last
 
 
-def _in_pieces(pieces: int, curve: PointsAt, demand: Demand) -> Fit[Quadratic] | None:
+def _in_pieces(
+    curve: PointsAt,
+    obstacles: ObstacleSet,
+    clearance: float,
+    accepts: Accepts | None,
+    pieces: int,
+) -> Fit[Quadratic] | None:
     """Clear curve with that many pieces near ``curve``, or None."""
-    obstacles, clearance = demand.obstacles, demand.clearance
     for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(curve, pieces)):
         target = least_squares_target(curve, read_only(breaks), obstacles, clearance)
-        fitted = demand.met(nearest_clear(target, [curve]))
+        fitted = _met(nearest_clear(target, [curve]), obstacles, clearance, accepts)
         if fitted is not None:
             return fitted
     return None
 
 
-def _on_the_polygon(spline: BSpline, demand: Demand) -> Quadratic | None:
+def _on_the_polygon(spline: BSpline, obstacles: ObstacleSet, clearance: float) -> Quadratic | None:
     """Quadratic B-spline on the spline's control polygon, refined where needed, or None."""
     if spline.degree != 2:
         polygon = spline.control_points
-        spline = fit_bspline.fit(polygon, 2, demand.obstacles, demand.clearance).curve
+        spline = fit_bspline.fit(polygon, 2, obstacles, clearance).curve
     if spline.degree < 2:
         return None
     return Quadratic.from_control_points(spline.control_points, spline.breaks)
 
 
-def _nearest_met(target: Target, demand: Demand) -> Fit[Quadratic] | None:
+def _nearest_met(target: Target, accepts: Accepts) -> Fit[Quadratic] | None:
     """The nearest moved curve that is clear and meets the conditions, brought nearer; or None."""
     directions, lacking = _moved(target)
     for shell, radius in enumerate((_RADII * target.extent).tolist()):
         for direction in directions[lacking[shell] <= 0]:
-            fitted = demand.met(_by(target, radius * direction))
+            moved = _by(target, radius * direction)
+            fitted = _met(moved, target.obstacles, target.clearance, accepts)
             if fitted is not None:
-                return _nearer(target, radius * direction, demand, fitted)
+                return _nearer(target, radius * direction, accepts, fitted)
     return None
 
 
 def _nearer(
-    target: Target, move: FloatArray, demand: Demand, fitted: Fit[Quadratic]
+    target: Target, move: FloatArray, accepts: Accepts, fitted: Fit[Quadratic]
 ) -> Fit[Quadratic]:
     """The curve moved less in the same direction, as far as bisection finds."""
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        nearer = demand.met(_by(target, middle * move))
+        moved = _by(target, middle * move)
+        nearer = _met(moved, target.obstacles, target.clearance, accepts)
         if nearer is None:
             low = middle
         else:
             high, fitted = middle, nearer
     return fitted
+
+
+def _met(
+    curve: Quadratic | None,
+    obstacles: ObstacleSet,
+    clearance: float,
+    accepts: Accepts | None = None,
+) -> Fit[Quadratic] | None:
+    """The fit of a curve, if it is proven clear and meets the further condition, else None."""
+    if curve is None:
+        return None
+    fitted = proven_fit(curve, curve.extent, obstacles, clearance)
+    return fitted if fitted.holds and (accepts is None or accepts(curve)) else None
 
 
 def _by(target: Target, move: FloatArray) -> Quadratic:

@@ -11,7 +11,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.clear_quadratic import Target, least_squares_target, nearest_clear
 from abi.curves.fit import Fit
 from abi.curves.fit_bspline import fit as fit_spline
-from abi.curves.fit_quadratic import Demand, Mode, fewest_pieces, fit
+from abi.curves.fit_quadratic import Mode, fewest_pieces, fit
 from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacle, ObstacleSet
@@ -183,7 +183,7 @@ def test_past_the_most_pieces_the_control_polygon_decides(
     path = np.array([[0.0, 2.5, 0.0], *corners, [xs[-1] + 1, 2.5, 0.0]])
     spline = fit_spline(path, 4, ObstacleSet(teeth), CLEARANCE)
     assert spline.holds
-    made = fewest_pieces(spline, Demand(ObstacleSet(teeth), CLEARANCE))
+    made = fewest_pieces(spline, ObstacleSet(teeth), CLEARANCE)
 
     assert made is not None
     assert made.holds
