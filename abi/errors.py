@@ -6,7 +6,6 @@
     ├── ArgumentError     a function was called with what it does not take
     │   └── SceneError    the input is not a scene: names the field, the value and what would work
     ├── MotionError       a motion to certify is not one of the robot: names row, joint and unit
-    ├── SeveralChoicesError  a file holds several, of which one is to be named
     ├── ExportError       a format cannot hold the plan, or the file cannot be written
     └── StageError        the scene is valid but a stage has no result; ends the chain of stages
         ├── PointBlocked      start or goal lies inside an obstacle or its clearance
@@ -38,12 +37,15 @@ class AbiError(Exception):
     Attributes:
         message: what is wrong, in one sentence.
         hint: what to try, in one sentence; empty if there is no advice.
+        choices: names of the first of several robots or trajectories in a file, of which one is to
+            be named; empty where something else is wrong.
     """
 
-    def __init__(self, message: str, hint: str = "") -> None:
+    def __init__(self, message: str, hint: str = "", choices: tuple[str, ...] = ()) -> None:
         super().__init__(message)
         self.message = message
         self.hint = hint
+        self.choices = choices
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy by attributes, since the errors' arguments differ from those of an exception."""
@@ -100,20 +102,6 @@ class MotionError(AbiError):
         super().__init__(message, hint)
         self.row = row
         self.joint = joint
-
-
-class SeveralChoicesError(AbiError):
-    """Error for a file with several robots or trajectories, of which one is to be named.
-
-    Args:
-        message: how many there are.
-        hint: how one is named.
-        choices: names of the first of them.
-    """
-
-    def __init__(self, message: str, hint: str, choices: tuple[str, ...]) -> None:
-        super().__init__(message, hint)
-        self.choices = choices
 
 
 class ExportError(AbiError):

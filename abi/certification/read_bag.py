@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from mcap.records import Schema
 
-from abi.errors import MotionError, SeveralChoicesError, short
+from abi.errors import AbiError, MotionError, short
 
 KINDS = (
     "trajectory_msgs/msg/JointTrajectory",
@@ -76,7 +76,7 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
             only one in the bag.
 
     Raises:
-        SeveralChoicesError: it has several, and none is named.
+        AbiError: it has several, and none is named; has their topics.
         MotionError: it is no bag, or has no such trajectory.
     """
     found = dict[tuple[str, int], Any]()  # by topic, and number among those of the topic from 1
@@ -128,7 +128,7 @@ def _chosen(found: list[tuple[str, int]], topic: str | None) -> tuple[str, int]:
         )
     if not asked:
         raise MotionError(f"The bag has no trajectory {short(topic)}.", f"It has {told}.")
-    raise SeveralChoicesError(
+    raise AbiError(
         f"The bag has {len(asked)} trajectories.",
         f"Choose one by its topic and number, abi certify --topic: {told}.",
         tuple(name if counts[name] == 1 else f"{name}:{k}" for name, k in asked[:_LISTED]),

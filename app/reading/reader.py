@@ -19,7 +19,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.certification.motion import Motion
-from abi.errors import MotionError, SceneError, SeveralChoicesError
+from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import CheckedFile
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.progress import CancelledError
@@ -107,7 +107,7 @@ class Reader:
         ``ROBOTS.zip/URDF`` as name is that one of the URDF files of the zip.
 
         Raises:
-            SeveralChoicesError: it is a zip with several URDF files, and none is named.
+            AbiError: it is a zip with several URDF files, and none is named; has their names.
             SceneError: it is refused, or took too long or too much.
             CancelledError: ``stopped`` was set.
         """
@@ -141,8 +141,8 @@ class Reader:
         ``topic`` is that of a trajectory in a bag. The other arguments are those of :meth:`mesh`.
 
         Raises:
-            SeveralChoicesError: it is a bag with several, and none is named.
-            MotionError: what it holds is no motion; names row, joint and unit.
+            AbiError: what it holds is no motion; names row, joint and unit. Or it is a bag with
+                several, and none is named; has their topics.
             SceneError: it took too long or too much.
             CancelledError: ``stopped`` was set.
         """
@@ -156,8 +156,8 @@ class Reader:
 
         Raises:
             SceneError: it is refused, or took too long or too much.
-            MotionError: it is a motion's, and none.
-            SeveralChoicesError: it has several robots or trajectories, and none is named.
+            AbiError: it is to be a motion, and is none; or it has several robots or trajectories,
+                and none is named: it has their names.
             CancelledError: ``stopped`` was set.
         """
         stopped = stopped or threading.Event()
@@ -173,10 +173,8 @@ class Reader:
             _log.warning("reader fault: %s %r: %s", request.kind, request.name, answer.fault)
         if answer.refusal is not None:
             raise SceneError(*answer.refusal)
-        if answer.wrong is not None and answer.choices:
-            raise SeveralChoicesError(*answer.wrong, answer.choices)
         if answer.wrong is not None:
-            raise MotionError(*answer.wrong)
+            raise AbiError(*answer.wrong, answer.choices)
         return answer
 
     def close(self) -> None:

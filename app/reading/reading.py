@@ -12,7 +12,7 @@ from typing import Any, Literal
 import msgspec
 
 from abi.certification.read_motion import read_motion
-from abi.errors import AbiError, MotionError, SceneError, SeveralChoicesError
+from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import CheckedFile, Files, MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -77,9 +77,7 @@ def read(request: ReadingRequest) -> ReadingResult:
         return _READERS[request.kind](request.name, request.content)
     except SceneError as error:
         return ReadingResult(_refusal(error))
-    except MotionError as error:
-        return ReadingResult(wrong=_words(error))
-    except SeveralChoicesError as error:
+    except AbiError as error:
         return ReadingResult(wrong=_words(error), choices=tuple(map(_plain, error.choices)))
     except MemoryError:
         return ReadingResult(("file", request.name, "one that takes less memory to read"))
@@ -130,7 +128,7 @@ def _mesh(name: str, content: bytes) -> ReadingResult:
 
 def _arm(name: str, content: bytes) -> ReadingResult:
     if file_of(name) == name and len(choices := robots_in(content)) > 1:
-        raise SeveralChoicesError(
+        raise AbiError(
             f"The archive has {len(choices)} robots.", "Name the URDF file of one.", choices
         )
     return ReadingResult(robots={name: _whole(name, {file_of(name): content})})

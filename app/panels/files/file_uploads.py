@@ -16,7 +16,6 @@ from typing import Generic, TypeVar
 
 import viser
 
-from abi.errors import SeveralChoicesError
 from app.panels.files.upload_job import Deal, UploadJob
 from app.panels.widgets import Wake
 from app.reading.stored_upload import BUDGET, StoredUpload
@@ -104,8 +103,8 @@ class FileUploads(Generic[_T]):
             job = self._ended.get()
             if job is self._job:
                 self._job = None
-            if self.choice is not None and isinstance(job.result, SeveralChoicesError):
-                self._offer(job, job.result.choices)
+            if self.choice is not None and job.choices:
+                self._offer(job, job.choices)
                 continue
             if self._several is not None and job.result is not None and not job.chosen:
                 self._offer(None)

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from abi.errors import AbiError, SceneError, SeveralChoicesError
+from abi.errors import AbiError, SceneError
 from abi.progress import CancelledError
 from app.reading.stored_upload import StoredUpload
 
@@ -41,6 +41,11 @@ class UploadJob(Generic[_T]):
         self.result: _T | AbiError | None = None
 
     @property
+    def choices(self) -> tuple[str, ...]:
+        """Names of what the file holds, of which one is to be chosen; empty where that is clear."""
+        return self.result.choices if isinstance(self.result, AbiError) else ()
+
+    @property
     def content(self) -> bytes:
         """The whole content."""
         return self.file.content()
@@ -68,7 +73,7 @@ class UploadJob(Generic[_T]):
         """Read and prepare the file; what it took is free afterwards, unless one has to choose."""
         result = None if self.stopped.is_set() else self._dealt(deal)
         self.result = None if self.stopped.is_set() else result
-        if not (self.chosen or isinstance(self.result, SeveralChoicesError)):
+        if self.chosen or not self.choices:
             self.file.close()
 
     def _dealt(self, deal: Deal[_T]) -> _T | AbiError | None:

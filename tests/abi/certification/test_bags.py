@@ -24,7 +24,7 @@ from abi.certification import read_bag
 from abi.certification.read_bag import JOINT_TRAJECTORY
 from abi.certification.read_motion import load_motion, own_joints, read_motion
 from abi.certification.robot_scene import robot_scene
-from abi.errors import MotionError, SeveralChoicesError
+from abi.errors import AbiError, MotionError
 from tests.thorough import examples
 
 pytestmark = pytest.mark.slow
@@ -101,7 +101,7 @@ def test_bags_of_both_kinds_hold_the_motion(tmp_path: Path) -> None:
 
 def test_one_of_several_is_chosen_by_topic_and_number() -> None:
     content, joints = mcap("/plan", "/plan", "/other"), own_joints(ROBOT)
-    with pytest.raises(SeveralChoicesError, match="3 trajectories") as caught:
+    with pytest.raises(AbiError, match="3 trajectories") as caught:
         read_motion("a.mcap", content, joints)
     assert "/plan:1 to /plan:2, /other" in caught.value.hint
     for topic, shift in (("/plan:1", 0), ("/plan:2", 1), ("/other", 2)):
