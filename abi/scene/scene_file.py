@@ -147,41 +147,35 @@ def dump(data: dict[str, Any], name: str) -> str:
     return text
 
 
-class _Representer(SafeRepresenter):
-    """Writes what YAML 1.1, which ROS reads, and 1.2 take for the same."""
-
-    def of_text(self, text: str) -> ScalarNode:
-        """Text, in quotes unless both take it for text, as neither ``on`` nor ``1:30``."""
-        style: str | None = "'"
-        if not text.isprintable():
-            style = '"'  # escapes line breaks, of which 1.1 has more
-        elif _WORDS.fullmatch(text) and not any(one.match(text) for _, _, one, _ in _OTHERS):
-            style = None
-        return self.represent_scalar(f"{_TAG}str", text, style=style)
-
-    def of_number(self, number: float) -> ScalarNode:
-        """A number with a point, without which 1.1 takes ``1e-05`` for text."""
-        text = repr(number)
-        return self.represent_scalar(
-            f"{_TAG}float", text if "." in text else text.replace("e", ".0e")
-        )
+def _of_text(representer: SafeRepresenter, text: str) -> ScalarNode:
+    """Text, in quotes unless YAML 1.1 and 1.2 take it for text, as neither ``on`` nor ``1:30``."""
+    style: str | None = "'"
+    if not text.isprintable():
+        style = '"'  # escapes line breaks, of which 1.1 has more
+    elif _WORDS.fullmatch(text) and not any(one.match(text) for _, _, one, _ in _OTHERS):
+        style = None
+    return representer.represent_scalar(f"{_TAG}str", text, style=style)
 
 
-_Representer.add_representer(str, _Representer.of_text)
-_Representer.add_representer(float, _Representer.of_number)
+def _of_number(representer: SafeRepresenter, number: float) -> ScalarNode:
+    """A number with a point, without which YAML 1.1 takes ``1e-05`` for text."""
+    text = repr(number)
+    text = text if "." in text else text.replace("e", ".0e")
+    return representer.represent_scalar(f"{_TAG}float", text)
 
 
 def yaml_text(data: dict[str, Any], width: int | None = None) -> str:
     """``data`` as YAML in its order, with lists of numbers in lines of ``width`` letters.
 
-    Numbers are finite. Readers of YAML 1.1 and 1.2 find the same in it.
+    Numbers are finite. Readers of YAML 1.1, which ROS reads, and 1.2 find the same in it.
     """
     stream = io.StringIO()
     yaml = YAML(typ="safe", pure=True)
-    yaml.Representer = _Representer
     yaml.default_flow_style = None
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
     yaml.width = width
+    own = {str: _of_text, float: _of_number}
+    yaml.representer.yaml_representers = yaml.representer.yaml_representers | own
     yaml.dump(data, stream)
     return stream.getvalue()
 
