@@ -10,6 +10,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent import futures
 from contextlib import contextmanager
 from contextvars import ContextVar
 
@@ -17,8 +18,8 @@ _PERIOD = 0.05
 """Seconds between two looks at whether a result is wanted, while its thread waits for another."""
 
 
-class CancelledError(Exception):
-    """Raised in a computation whose result is not wanted any more."""
+CancelledError = futures.CancelledError
+"""Raised in a computation whose result is not wanted any more."""
 
 
 _cancelled: ContextVar[Callable[[], bool] | None] = ContextVar("cancelled", default=None)
