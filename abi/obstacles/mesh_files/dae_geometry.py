@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from lxml import etree
 
@@ -28,14 +26,6 @@ _POLYGONS = ("triangles", "trifans", "tristrips", "polylist", "polygons")
 
 Primitive = tuple[Parts, str]
 """Triangles of one element of a geometry, and the symbol of their material."""
-
-
-class _Input(NamedTuple):
-    """Offset of the corners in a primitive's indices, and the positions that they refer to."""
-
-    offset: int
-    stride: int
-    points: FloatArray
 
 
 class GeometryReader:
@@ -90,20 +80,20 @@ class GeometryReader:
         return tuple(found)
 
     def _primitive(self, mesh: etree._Element, element: etree._Element, kind: str) -> Primitive:
-        corners = _input(mesh, element)
+        points, places = _corner_points(mesh, element)
         _check_rows(element, kind)
-        rows = [_corners(p, corners) for p in children(element, "p")]
+        rows = [_corners(p, places, len(points)) for p in children(element, "p")]
         if kind in ("triangles", "polylist"):
             ids = np.concatenate(rows) if rows else np.empty(0, dtype=np.int32)
             if kind == "triangles":
                 faces = _triples(ids, element)
             else:
-                faces = self._polylist(ids, corners.points, element)
+                faces = self._polylist(ids, points, element)
         elif kind == "polygons":
-            faces = self._polygons(rows, corners, element)
+            faces = self._polygons(rows, points, places, element)
         else:
             faces = np.concatenate([np.empty((0, 3), np.int32), *(_run(r, kind) for r in rows)])
-        return Parts(corners.points, faces), str(element.get("material", ""))
+        return Parts(points, faces), str(element.get("material", ""))
 
     def _polylist(self, ids: IntArray, points: FloatArray, element: etree._Element) -> IntArray:
         lengths = child(element, "vcount")
@@ -124,7 +114,9 @@ class GeometryReader:
         check_pairs(self._pairs)
         return found.faces
 
-    def _polygons(self, rows: list[IntArray], corners: _Input, element: etree._Element) -> IntArray:
+    def _polygons(
+        self, rows: list[IntArray], points: FloatArray, places: slice, element: etree._Element
+    ) -> IntArray:
         """Triangles of polygons, first those without holes."""
         sizes = np.array([len(row) for row in rows], dtype=np.int32)
         self._lines += int((sizes < 3).sum())
@@ -132,7 +124,7 @@ class GeometryReader:
         ids = np.concatenate(whole) if whole else np.empty(0, dtype=np.int32)
         numbers = np.flatnonzero(sizes >= 3)
         found = triangulate(
-            corners.points,
+            points,
             ids,
             sizes[sizes >= 3],
             lambda k: f"polygon {numbers[k] + 1:,} of {where(element)}",
@@ -142,12 +134,12 @@ class GeometryReader:
         check_pairs(self._pairs)
         faces = [found.faces]
         for holed in children(element, "ph"):
-            rings = [_corners(one, corners) for one in children(holed, "p", "h")]
+            rings = [_corners(one, places, len(points)) for one in children(holed, "p", "h")]
             if not rings or min(map(len, rings)) < 3 or name_of(holed[0]) != "p":
                 raise ValueError(f"rings of three corners or more in {where(holed)}")
             self._pairs += sum(map(len, rings)) ** 2
             check_pairs(self._pairs)
-            triangles = cut([corners.points[ring] for ring in rings], where(holed))
+            triangles = cut([points[ring] for ring in rings], where(holed))
             faces.append(np.concatenate(rings)[triangles])
         return np.concatenate(faces)
 
@@ -160,8 +152,8 @@ def _check_rows(element: etree._Element, kind: str) -> None:
             raise ValueError(f"{announced:,} lists in {where(element)}, it has {there:,}")
 
 
-def _input(mesh: etree._Element, element: etree._Element) -> _Input:
-    """The input of a primitive that refers to positions."""
+def _corner_points(mesh: etree._Element, element: etree._Element) -> tuple[FloatArray, slice]:
+    """Positions of a primitive, and the places of their ids among its interleaved indices."""
     inputs = children(element, "input")
     offsets = [integer(one, "offset", "0") for one in inputs]
     found = [k for k, one in enumerate(inputs) if one.get("semantic") == "VERTEX"]
@@ -171,8 +163,8 @@ def _input(mesh: etree._Element, element: etree._Element) -> _Input:
     positions = [one for one in children(vertices, "input") if one.get("semantic") == "POSITION"]
     if len(positions) != 1:
         raise ValueError(f"one input POSITION in {where(vertices)}")
-    points = _points(_local(mesh, positions[0], "source"))
-    return _Input(offsets[found[0]], max(offsets) + 1, points)
+    places = slice(offsets[found[0]], None, max(offsets) + 1)
+    return _points(_local(mesh, positions[0], "source")), places
 
 
 def _local(mesh: etree._Element, element: etree._Element, kind: str) -> etree._Element:
@@ -211,16 +203,14 @@ def _points(source: etree._Element) -> FloatArray:
     return points
 
 
-def _corners(element: etree._Element, corners: _Input) -> IntArray:
-    """Indices of the positions in a list of interleaved indices."""
+def _corners(element: etree._Element, places: slice, count: int) -> IntArray:
+    """Ids of positions, of which there are ``count``, in a list of interleaved indices."""
     numbers = _whole(floats(element), element)
-    if len(numbers) % corners.stride:
-        raise ValueError(f"{corners.stride} numbers for each corner in {where(element)}")
-    ids = numbers[corners.offset :: corners.stride]
-    if len(ids) and ids.max() >= len(corners.points):
-        raise ValueError(
-            f"corners of the {len(corners.points):,} vertices, {where(element)} has {ids.max():,}"
-        )
+    if len(numbers) % places.step:
+        raise ValueError(f"{places.step} numbers for each corner in {where(element)}")
+    ids = numbers[places]
+    if len(ids) and ids.max() >= count:
+        raise ValueError(f"corners of the {count:,} vertices, {where(element)} has {ids.max():,}")
     return ids
 
 
