@@ -13,6 +13,8 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections.abc import Hashable, Iterator
+from contextlib import contextmanager
 
 LONGEST = 0.25
 """Seconds after which a turn no longer blocks the others, as it may be a long computation.
@@ -27,7 +29,7 @@ PATIENT = 1.0
 
 
 class Turns:
-    """Turns at the interpreter, ``count`` at once.
+    """Turns at the interpreter, ``count`` at once, by whom they are asked for.
 
     One that takes longer than ``longest`` [s] goes on, and the next begins beside it.
     """
@@ -35,54 +37,70 @@ class Turns:
     def __init__(self, count: int = 1, longest: float = LONGEST) -> None:
         self._count, self._longest = count, longest
         self._lock = threading.Lock()
-        self._waiting: list[Turn] = []
-        self._running: dict[Turn, float] = {}
+        # moments at which the patience of those who wait ends, [s]
+        self._due: dict[Hashable, float] = {}
+        # set for whoever is to look whether it is next
+        self._called: dict[Hashable, threading.Event] = {}
+        self._hurried: set[Hashable] = set()
+        self._running: dict[Hashable, float] = {}
 
     @property
     def waiting(self) -> int:
         """Number of threads that wait for their turn."""
-        return len(self._waiting)
+        return len(self._due)
 
-    def begin(self, turn: Turn) -> None:
-        """Wait until ``turn`` is next and one is free."""
-        with self._lock:
-            turn.due = time.monotonic() + (AT_ONCE if turn.hurried else turn.patience)
-            self._waiting.append(turn)
-        while True:
+    @contextmanager
+    def turn(self, who: Hashable, patience: float = AT_ONCE) -> Iterator[None]:
+        """Compute in the block, once one of the turns is free and nobody else is next.
+
+        Args:
+            who: who asks, which has no other turn meanwhile.
+            patience: how long it can wait while others are in a hurry, [s]; unless it is hastened.
+        """
+        self._begin(who, patience)
+        try:
+            yield
+        finally:
             with self._lock:
-                delay = self._room() if self._next() is turn else None
-                if delay is not None and delay <= 0:
-                    self._waiting.remove(turn)
-                    turn.hurried = False
-                    self._running[turn] = time.monotonic()
-                    self._call()
-                    return
-                turn.called.clear()
-            turn.called.wait(delay)
-
-    def end(self, turn: Turn) -> None:
-        """End a turn, so that the next can begin."""
-        with self._lock:
-            del self._running[turn]
-            self._call()
-
-    def hasten(self, turn: Turn) -> None:
-        """Give ``turn``, or its next use if it is not waiting, the priority of a drag."""
-        if turn.hurried:
-            return  # a hand asks at each of its moves, and many of these wait for one turn
-        with self._lock:
-            turn.hurried = True
-            due, turn.due = turn.due, min(turn.due, time.monotonic() + AT_ONCE)
-            if turn.due < due and turn in self._waiting:
+                del self._running[who]
                 self._call()
 
-    def _next(self) -> Turn:
-        return min(self._waiting, key=lambda turn: turn.due)
+    def hasten(self, who: Hashable) -> None:
+        """Give a turn, or the next one if ``who`` does not wait, the priority of a drag."""
+        if who in self._hurried:
+            return  # a hand asks at each of its moves, and many of these wait for one turn
+        with self._lock:
+            self._hurried.add(who)
+            now = time.monotonic() + AT_ONCE
+            if self._due.get(who, -math.inf) > now:
+                self._due[who] = now
+                self._call()
+
+    def _begin(self, who: Hashable, patience: float) -> None:
+        """Wait until ``who`` is next and a turn is free."""
+        called = threading.Event()
+        with self._lock:
+            delay = AT_ONCE if who in self._hurried else patience
+            self._due[who], self._called[who] = time.monotonic() + delay, called
+        while True:
+            with self._lock:
+                room = self._room() if self._next() == who else None
+                if room is not None and room <= 0:
+                    del self._due[who], self._called[who]
+                    self._hurried.discard(who)
+                    self._running[who] = time.monotonic()
+                    self._call()
+                    return
+                called.clear()
+            called.wait(room)
+
+    def _next(self) -> Hashable:
+        return min(self._due, key=self._due.__getitem__)
 
     def _call(self) -> None:
-        """Wake the waiting threads."""
-        if self._waiting:
-            self._next().called.set()
+        """Wake the thread that is next."""
+        if self._due:
+            self._called[self._next()].set()
 
     def _room(self) -> float:
         """Seconds until another turn may begin; 0 or less means now."""
@@ -90,42 +108,6 @@ class Turns:
         if len(ends) < self._count:
             return 0.0
         return ends[-self._count] - time.monotonic()
-
-
-class Turn:
-    """Context manager that waits until its thread may compute; not reentrant.
-
-    Attributes:
-        patience: how long it can wait while others are in a hurry, [s].
-        hurried: whether it is in a hurry itself, until it begins.
-        due: moment at which its patience ends, [s] of the monotonic clock.
-        called: set when it is to look whether it is the next.
-    """
-
-    def __init__(self, turns: Turns) -> None:
-        self._turns = turns
-        self.patience = AT_ONCE
-        self.hurried = False
-        self.due = math.inf
-        self.called = threading.Event()
-
-    def after(self, patience: float) -> Turn:
-        """Set the maximum delay to ``patience`` [s] unless it is hastened; returns itself."""
-        self.patience = patience
-        return self
-
-    def hasten(self) -> None:
-        """Give this turn, or its next use, the priority of a drag; thread-safe."""
-        self._turns.hasten(self)
-
-    def __enter__(self) -> Turn:
-        """Wait for the turn."""
-        self._turns.begin(self)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """End the turn."""
-        self._turns.end(self)
 
 
 TURNS = Turns()

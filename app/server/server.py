@@ -150,10 +150,10 @@ class Server:
         warm_up: WarmUp,
         client: viser.ClientHandle,
     ) -> None:
-        from app.process.turns import PATIENT, TURNS, Turn
+        from app.process.turns import PATIENT, TURNS
         from app.tab.session import Session
 
-        with self._awaited(), Turn(TURNS).after(PATIENT):
+        with self._awaited(), TURNS.turn(client, PATIENT):
             alone = len(self.sessions) < _DEMOS
             look = replace(self._look, demo=self._look.demo and alone)
             session = Session(

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from app.process.turns import TURNS, Turn
+from app.process.turns import TURNS
 
 _PATIENCE = 5.0
 """Seconds that closing a tab waits for a step that has begun."""
@@ -29,7 +29,6 @@ class TabWorker:
         """
         self._changed = threading.Event()
         self.closed = False
-        self._turn = Turn(TURNS)
         self._thread = threading.Thread(target=run, name=name, daemon=True)
 
     def start(self) -> None:
@@ -44,7 +43,7 @@ class TabWorker:
     def hurry(self) -> None:
         """Request a step with priority, as a user waits for it."""
         self._changed.set()
-        self._turn.hasten()
+        TURNS.hasten(self._thread)
 
     def is_woken(self) -> bool:
         """Check whether a step is requested."""
@@ -61,7 +60,7 @@ class TabWorker:
         Args:
             patience: time for which it can wait behind the hands in other tabs, [s].
         """
-        with self._turn.after(patience):
+        with TURNS.turn(self._thread, patience):
             # not what a wait returned: the input may have come while it gave up
             if woken := self._changed.is_set():
                 self._changed.clear()

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from app.process.turns import AT_ONCE, PATIENT, Turn, Turns
+from app.process.turns import AT_ONCE, PATIENT, Turns
 from tests.app.fake_tab import until
 
 
@@ -16,14 +16,14 @@ def test_turns_come_one_at_a_time_in_the_order_of_asking() -> None:
     inside: list[int] = []
 
     def take(number: int) -> None:
-        with Turn(turns):
+        with turns.turn(number):
             inside.append(number)
             assert inside == [number]
             order.append(number)
             inside.remove(number)
 
     threads = [threading.Thread(target=take, args=(number,)) for number in range(8)]
-    with Turn(turns):
+    with turns.turn("long"):
         for count, thread in enumerate(threads, 1):
             thread.start()
             until(lambda count=count: turns.waiting == count)  # type: ignore[misc]
@@ -38,11 +38,11 @@ def test_as_many_take_turns_as_there_are() -> None:
     turns = Turns(count=2, longest=60.0)
     both = threading.Barrier(2, timeout=30.0)
 
-    def take() -> None:
-        with Turn(turns):
+    def take(number: int) -> None:
+        with turns.turn(number):
             both.wait()
 
-    threads = [threading.Thread(target=take) for _ in range(4)]
+    threads = [threading.Thread(target=take, args=(number,)) for number in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -55,15 +55,15 @@ def test_a_long_turn_goes_on_beside_the_next() -> None:
     done = threading.Event()
 
     def take() -> None:
-        with Turn(turns):
+        with turns.turn("other"):
             done.set()
 
-    with Turn(turns):
+    with turns.turn("long"):
         thread = threading.Thread(target=take)
         thread.start()
         assert done.wait(30.0)
         thread.join()
-    with Turn(turns):
+    with turns.turn("long"):
         assert turns.waiting == 0
 
 
@@ -71,7 +71,7 @@ def test_a_fault_ends_its_turn() -> None:
     turns = Turns(longest=60.0)
     for _ in range(2):
         try:
-            with Turn(turns):
+            with turns.turn("long"):
                 raise ValueError
         except ValueError:
             assert turns.waiting == 0
@@ -80,19 +80,18 @@ def test_a_fault_ends_its_turn() -> None:
 def _order(turns: Turns, asking: list[tuple[str, float]], hurried: str = "") -> list[str]:
     """Names of threads in the order of their turns; each can wait for so long, [s]."""
     order: list[str] = []
-    places = {name: Turn(turns) for name, _ in asking}
 
     def take(name: str, patience: float) -> None:
-        with places[name].after(patience):
+        with turns.turn(name, patience):
             order.append(name)
 
     threads = [threading.Thread(target=take, args=one) for one in asking]
-    with Turn(turns):
+    with turns.turn("long"):
         for count, thread in enumerate(threads, 1):
             thread.start()
             until(lambda count=count: turns.waiting == count)  # type: ignore[misc]
         if hurried:
-            places[hurried].hasten()
+            turns.hasten(hurried)
     for thread in threads:
         thread.join()
     return order
@@ -117,23 +116,17 @@ def test_of_all_a_hands_moves_one_hastens_a_turn(monkeypatch: pytest.MonkeyPatch
     turns = Turns(longest=60.0)
     called: list[None] = []
     monkeypatch.setattr(turns, "_call", lambda: called.append(None))
-    turn = Turn(turns)
     for _ in range(2):
         for _ in range(20):
-            turn.hasten()
-        assert turn.hurried
-        with turn.after(60.0):
-            assert not turn.hurried
+            turns.hasten("dragged")
+        with turns.turn("dragged", 60.0):
+            pass
     assert len(called) == 2 * 2  # at the begin and the end of each turn
 
 
 def test_haste_before_a_turn_is_asked_for_counts_for_that_one_only() -> None:
+    asking = [("tab", PATIENT), ("hand", AT_ONCE)]
     turns = Turns(longest=60.0)
-    turn = Turn(turns)
-    turn.hasten()
-    with turn.after(60.0):
-        pass
-    begun = turn.due
-    with turn.after(60.0):
-        pass
-    assert turn.due - begun > 30.0
+    turns.hasten("tab")
+    assert _order(turns, asking) == ["tab", "hand"]
+    assert _order(turns, asking) == ["hand", "tab"]
