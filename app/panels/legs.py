@@ -20,7 +20,7 @@ from app.panels.widgets import Wake, hidden_button, pressed
 from app.state.frame import Frame
 from app.state.known_legs import KnownLeg, KnownLegs
 from app.ui.overlay import button
-from app.ui.time_bar import LegBar
+from app.ui.time_bar import leg_at
 
 
 class LegsCard:
@@ -116,9 +116,9 @@ class LegsCard:
         if back and number > 0:
             number -= 1
         elif sought is not None:
-            bar = self._bar(number)
-            number = min(bar.number_at(sought), self._farthest)
-            self.from_time = max(sought - bar.begins[number], 0.0)
+            begins = self._begins()
+            number = min(leg_at(begins, sought), self._farthest)
+            self.from_time = max(sought - begins[number], 0.0)
         elif (on or due) and self._may_go_on:
             number += 1
         elif due:
@@ -173,17 +173,20 @@ class LegsCard:
         count = len(self._legs)
         return count if count < len(self._tasks) and _ends_well(self._legs[-1]) else count - 1
 
-    def bar(self, frame: Frame) -> LegBar | None:
-        """The legs on one time bar; None where none is shown."""
-        if self.number is None or len(self._tasks) < 2 or not self.shows(frame):
-            return None
-        return self._bar(self.number)
+    def begins_on_bar(self, frame: Frame) -> tuple[float, ...]:
+        """When each leg begins, and when the last one ends, [s]; empty where none is shown.
 
-    def _bar(self, number: int) -> LegBar:
+        Those of which the time is not known yet take as long as the others on average.
+        """
+        if self.number is None or len(self._tasks) < 2 or not self.shows(frame):
+            return ()
+        return self._begins()
+
+    def _begins(self) -> tuple[float, ...]:
         times = [leg.duration for leg in self._legs]
         mean = max(sum(times) / len(times), 1e-3)
         times += [mean] * (len(self._tasks) - len(times))
-        return LegBar((0.0, *itertools.accumulate(times)), number)
+        return (0.0, *itertools.accumulate(times))
 
     def state(self) -> tuple[object, ...]:
         """Values that the card depends on."""
@@ -204,7 +207,7 @@ class LegsCard:
         buttons += button(self.go_on, "Next leg", enabled=self._may_go_on)
         span = "The time bar is of all legs"
         if len(self._legs) == len(self._tasks):
-            span += f", {self._bar(number).end:.1f} s in all"
+            span += f", {self._begins()[-1]:.1f} s in all"
         return (
             f'<div class="abi-card"><b>Leg {number + 1} of {len(self._tasks)}</b>{name}.{after}'
             f'<small style="display:block">{span}.</small>'

@@ -13,7 +13,7 @@ from abi.arm_planning.motion.arm_clearance import ArmClearance
 from abi.certification.verdict import TimeStretch
 from app.panels.widgets import Wake, hidden_button
 from app.ui.overlay import Overlay, button, slider
-from app.ui.time_bar import LegBar, bar_style
+from app.ui.time_bar import bar_style, leg_at
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 _PAUSE_AT_END = 0.8
@@ -41,7 +41,8 @@ class PlaybackPanel:
         self.playing = True
         self._wake = wake
         self._marked: ArmClearance | None = None
-        self._bar = LegBar.alone(1.0)
+        self._begins: tuple[float, ...] = (0.0, 1.0)  # of the legs on the bar, and its end
+        self._leg = 0
         self._drawn: tuple[object, ...] = ()
         self._written = 0.0
         self._time, self._rate = 0.0, 1.0
@@ -73,16 +74,25 @@ class PlaybackPanel:
         value = self.slider.value
         if not (self._scrubbed or value != self._written) or not math.isfinite(value):
             return None
-        if self._bar.number_at(value) == self._bar.number:
+        if leg_at(self._begins, value) == self._leg:
             return None
         self._written, self._scrubbed, self.playing = value, False, False
         return value
 
-    def advance(self, duration: float, again: bool = True, legs: LegBar | None = None) -> float:
-        """Advance to now; the time to show, [s], which begins ``again`` a moment after the end.
+    def advance(
+        self, duration: float, again: bool = True, legs: tuple[float, ...] = (), leg: int = 0
+    ) -> float:
+        """Advance to now; the time to show, [s].
 
-        Otherwise it stays there, where another motion follows: one of the ``legs`` on the bar.
         The page plays by its own clock: it is told the time only once it stands.
+
+        Args:
+            duration: of the motion, [s].
+            again: whether it begins anew a moment after its end. Otherwise it stays there, where
+                another leg follows.
+            legs: when each leg of a sequence begins, and when the last one ends, [s]; none for a
+                motion alone.
+            leg: number of the one that is shown, from 0.
         """
         now = time.monotonic()
         played, self._advanced = (now - self._advanced) * self._rate, now
@@ -95,8 +105,8 @@ class PlaybackPanel:
         if (presses := self._presses) != self._counted:
             self.playing ^= bool((presses - self._counted) % 2)
             self._counted = presses
-        self._bar = bar = legs or LegBar.alone(duration)
-        end = max(round(bar.end, 2), 0.01)
+        self._begins, self._leg = legs or (0.0, duration), leg
+        before, end = self._begins[leg], max(round(self._begins[-1], 2), 0.01)
         if self.slider.max != end:
             self.slider.max = end
         was_scrubbed, self._scrubbed = self._scrubbed, False
@@ -109,15 +119,15 @@ class PlaybackPanel:
                 # changed by the last bit, since an equal one is not sent
                 scrubbed = math.nextafter(scrubbed, 0.0)
                 self.slider.value = scrubbed
-            self._time, self._written, self.playing = scrubbed - bar.before, scrubbed, False
+            self._time, self._written, self.playing = scrubbed - before, scrubbed, False
         shown = min(max(self._time, 0.0), duration)
-        at = bar.before + shown
+        at = before + shown
         if not self.playing and (abs(at - self._written) >= 0.05 or self._written > end):
             self._written = round(at, 2)
             self.slider.value = self._written
             self._sent = now
         told = at if self.playing else self._written
-        self._overlay.set_clock(told, end, self.playing, bar.before)
+        self._overlay.set_clock(told, end, self.playing, before)
         return shown
 
     def until_contact(self, duration: float) -> float | None:
@@ -159,18 +169,18 @@ class PlaybackPanel:
         that was ``checked`` each stretch has a colour. A line says where the tool's direction is
         ``held``.
         """
-        moves, bar = duration > 0 and seen, self._bar
+        moves, begins = duration > 0 and seen, self._begins
         self.speed.visible = seen
-        if clearance is self._marked and (moves, bar) == self._drawn:
+        if clearance is self._marked and (moves, begins, self._leg) == self._drawn:
             return
-        self._marked, self._drawn = clearance, (moves, bar)
+        self._marked, self._drawn = clearance, (moves, begins, self._leg)
         contacts = () if clearance is None else clearance.contacts
         stretches = checked or [TimeStretch(one.first, one.last, "touches") for one in contacts]
-        at = bar.before
+        at = begins[self._leg]
         stretches = [one._replace(first=one.first + at, last=one.last + at) for one in stretches]
         later = [one.later(at) for one in held]
-        end = bar.end if moves else 0.0
-        self._overlay.show("marks", bar_style(stretches, end, later, bar.begins[1:-1]))
+        end = begins[-1] if moves else 0.0
+        self._overlay.show("marks", bar_style(stretches, end, later, begins[1:-1]))
 
     def _toggle(self, event: object) -> None:
         self._presses += 1

@@ -187,10 +187,12 @@ class TabView:
     def _now(self, frame: Frame) -> Frame:
         """The frame at the present time of playback and search, with the plan before its own."""
         frame = replace(frame, before=self._plan_before(frame))
-        self.panels.messages.legs.see(frame)
+        legs = self.panels.messages.legs
+        legs.see(frame)
         again = not self._plays_on(frame)
         frame = replace(frame, again=again)
-        now = self.playback.advance(frame.duration, again, self.panels.messages.legs.bar(frame))
+        bar = legs.begins_on_bar(frame)
+        now = self.playback.advance(frame.duration, again, bar, (legs.number or 0) if bar else 0)
         playing, rate = self.playback.playing, self.playback.rate
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)

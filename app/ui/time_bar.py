@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import bisect
 from collections.abc import Sequence
-from typing import NamedTuple, Self
 
 from abi.arm_planning.joint_search.held_span import HeldSpan
 from abi.certification.verdict import State, TimeStretch
@@ -43,36 +42,14 @@ _HELD = ("direction of the gripper kept", _plain(style.TAUT), 2)
 _SEAM = ("end of a leg", _plain(style.FADED), 16)
 
 
-class LegBar(NamedTuple):
-    """Legs of a sequence on one time bar.
+def leg_at(begins: Sequence[float], time: float) -> int:
+    """Number of the leg at a time, [s], from 0.
 
-    Attributes:
-        begins: when each leg begins, and when the last one ends, [s]; those of which the time is
-            not known yet take as long as the others on average.
-        number: of the leg that is shown, from 0.
+    Args:
+        begins: when each leg of a sequence begins, and when the last one ends, [s].
+        time: since the first one has begun, [s].
     """
-
-    begins: tuple[float, ...]
-    number: int
-
-    @classmethod
-    def alone(cls, duration: float) -> Self:
-        """A bar of one motion."""
-        return cls((0.0, duration), 0)
-
-    @property
-    def before(self) -> float:
-        """When the leg that is shown begins, [s]."""
-        return self.begins[self.number]
-
-    @property
-    def end(self) -> float:
-        """When the last leg ends, [s]."""
-        return self.begins[-1]
-
-    def number_at(self, time: float) -> int:
-        """Number of the leg at a time, [s]."""
-        return min(max(bisect.bisect_right(self.begins, time), 1), len(self.begins) - 1) - 1
+    return min(max(bisect.bisect_right(begins, time), 1), len(begins) - 1) - 1
 
 
 def bar_style(

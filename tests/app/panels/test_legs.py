@@ -147,19 +147,18 @@ def test_the_slider_leads_to_every_leg_that_is_known_and_a_reload_keeps_them(
         fake.set(legs.go_on, True)
         until(partial(at_leg, session, number))
         until(lambda: legs.state()[2] is True)
-    bar = legs.bar(session.frame)
-    assert bar is not None
-    assert len(bar.begins) == len(load_scene("pick-and-place").tasks) + 1
-    assert player.slider.max == round(bar.end, 2)
+    begins = legs.begins_on_bar(session.frame)
+    assert len(begins) == len(load_scene("pick-and-place").tasks) + 1
+    assert player.slider.max == round(begins[-1], 2)
 
     # back into the first leg, within it, and on to the third
-    for moment, number in ((0.5, 0), (0.9, 0), (bar.begins[2] + 0.4, 2), (bar.begins[1], 1)):
+    for moment, number in ((0.5, 0), (0.9, 0), (begins[2] + 0.4, 2), (begins[1], 1)):
         fake.set(player.slider, moment)
         until(partial(at_leg, session, number))
-        until(lambda at=moment - bar.begins[number]: abs(session.frame.time - at) < 0.02)  # type: ignore[misc]
+        until(lambda at=moment - begins[number]: abs(session.frame.time - at) < 0.02)  # type: ignore[misc]
         assert abs(player.slider.value - moment) < 0.02
     # past what is planned: the next leg, from its begin
-    fake.set(player.slider, bar.end)
+    fake.set(player.slider, begins[-1])
     until(partial(at_leg, session, 3))
     assert session.frame.time == 0
 
