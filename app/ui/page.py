@@ -10,7 +10,8 @@ import time
 import uuid as uuids
 import weakref
 from collections.abc import Callable, MutableMapping, Sequence
-from concurrent.futures import Executor, Future
+from concurrent.futures import Future
+from types import SimpleNamespace
 from typing import Any, Generic, Literal, TypeVar
 
 import numpy as np
@@ -72,36 +73,37 @@ viser_shortcuts.install()
 node_poses.install()
 
 
-class _AtOnce(Executor):
-    """Executor that runs callbacks at once: they only wake a worker, and keep their order."""
-
-    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
-        done: Future[Any] = Future()
-        try:
-            done.set_result(call(*args, **named))
-        except Exception as error:
-            done.set_exception(error)
-        return done
+def _call_at_once(call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+    """Run a callback as an executor does, but at once: it only wakes a worker, in its order."""
+    done: Future[Any] = Future()
+    try:
+        done.set_result(call(*args, **named))
+    except Exception as error:
+        done.set_exception(error)
+    return done
 
 
-class _Event(asyncio.Event):
-    """Event that is set only in the thread of the connections.
+def set_on_loop_only(event: asyncio.Event) -> None:
+    """Have an event set only in the thread of the connections.
 
     viser sets its events at once in any thread, and then has that thread set them. The first may
     come between a waiter's look at the event and its place among those who are woken; the second
     changes nothing then, and the tab would never hear of anything again.
     """
+    event.set = functools.partial(_set_on_loop, event.set)  # type: ignore[method-assign]
 
-    def set(self) -> None:
-        if asyncio._get_running_loop() is not None:
-            super().set()
+
+def _set_on_loop(set_event: Callable[[], None]) -> None:
+    if asyncio._get_running_loop() is not None:
+        set_event()
 
 
 def install(client: viser.ClientHandle) -> None:
     """Set the tab's title and install the functions for :func:`call`."""
     buffer = client._websock_connection.get_message_buffer()
-    buffer.message_event.__class__ = _Event
-    client.gui._thread_executor = client.scene._thread_executor = _AtOnce()  # type: ignore[assignment]
+    set_on_loop_only(buffer.message_event)
+    executor: Any = SimpleNamespace(submit=_call_at_once)
+    client.gui._thread_executor = client.scene._thread_executor = executor
     _run(client, 'document.title = "ABI visualiser"')
     _run(client, _script())
 
