@@ -10,7 +10,7 @@ from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
 from app.panels.length_step import fine_step, length_step
 from app.panels.stages.arm_model import ArmModelPanel
-from app.panels.stages.end_box import EndBox
+from app.panels.stages.end_text import End, add_end, end_text, typed_end
 from app.panels.stages.fields import Fields, Widgets
 from app.panels.widgets import Wake
 from app.state.frame import Frame
@@ -23,6 +23,7 @@ SEARCHES = {
     "in the space of the joints": "joints",
 }
 
+_ENDS: tuple[End, ...] = ("start", "goal")
 _WHICH_ARM = ("model", "urdf", "tip", "base_link")
 """Fields that say which joints there are."""
 
@@ -59,7 +60,10 @@ class ArmPanel:
             hint="On a mesh of places of the tool tip, or by two trees of joint positions that "
             "grow towards each other; without a choice there if the mesh leads to none.",
         )
-        self.ends = {"start": EndBox(gui, "start", wake), "goal": EndBox(gui, "goal", wake)}
+        self.ends = {end: add_end(gui, end) for end in _ENDS}
+        for box in self.ends.values():
+            box.on_update(wake)
+        self._shown_ends: dict[End, Scene] = {}
         self._add_papers(gui, arm)
         widgets: Widgets = {
             "arm.avoid": self.avoid,
@@ -137,7 +141,7 @@ class ArmPanel:
         same = not self.model.is_paper and all(model[name] == self._arm[name] for name in self._arm)
         ends: dict[str, Any] = {"start": None, "goal": None, "search": "auto"}
         if same:
-            ends = {name: end.read() for name, end in self.ends.items()}
+            ends = {end: self._read_end(end) for end in self.ends}
         return {"arm": {**model, **self._fields.read()["arm"], **ends}}
 
     def draw(self, frame: Frame) -> None:
@@ -145,14 +149,21 @@ class ArmPanel:
         scene = frame.plan.scene
         if frame.outdated or frame.refused is not None or scene.arm.model != "urdf":
             return
-        for end in self.ends.values():
-            end.follow(scene)
+        for end, box in self.ends.items():
+            shown = self._shown_ends.get(end)
+            kept, now = None if shown is None else getattr(shown.arm, end), getattr(scene.arm, end)
+            if now == kept:
+                continue
+            # not where a newer one is typed
+            untouched = shown is not None and box.value.strip() == end_text(shown, end)
+            if untouched or self._read_end(end) == (None if now is None else now.model_dump()):
+                self._show_end(end, scene)
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         self.clearance.step = fine_step(scene)
-        for box in (self.base, self.columns, self.links, self.extension, self.radii):
-            box.step = length_step(scene)
+        for length in (self.base, self.columns, self.links, self.extension, self.radii):
+            length.step = length_step(scene)
         force, torque = f"kg·{scene.unit}/s²", f"kg·{scene.unit}²/s²"
         self.forces.hint = (
             f"Torque of the wrist [{torque}], force of the slide [{force}], torque of the gripper "
@@ -164,10 +175,21 @@ class ArmPanel:
         self._fields.write(scene)
         is_urdf = scene.arm.model == "urdf"  # the paper's arm has no such fields
         self.search.visible = is_urdf
-        for end in self.ends.values():
-            end.handle.visible = is_urdf
+        for end, box in self.ends.items():
+            box.visible = is_urdf
             if is_urdf:
-                end.write(scene)
+                self._show_end(end, scene)
+
+    def _show_end(self, end: End, scene: Scene) -> None:
+        self._shown_ends[end] = scene
+        self.ends[end].value = end_text(scene, end)
+
+    def _read_end(self, end: End) -> Any:
+        """The joints at one end as typed: the scene's own while its text is unchanged."""
+        text, shown = self.ends[end].value.strip(), self._shown_ends.get(end)
+        if shown is None:
+            return None
+        return getattr(shown.arm, end) if text == end_text(shown, end) else typed_end(text, shown)
 
     def _show_papers(self) -> None:
         """Show what only the paper's arm has where that is chosen."""

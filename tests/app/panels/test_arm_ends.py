@@ -6,16 +6,17 @@ import math
 
 import numpy as np
 import pytest
+import viser
 
 from abi.robot.urdf_arm import UrdfArm
-from app.panels.stages.end_box import EndBox
+from app.panels.stages.end_text import End
 from app.tab.session import Session
 from tests.app.fake_tab import FakeTab, until
 
 JOINTS = "115, -80, 110, -126, -86, 23"
 
 
-def ends(session: Session) -> dict[str, EndBox]:
+def ends(session: Session) -> dict[End, viser.GuiTextHandle]:
     return session.panels.stages.arm.ends
 
 
@@ -27,11 +28,11 @@ def test_joints_are_typed_shown_kept_and_left_once_their_end_is_moved(
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: session.plan is not None and isinstance(session.plan.arm, UrdfArm))
     until(lambda: session.resting)
-    assert not ends(session)["start"].handle.value
+    assert not ends(session)["start"].value
     fake.set(session.panels.stages.arm.model.axis.direction, "any")
     until(lambda: session.plan is not None and session.plan.scene.arm.axis is None)
 
-    fake.set(ends(session)["start"].handle, JOINTS)
+    fake.set(ends(session)["start"], JOINTS)
     until(lambda: session.plan is not None and session.plan.scene.arm.start is not None)
     until(lambda: session.resting)
     plan = session.plan
@@ -41,7 +42,7 @@ def test_joints_are_typed_shown_kept_and_left_once_their_end_is_moved(
     assert plan.scene.arm.start.joints == pytest.approx(asked)
     assert plan.motion is not None
     assert plan.motion.positions[0] == pytest.approx(asked)
-    assert ends(session)["start"].handle.value == JOINTS
+    assert ends(session)["start"].value == JOINTS
     # what is shown is rounded, what is kept is not
     assert session.panels.read(plan.scene) == plan.scene
 
@@ -50,7 +51,7 @@ def test_joints_are_typed_shown_kept_and_left_once_their_end_is_moved(
     until(lambda: session.resting)
     assert session.plan is not None
     assert session.plan.scene.arm.start is None
-    assert not ends(session)["start"].handle.value
+    assert not ends(session)["start"].value
     assert session.panels.read(session.plan.scene) == session.plan.scene
 
 
@@ -67,7 +68,7 @@ def test_text_is_joints_a_state_or_nothing(tab: tuple[FakeTab, Session]) -> None
         ("10, 20", {"joints": [math.radians(10), math.radians(20)]}),
         ("home", {"state": "home"}),
     ):
-        fake.set(box.handle, text)
-        until(lambda read=read: box.read() == read)  # type: ignore[misc]
+        fake.set(box, text)
+        until(lambda read=read: session.panels.stages.arm.read()["arm"]["goal"] == read)  # type: ignore[misc]
         until(lambda: session.panels.refused is not None)
         assert "arm.goal" in str(session.panels.refused)
