@@ -5,8 +5,6 @@
     AbiError
     ├── ArgumentError     a function was called with what it does not take
     │   └── SceneError    the input is not a scene: names the field, the value and what would work
-    ├── MotionError       a motion to certify is not one of the robot: names row, joint and unit
-    ├── ExportError       a format cannot hold the plan, or the file cannot be written
     └── StageError        the scene is valid but a stage has no result; ends the chain of stages
         ├── PointBlocked      start or goal lies inside an obstacle or its clearance
         ├── NoPath            no path joins start and goal on this mesh
@@ -84,28 +82,6 @@ class ArgumentError(AbiError):
 
 class SceneError(ArgumentError):
     """Error for a wrong field of a scene; the name is, for example, ``obstacles[0].size``."""
-
-
-class MotionError(AbiError):
-    """Error for a motion that cannot be certified because it is wrong or incomplete.
-
-    Args:
-        message: one sentence that names row, joint and unit where they matter.
-        hint: what would work, in one sentence.
-        row: number of the waypoint from 1; None if it is no single one.
-        joint: name of the joint; empty if it is no single one.
-    """
-
-    def __init__(
-        self, message: str, hint: str = "", row: int | None = None, joint: str = ""
-    ) -> None:
-        super().__init__(message, hint)
-        self.row = row
-        self.joint = joint
-
-
-class ExportError(AbiError):
-    """Error for a plan that a file format cannot hold, or a file that cannot be written."""
 
 
 class StageError(AbiError):

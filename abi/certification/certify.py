@@ -51,7 +51,7 @@ def certify(
         most_tries: pairs of bodies and obstacles to try at most.
 
     Raises:
-        MotionError: the motion is wrong or none of the robot's; names row, joint and unit.
+        AbiError: the motion is wrong or none of the robot's; names row, joint and unit.
         SceneError: the robot cannot be read.
         ArgumentError: another argument is none of its kind.
     """

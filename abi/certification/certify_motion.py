@@ -64,7 +64,7 @@ def certify_motion(
         most_tries: pairs of bodies and obstacles to try at most.
 
     Raises:
-        MotionError: the motion is none of the robot's, or its first waypoint is far from the start.
+        AbiError: the motion is none of the robot's, or its first waypoint is far from the start.
         ArgumentError: an argument is out of range.
     """
     clearance = arguments.number("clearance", clearance, 0.0, math.inf)

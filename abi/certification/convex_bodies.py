@@ -14,7 +14,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.certification.posed_hulls_kernels import hulls_touch
-from abi.errors import MotionError
+from abi.errors import AbiError
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason, tree_reason
 from abi.robot.bodies.always_touching import always_touch
 from abi.robot.bodies.capsule_table import Bodies
@@ -40,14 +40,14 @@ def robot_bodies(chain: Chain, closely: Collection[str] = frozenset()) -> tuple[
         closely: names of links that are held more closely, by more bodies with more corners.
 
     Raises:
-        MotionError: no link has a shape.
+        AbiError: no link has a shape.
     """
     bodies = list[Body]()
     for carried in chain.carried:
         fit: Fit = "close" if carried.link in closely else "quick"
         bodies += carried_bodies(carried, link_bodies(chain.robot.links[carried.link], fit))
     if not has_own_shape(chain, bodies):
-        raise MotionError(
+        raise AbiError(
             "No link that moves has a collision shape, so nothing can be proven.",
             "Give the URDF with its <collision> elements and their meshes.",
         )

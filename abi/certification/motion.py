@@ -13,7 +13,7 @@ import numpy as np
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr
 from abi.certification.stated_object import StatedObject
-from abi.errors import MotionError, short
+from abi.errors import AbiError, short
 
 MOST_WAYPOINTS = 20_000
 """Largest number of waypoints of a motion."""
@@ -65,7 +65,7 @@ class Motion(ShortRepr):
         start: of the robot, as far as the file says.
 
     Raises:
-        MotionError: fewer than two waypoints, a joint named twice, another number of values than
+        AbiError: fewer than two waypoints, a joint named twice, another number of values than
             joints, a number that is not finite, times that do not increase, or velocities without
             times, which leave open how the joints get from one waypoint to the next.
     """
@@ -88,7 +88,7 @@ class Motion(ShortRepr):
         )
         rows = len(self.times)
         if not 2 <= rows <= MOST_WAYPOINTS:
-            raise MotionError(
+            raise AbiError(
                 f"The motion has {rows} waypoint{'s' * (rows != 1)}.",
                 f"Give 2 to {MOST_WAYPOINTS:,} of them.",
             )
@@ -97,9 +97,9 @@ class Motion(ShortRepr):
             if values is not None:
                 self._check(name, values)
         if self.accelerations is not None and self.velocities is None:
-            raise MotionError("The motion has accelerations but no velocities.", "Give both.")
+            raise AbiError("The motion has accelerations but no velocities.", "Give both.")
         if self.velocities is not None and not self.timed:
-            raise MotionError(
+            raise AbiError(
                 "The motion has velocities but no times, so how its joints get from one waypoint "
                 "to the next is not known.",
                 "Give the times in seconds, or positions alone.",
@@ -138,33 +138,30 @@ class Motion(ShortRepr):
     def _check(self, name: str, values: FloatArray) -> None:
         """Raise where values (m, n) of the joints are not finite numbers of that shape."""
         if values.shape != (len(self.times), len(self.joints)):
-            raise MotionError(
+            raise AbiError(
                 f"The motion's {name} are of shape {values.shape}, not one number for each of its "
                 f"{len(self.times)} waypoints and {len(self.joints)} joints."
             )
         wrong = ~(np.abs(values) <= _LARGEST)
         if wrong.any():
             row, joint = (int(k) for k in np.argwhere(wrong)[0])
-            raise MotionError(
+            raise AbiError(
                 f"In row {row + 1} the {_ONE[name]} of {self.joints[joint]} is "
                 f"{values[row, joint]:g}, not a number up to {_LARGEST:g}.",
-                row=row + 1,
-                joint=self.joints[joint],
             )
 
     def _check_times(self) -> None:
         times = self.times
         if times.shape != (len(times),) or not np.isfinite(times).all():
             row = int(np.flatnonzero(~np.isfinite(times.reshape(-1)))[0]) if times.ndim == 1 else 0
-            raise MotionError(f"In row {row + 1} the time is no number of seconds.", row=row + 1)
+            raise AbiError(f"In row {row + 1} the time is no number of seconds.")
         late = np.flatnonzero(np.diff(times) < _LEAST_STEP)
         if len(late):
             row = int(late[0]) + 1
-            raise MotionError(
+            raise AbiError(
                 f"Times must increase: row {row + 1} is at {times[row]:.9g} s, and row {row} at "
                 f"{times[row - 1]:.9g} s.",
                 "Remove the row, or correct its time.",
-                row=row + 1,
             )
 
 
@@ -182,15 +179,13 @@ def _array(name: str, values: Any) -> FloatArray:
         )
         if numbers and not np.ma.is_masked(values):
             return np.ascontiguousarray(array, dtype=np.float64)
-    raise MotionError(f"The motion's {name} are {short(values)}, which are no numbers.")
+    raise AbiError(f"The motion's {name} are {short(values)}, which are no numbers.")
 
 
 def _check_names(joints: tuple[str, ...]) -> None:
     """Raise where a joint has no name, or is named twice."""
     if not joints or not all(isinstance(name, str) and name for name in joints):
-        raise MotionError("The motion does not name its joints.", "Give the name of each.")
+        raise AbiError("The motion does not name its joints.", "Give the name of each.")
     name, count = Counter(joints).most_common(1)[0]
     if count > 1:
-        raise MotionError(
-            f"The motion names the joint {name} {count} times.", "Name each joint once.", joint=name
-        )
+        raise AbiError(f"The motion names the joint {name} {count} times.", "Name each joint once.")

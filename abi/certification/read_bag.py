@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from mcap.records import Schema
 
-from abi.errors import AbiError, MotionError, short
+from abi.errors import AbiError, short
 
 KINDS = (
     "trajectory_msgs/msg/JointTrajectory",
@@ -76,8 +76,8 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
             only one in the bag.
 
     Raises:
-        AbiError: it has several, and none is named; has their topics.
-        MotionError: it is no bag, or has no such trajectory.
+        AbiError: it is no bag, has no such trajectory, or several, of which none is named; it then
+            has their topics.
     """
     found = dict[tuple[str, int], Any]()  # by topic, and number among those of the topic from 1
     numbers: Counter[str] = Counter()
@@ -87,11 +87,11 @@ def read_bag(content: bytes, topic: str | None = None) -> Any:
             numbers[name] += 1
             found[name, numbers[name]] = data
             _check_number(len(found))
-    except MotionError:
+    except AbiError:
         raise
     except Exception as error:  # readers of damaged bags raise whatever they meet
         reason = short(str(error) or type(error).__name__)
-        raise MotionError(f"The bag cannot be read ({reason}).") from None
+        raise AbiError(f"The bag cannot be read ({reason}).") from None
     return found[_chosen([*found], topic)]
 
 
@@ -112,7 +112,7 @@ def _chosen(found: list[tuple[str, int]], topic: str | None) -> tuple[str, int]:
     """Topic and number of the trajectory that is asked for, of those in a bag.
 
     Raises:
-        MotionError: there is none, or it is not said which of several.
+        AbiError: there is none, or it is not said which of several.
     """
     asked = [(name, k) for name, k in found if topic in (None, name, f"{name}:{k}")]
     if len(asked) == 1:
@@ -122,12 +122,12 @@ def _chosen(found: list[tuple[str, int]], topic: str | None) -> tuple[str, int]:
         name if count == 1 else f"{name}:1 to {name}:{count}" for name, count in counts.items()
     )
     if not found:
-        raise MotionError(
+        raise AbiError(
             "The bag holds no trajectory.",
             f"Record a topic with messages of the kind {KINDS[0]}, or MoveIt's.",
         )
     if not asked:
-        raise MotionError(f"The bag has no trajectory {short(topic)}.", f"It has {told}.")
+        raise AbiError(f"The bag has no trajectory {short(topic)}.", f"It has {told}.")
     raise AbiError(
         f"The bag has {len(asked)} trajectories.",
         f"Choose one by its topic and number, abi certify --topic: {told}.",
@@ -179,7 +179,7 @@ def _check_size(content: bytes) -> None:
             while piece := unpacked.read(_PIECE):
                 size += len(piece)
                 if size > _UNPACKED:
-                    raise MotionError(
+                    raise AbiError(
                         f"The bag holds more than {_UNPACKED // 10**6} MB once it is unpacked.",
                         "Record the trajectory's topic alone.",
                     )
@@ -195,7 +195,7 @@ def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
         steps = itertools.count(_BETWEEN, _BETWEEN)
         bag.set_progress_handler(lambda: next(steps) > _STEPS, _BETWEEN)
         if missing := {"topics", "messages"} - _tables(bag):
-            raise MotionError(f"The bag has no table {min(missing)}.", "Record it with ROS 2.")
+            raise AbiError(f"The bag has no table {min(missing)}.", "Record it with ROS 2.")
         definitions = {KINDS[0]: JOINT_TRAJECTORY} | _definitions(bag)
         rows = bag.execute(
             "SELECT topics.name, topics.type, topics.serialization_format, messages.data "
@@ -210,7 +210,7 @@ def _sqlite_messages(content: bytes) -> Iterator[tuple[str, Any]]:
                     decoders[kind, encoding] = _decoder(schema, str(encoding))
                 yield str(topic), _decoded(decoders[kind, encoding], data)
             elif kind in KINDS:
-                raise MotionError(
+                raise AbiError(
                     f"The bag does not say what a message of the kind {kind} holds.",
                     "Convert it to MCAP: ros2 bag convert.",
                 )
@@ -239,13 +239,13 @@ def _decoder(schema: Schema, encoding: str) -> Callable[[bytes], Any]:
     """Decoder of the messages of a schema.
 
     Raises:
-        MotionError: they are in another encoding than CDR, or are defined in another language.
+        AbiError: they are in another encoding than CDR, or are defined in another language.
     """
     from mcap_ros2.decoder import DecoderFactory
 
     decoder = DecoderFactory().decoder_for(encoding, schema)
     if decoder is None:
-        raise MotionError(
+        raise AbiError(
             f"The bag has messages in {short(encoding)}, defined in {short(schema.encoding)}.",
             "Record them with ROS 2, in CDR and with definitions in ros2msg.",
         )
@@ -256,19 +256,19 @@ def _decoded(decoder: Callable[[bytes], Any], data: bytes) -> Any:
     """A message as plain data.
 
     Raises:
-        MotionError: it is compressed, in a newer CDR, whose numbers are aligned otherwise, or goes
+        AbiError: it is compressed, in a newer CDR, whose numbers are aligned otherwise, or goes
             on where its definition ends.
     """
     if len(data) > _LARGEST:
-        raise MotionError(f"A message of the bag is larger than {_LARGEST // 10**6} MB.")
+        raise AbiError(f"A message of the bag is larger than {_LARGEST // 10**6} MB.")
     if bytes(data[:2]) not in _PLAIN_CDR:
-        raise MotionError(
+        raise AbiError(
             "A message of the bag does not begin as one in CDR does.",
             "If its messages are compressed, convert it: ros2 bag convert.",
         )
     message = _plain(decoder(data))
     if _is_decoded(decoder, data[:-_PADDING]):
-        raise MotionError(
+        raise AbiError(
             "A message of the bag is longer than its definition says.",
             "It may be of another version of its kind: record it with the definition that it has.",
         )
@@ -286,7 +286,7 @@ def _is_decoded(decoder: Callable[[bytes], Any], data: bytes) -> bool:
 
 def _check_number(count: int) -> None:
     if count > _MOST:
-        raise MotionError(f"The bag has more than {_MOST:,} trajectories.")
+        raise AbiError(f"The bag has more than {_MOST:,} trajectories.")
 
 
 def _plain(value: Any) -> Any:

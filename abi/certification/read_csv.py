@@ -18,7 +18,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.certification.motion import MOST_WAYPOINTS, Motion
-from abi.errors import MotionError, short
+from abi.errors import AbiError, short
 from abi.obstacles.mesh_files.words import counted
 
 _TIMES = ("time", "t", "time_from_start", "timestamp")
@@ -53,12 +53,12 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
         slides: the robot's joints by their names, which are columns, and which of them slide.
 
     Raises:
-        MotionError: no header, no column of a joint, a double one, or what is no number.
+        AbiError: no header, no column of a joint, a double one, or what is no number.
     """
     filled = [line for line in text.splitlines() if line.strip()]
     lines = [line for line in filled if not line.startswith("#")]
     if not lines:
-        raise MotionError("The file is empty.", "Give a header with the joints' names, then rows.")
+        raise AbiError("The file is empty.", "Give a header with the joints' names, then rows.")
     delimiter = max(_DELIMITERS, key=lambda one: _fits(lines[0], one, slides))
     if delimiter != ",":
         lines[1:] = [_DECIMAL_COMMA.sub(r"\1.\2", line) for line in lines[1:]]
@@ -69,7 +69,7 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     time = [one for one in columns if one.name.lower() in _TIMES and one not in found]
     if not found:
         names = ", ".join(short(one.name) for one in columns[:6])
-        raise MotionError(
+        raise AbiError(
             f"No column of the file is named after a joint: its first row has {names}.",
             f"Give a header with the robot's joints: {', '.join(list(slides)[:8])}.",
         )
@@ -105,11 +105,10 @@ def _check_widths(rows: list[list[str]]) -> None:
     """Raise where a row has more cells than the header: whose each is cannot be known."""
     for row, cells in enumerate(rows[1:], start=1):
         if any(cell.strip() for cell in cells[len(rows[0]) :]):
-            raise MotionError(
+            raise AbiError(
                 f"Row {row} has {len(cells)} cells, and the header {len(rows[0])}.",
                 "Name each column, one of row numbers, too, and write decimal points, or ; between "
                 "numbers with decimal commas.",
-                row=row,
             )
 
 
@@ -118,8 +117,8 @@ def _cells(row: int, line: str, delimiter: str) -> list[str]:
     try:
         (cells,) = csv.reader([line], delimiter=delimiter, strict=True)
     except (csv.Error, ValueError):
-        raise MotionError(
-            f"Row {row} is no row of cells.", "Close each quote in its own row.", row=row
+        raise AbiError(
+            f"Row {row} is no row of cells.", "Close each quote in its own row."
         ) from None
     return cells
 
@@ -153,10 +152,9 @@ def _numbers(rows: list[list[str]], column: _Column, factors: Mapping[str, float
     """Numbers of a column below the header, times the factor of its unit."""
     if column.unit not in factors:
         units = ", ".join(f"[{unit}]" for unit in factors if unit)
-        raise MotionError(
+        raise AbiError(
             f"The unit of {column.name} is {short(column.unit)}.",
             f"Use one of {units}.",
-            joint=column.name,
         )
     values = []
     for row, cells in enumerate(rows[1:], start=1):
@@ -165,9 +163,7 @@ def _numbers(rows: list[list[str]], column: _Column, factors: Mapping[str, float
             # float() would take 1_0 for 10, and digits of other scripts
             values.append(float(cell.replace("_", "?") if cell.isascii() else "?"))
         except ValueError:
-            raise MotionError(
+            raise AbiError(
                 f"In row {row} {column.name} is {short(cell)}, which is no number.",
-                row=row,
-                joint=column.name,
             ) from None
     return factors[column.unit] * np.array(values)

@@ -18,7 +18,7 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.certification.motion import Motion, RobotState
 from abi.certification.stated_object import StatedObject, is_turn
-from abi.errors import MotionError, short
+from abi.errors import AbiError, short
 from abi.obstacles.pose import METRES
 from abi.robot.urdf.urdf_joints import some_of
 
@@ -65,7 +65,7 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
         slides: names of the robot's sliding joints; a plan has their positions in its own unit.
 
     Raises:
-        MotionError: it is none of the known forms, or a part of it is missing or wrong.
+        AbiError: it is none of the known forms, or a part of it is missing or wrong.
     """
     found, starts, notes = data, list[RobotState](), list[str]()
     for _ in range(_DEEPEST):
@@ -87,7 +87,7 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
             return replace(motion, start=_only(starts), notes=(*motion.notes, *notes))
         if found.get("scene") is not None:
             if not isinstance(found["scene"], dict):
-                raise MotionError(f"The file's scene is {short(found['scene'])}, and no scene.")
+                raise AbiError(f"The file's scene is {short(found['scene'])}, and no scene.")
             planned = found.get("arm")
             if "legs" in found:
                 _check_legs(found["scene"].get("tasks"))
@@ -103,8 +103,8 @@ def read_message(data: object, slides: Sequence[str]) -> Motion:
         notes += _unused(found, _MESSAGE | {"scene"})
         found = next((found[name] for name in _INSIDE if name in found), None)
     if isinstance(found, list) and len(found) > 1:
-        raise MotionError(f"The file holds {len(found)} motions.", "Give one of them.")
-    raise MotionError(
+        raise AbiError(f"The file holds {len(found)} motions.", "Give one of them.")
+    raise AbiError(
         "The file holds no motion.",
         "Give a JointTrajectory with joint_names and points, a plan, or joints and positions.",
     )
@@ -114,10 +114,10 @@ def _only(starts: Sequence[RobotState]) -> RobotState:
     """The start state of a motion, of all that its file has.
 
     Raises:
-        MotionError: they differ.
+        AbiError: they differ.
     """
     if any(one != starts[0] for one in starts[1:]):
-        raise MotionError("The file has several start states, which differ.", "Keep one of them.")
+        raise AbiError("The file has several start states, which differ.", "Keep one of them.")
     return starts[0] if starts else RobotState({})
 
 
@@ -130,12 +130,12 @@ def _unused(message: Mapping[str, Any], known: Set[str]) -> list[str]:
     """A sentence on fields of a file that are not read, none if there are none.
 
     Raises:
-        MotionError: one is a unit that is not read.
+        AbiError: one is a unit that is not read.
     """
     others = [str(name) for name in message if name not in known]
     for name in filter(_UNIT.search, others):
         if message.get(name) not in _SI:
-            raise MotionError(
+            raise AbiError(
                 f"{name[:60]} of the motion is {short(message[name])}, which is not read.",
                 "Give angles in rad, lengths in m and times in s.",
             )
@@ -148,7 +148,7 @@ def _check_base(message: Mapping[str, Any]) -> None:
     moved = message.get("multi_dof_joint_trajectory")
     if moved and not (isinstance(moved, dict) and not moved.get("points")):
         names = moved.get("joint_names") if isinstance(moved, dict) else moved
-        raise MotionError(
+        raise AbiError(
             f"The message moves {short(names)} in space, which is not read.",
             "Give the motion of a robot whose base stands still.",
         )
@@ -158,7 +158,7 @@ def _check_single(message: Mapping[str, Any]) -> None:
     """Raise where a message holds two motions."""
     held = [name for name in (*_INSIDE, "points", "positions") if message.get(name)]
     if len(held) > 1 and not isinstance(message.get("scene"), dict):
-        raise MotionError(
+        raise AbiError(
             f"The file holds more than one motion: {', '.join(held)}.", "Give one of them."
         )
 
@@ -168,7 +168,7 @@ def _state(state: object) -> RobotState:
     if state is None:
         return RobotState({})
     if not isinstance(state, dict):
-        raise MotionError(f"The message's start state is {short(state)}, and no state.")
+        raise AbiError(f"The message's start state is {short(state)}, and no state.")
     held = state.get("attached_collision_objects") or []
     objects = [StatedObject.of(one) for one in (held if isinstance(held, list) else [held])]
     is_said = bool(objects) or state.get("is_diff") is not True  # else it holds what it held before
@@ -176,7 +176,7 @@ def _state(state: object) -> RobotState:
     fields = [joints.get(name) or [] if isinstance(joints, dict) else None for name in _OF_JOINTS]
     names, at = (one if isinstance(one, list | tuple) else None for one in fields)
     if names is None or at is None or len(names) != len(at) or not all(map(_is_number, at)):
-        raise MotionError("The message's start state has not one position for each joint.")
+        raise AbiError("The message's start state has not one position for each joint.")
     named = dict(zip(_names(names), map(float, at), strict=True))
     base = _base(state.get("multi_dof_joint_state"))
     return RobotState(named, tuple(objects) if is_said else None, base)
@@ -197,7 +197,7 @@ def _base(joints: object) -> tuple[float, ...] | None:
         for axis in axes
     ]
     if not _is_pose(numbers):
-        raise MotionError(
+        raise AbiError(
             "The message's start state has no single place of the robot's root in the world.",
             "Give one transform with translation and rotation, or no multi_dof_joint_state.",
         )
@@ -208,13 +208,13 @@ def _trajectory(message: dict[str, Any]) -> Motion:
     """Motion of a ``JointTrajectory``."""
     points = message["points"]
     if not isinstance(points, list) or not all(isinstance(point, dict) for point in points):
-        raise MotionError("The trajectory's points are no list of points.")
+        raise AbiError("The trajectory's points are no list of points.")
     names = _names(message["joint_names"])
     times = np.array([_time(k, point) for k, point in enumerate(points, start=1)])
     rates = [_rows(names, points, name) for name in ("velocities", "accelerations")]
     positions = _rows(names, points, "positions")
     if positions is None:
-        raise MotionError("The trajectory has no positions.", "Give them for each point.")
+        raise AbiError("The trajectory has no positions.", "Give them for each point.")
     notes = []
     if len(times) and times[0] > 0:
         notes.append(f"The motion begins at {times[0]:g} s; how the robot gets there is not known.")
@@ -244,7 +244,7 @@ def _check_legs(tasks: object) -> None:
         named = task if isinstance(task, dict) else {}
         changed = [name for name in ("attach", "release", "gripper") if _is_set(named.get(name))]
         if changed:
-            raise MotionError(
+            raise AbiError(
                 f"Leg {number} has {changed[0]}, which the samples of all legs do not say.",
                 "Check the plan by abi verify, or certify one of its legs by itself.",
             )
@@ -267,11 +267,11 @@ def _state_of_scene(scene: dict[str, Any], slides: Sequence[str]) -> RobotState:
     """Where the scene of a plan has its robot, what this holds, and its joints beside the arm."""
     unit, arm = scene.get("unit", "cm"), scene.get("arm")
     if not isinstance(unit, str) or unit not in METRES:
-        raise MotionError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
+        raise AbiError(f"The unit of the plan's scene is {short(unit)}.", "Use m, cm or mm.")
     if arm is None:
         return RobotState({})
     if not isinstance(arm, dict):
-        raise MotionError(
+        raise AbiError(
             f"The arm of the plan's scene is {short(arm)}.", "Give the plan as abi plan wrote it."
         )
     metres = METRES[unit]
@@ -288,7 +288,7 @@ def _state_of_scene(scene: dict[str, Any], slides: Sequence[str]) -> RobotState:
         and isinstance(attached, dict | None)
         and isinstance(tip, str | None)
     ):
-        raise MotionError(
+        raise AbiError(
             "The plan's scene does not say where its arm stands, and what this holds.",
             "Give the plan as abi plan wrote it.",
         )
@@ -314,7 +314,7 @@ def _is_pose(numbers: Sequence[object]) -> bool:
 
 def _names(value: object) -> tuple[str, ...]:
     if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
-        raise MotionError(f"The joints' names are {short(value)}.", "Give a list of names.")
+        raise AbiError(f"The joints' names are {short(value)}.", "Give a list of names.")
     return tuple(value)
 
 
@@ -328,10 +328,9 @@ def _time(row: int, point: dict[str, Any]) -> float:
             return seconds + 1e-9 * sum(rest)
     if _is_number(value):
         return float(value)  # type: ignore[arg-type]
-    raise MotionError(
+    raise AbiError(
         f"In row {row} time_from_start is {short(value)}.",
         "Give sec and nanosec, or a number of seconds.",
-        row=row,
     )
 
 
@@ -339,7 +338,7 @@ def _rows(names: tuple[str, ...], points: list[dict[str, Any]], name: str) -> Fl
     """Values of all points (m, n), None where none has any.
 
     Raises:
-        MotionError: some points have them and others do not, or a number is missing.
+        AbiError: some points have them and others do not, or a number is missing.
     """
     given = [point.get(name) or [] for point in points]
     if not any(given):
@@ -347,18 +346,15 @@ def _rows(names: tuple[str, ...], points: list[dict[str, Any]], name: str) -> Fl
     for row, values in enumerate(given, start=1):
         if not isinstance(values, list | tuple) or len(values) != len(names):
             count = len(values) if isinstance(values, list | tuple) else 1
-            raise MotionError(
+            raise AbiError(
                 f"Row {row} has {count} {name} for {len(names)} joints.",
                 "Give one for each joint in every row"
                 + ("." if name == "positions" else f", or no {name} at all."),
-                row=row,
             )
         for joint, value in zip(names, values, strict=True):
             if not _is_number(value):
-                raise MotionError(
+                raise AbiError(
                     f"In row {row} {name} of {joint} holds {short(value)}, which is no number.",
-                    row=row,
-                    joint=joint,
                 )
     return np.array(given, dtype=float)
 
@@ -366,14 +362,13 @@ def _rows(names: tuple[str, ...], points: list[dict[str, Any]], name: str) -> Fl
 def _table(name: str, value: object) -> FloatArray:
     """Rows of equally many numbers."""
     if not isinstance(value, list | tuple) or not value:
-        raise MotionError(f"The motion's {name} are {short(value)}.", "Give a row a waypoint.")
+        raise AbiError(f"The motion's {name} are {short(value)}.", "Give a row a waypoint.")
     for row, values in enumerate(value, start=1):
         if not isinstance(values, list | tuple) or not all(map(_is_number, values)):
-            raise MotionError(f"Row {row} of {name} holds something else than numbers.", row=row)
+            raise AbiError(f"Row {row} of {name} holds something else than numbers.")
         if len(values) != len(value[0]):
-            raise MotionError(
+            raise AbiError(
                 f"Row {row} of {name} has {len(values)} numbers, and the first {len(value[0])}.",
-                row=row,
             )
     return np.array(value, dtype=float)
 

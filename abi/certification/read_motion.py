@@ -13,7 +13,7 @@ from abi.certification.read_bag import read_bag, state_of_bag
 from abi.certification.read_csv import read_csv
 from abi.certification.read_message import read_message, told
 from abi.certification.yaml_points import parse_yaml_points
-from abi.errors import MotionError, SceneError, short
+from abi.errors import AbiError, SceneError, short
 from abi.robot.urdf.robot import Robot
 from abi.scene.scene_file import parse_bytes
 
@@ -33,16 +33,16 @@ def read_motion(
         topic: of a trajectory in a bag, see :func:`abi.certification.read_bag.read_bag`.
 
     Raises:
-        MotionError: the format is unknown, or the file is wrong; names row, joint and unit.
+        AbiError: the format is unknown, or the file is wrong; names row, joint and unit.
     """
     ending = PurePosixPath(name).suffix.lower()
     if ending in BAGS:
         bag = _within(name, content)
         return _from_plain(read_bag(bag, topic), slides, state_of_bag(bag))
     if topic is not None:
-        raise MotionError(f"{short(name)} is no bag, so it has no topic {short(topic)}.")
+        raise AbiError(f"{short(name)} is no bag, so it has no topic {short(topic)}.")
     if ending not in FORMATS:
-        raise MotionError(
+        raise AbiError(
             f"{short(name)} is no motion file.",
             f"Use one that ends in {', '.join((*FORMATS, *BAGS))}.",
         )
@@ -52,7 +52,7 @@ def read_motion(
 def _within(name: str, content: bytes) -> bytes:
     """The content of a file that is not too large."""
     if len(content) > MOST_BYTES:
-        raise MotionError(f"{short(name)} is larger than {MOST_BYTES // 10**6} MB.")
+        raise AbiError(f"{short(name)} is larger than {MOST_BYTES // 10**6} MB.")
     return content
 
 
@@ -60,7 +60,7 @@ def load_motion(path: Path, robot: Robot, topic: str | None = None) -> Motion:
     """Read the motion file at ``path``, or the only bag in that folder.
 
     Raises:
-        MotionError: it cannot be read, or :func:`read_motion` refuses it.
+        AbiError: it cannot be read, or :func:`read_motion` refuses it.
     """
     try:
         if path.is_dir():
@@ -69,7 +69,7 @@ def load_motion(path: Path, robot: Robot, topic: str | None = None) -> Motion:
             content = file.read(MOST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "no path").lower()
-        raise MotionError(f"{short(str(path))} cannot be read ({reason}).") from None
+        raise AbiError(f"{short(str(path))} cannot be read ({reason}).") from None
     return read_motion(path.name, content, own_joints(robot), topic)
 
 
@@ -78,7 +78,7 @@ def _bag_in(folder: Path) -> Path:
     bags = sorted(one for one in folder.iterdir() if one.suffix in BAGS)
     if len(bags) != 1:
         names = ", ".join(short(one.name) for one in bags[:6]) or "none"
-        raise MotionError(f"The folder has not one bag: {names}.", "Name the file.")
+        raise AbiError(f"The folder has not one bag: {names}.", "Name the file.")
     return bags[0]
 
 
@@ -101,7 +101,7 @@ def _csv(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
     try:
         text = content.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
-        raise MotionError(f"{short(name)} is no text in UTF-8 or UTF-16.") from None
+        raise AbiError(f"{short(name)} is no text in UTF-8 or UTF-16.") from None
     return read_csv(text, slides)
 
 
@@ -118,7 +118,7 @@ def _mapping(name: str, content: bytes, slides: Mapping[str, bool]) -> Motion:
             parse_yaml_points(content, name) if is_yaml else parse_bytes(content, name, MOST_BYTES)
         )
     except SceneError as error:
-        raise MotionError(f"{short(name)} cannot be read; expected {error.expected}.") from None
+        raise AbiError(f"{short(name)} cannot be read; expected {error.expected}.") from None
     return _from_plain(data, slides, said)
 
 

@@ -14,7 +14,7 @@ from abi.arrays import FloatArray
 from abi.certification.certify_motion import certify_motion
 from abi.certification.motion import Motion
 from abi.certification.verdict import MotionVerdict
-from abi.errors import MotionError
+from abi.errors import AbiError
 from abi.planner.joint_space_motion import THOROUGH
 from abi.robot.urdf_arm import urdf_arm
 
@@ -50,7 +50,7 @@ def repair(verdict: MotionVerdict, acceleration: float | None = None) -> Repaire
         acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²]; None for no limit.
 
     Raises:
-        MotionError: there is no such waypoint, or no way was found.
+        AbiError: there is no such waypoint, or no way was found.
     """
     motion = verdict.problem.motion.motion
     space = _space(verdict)
@@ -67,7 +67,7 @@ def repair(verdict: MotionVerdict, acceleration: float | None = None) -> Repaire
                 longer=float(np.ptp(new.times) - np.ptp(motion.times)),
                 farther=after / before - 1 if before > 0 else 0.0,
             )
-    raise MotionError("The other ways that were found could not be proven clear, either.")
+    raise AbiError("The other ways that were found could not be proven clear, either.")
 
 
 def _space(verdict: MotionVerdict) -> JointSpace:
@@ -78,7 +78,7 @@ def _space(verdict: MotionVerdict) -> JointSpace:
     arm = urdf_arm(settings.robot, settings.tool, *stands, settings.gripper, settings.allowed)
     names = verdict.problem.motion.chain.names
     if others := [name for name in names if name not in arm.joints]:
-        raise MotionError(
+        raise AbiError(
             f"Only motions of the arm's own joints can be repaired; this one moves {others[0]}."
         )
     lowest = min(settings.base[2], scene.workspace.min[2])
@@ -94,7 +94,7 @@ def _gaps(verdict: MotionVerdict, wider: int) -> list[tuple[int, int]]:
     for one in open_:
         if one.first <= times[0] or one.last >= times[-1]:
             end = "begins" if one.first <= times[0] else "ends"
-            raise MotionError(
+            raise AbiError(
                 f"The motion {end} where it is not proven clear, so there is no waypoint to plan "
                 f"{'from' if end == 'begins' else 'to'}."
             )
@@ -119,13 +119,13 @@ def _way(space: JointSpace, verdict: MotionVerdict, gap: tuple[int, int]) -> Flo
     ends = _positions(space, motion)[list(gap)]
     first, last = (verdict.at(float(motion.times[k])) for k in gap)
     if not space.is_within(ends):
-        raise MotionError(
+        raise AbiError(
             f"The motion passes the joints' limits at {first} or {last}, where the new way would "
             "begin and end."
         )
     found = search_joints(space, ends[:1], ends[1:], THOROUGH)
     if found.path is None:
-        raise MotionError(
+        raise AbiError(
             f"No other way was found between {first} and {last}, in {found.samples:,} samples."
         )
     return found.path

@@ -18,7 +18,7 @@ from abi.certification.stated_poses import (
     check_state,
     unused_state,
 )
-from abi.errors import MotionError, SceneError
+from abi.errors import AbiError, SceneError
 from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.couplings import require_followed
@@ -104,7 +104,7 @@ def robot_motion(
         start: positions of joints that the robot stands at, [rad] or [m]; None if not known.
 
     Raises:
-        MotionError: a joint is unknown or missing, angles look like degrees, the first waypoint is
+        AbiError: a joint is unknown or missing, angles look like degrees, the first waypoint is
             far from the start, a joint is not where one that it follows takes it, or the robot's
             state in the file is another than the scene's; names row, joint and unit.
     """
@@ -124,7 +124,7 @@ def robot_motion(
         chain = Chain.moved_by(robot, motion.joints, place, scene.arm.base_wxyz, held)
         require_followed(robot, chain.names, held)
     except SceneError as error:
-        raise MotionError(error.message) from None
+        raise AbiError(error.message) from None
     notes += [*check_followers(given, motion, chain), *check_state(motion, chain, scene)]
     notes += [*_standing(chain), *unused_state(motion, robot)]
     if scene.obstacles:
@@ -157,7 +157,7 @@ def _matched(motion: Motion, robot: Robot, tip: str) -> tuple[Motion, list[str]]
         if name not in by_name:
             like = difflib.get_close_matches(name, free, 1)
             hint = f"Did you mean {like[0]}?" if like else f"It has {some_of(free, 8)}."
-            raise MotionError(f"The robot has no joint {name} that moves.", hint, joint=name)
+            raise AbiError(f"The robot has no joint {name} that moves.", hint)
     notes = [
         f"{name} follows {by_name[name].coordinate}, so its own column is not used."
         for name in motion.joints
@@ -166,7 +166,7 @@ def _matched(motion: Motion, robot: Robot, tip: str) -> tuple[Motion, list[str]]
     kept = [name for name in free if name in motion.joints]
     if missing := _missing(robot, tip, kept):
         hint = " ".join(("Give its positions, too.", *motion.notes))  # what was left out, too
-        raise MotionError(f"The motion does not say where {missing} is.", hint, joint=missing)
+        raise AbiError(f"The motion does not say where {missing} is.", hint)
     columns = [motion.joints.index(name) for name in kept]
     rates = [
         None if table is None else table[:, columns]
@@ -222,12 +222,10 @@ def _suspect_degrees(motion: Motion, robot: Robot) -> None:
     if past[row, k] > _PAST and ((fits >= limits[:, 0]) & (fits <= limits[:, 1])).all():
         name, angle = motion.joints[turning[k]], float(angles[row, k])
         limit = float(limits[k, 1] if angle > limits[k, 1] else limits[k, 0])
-        raise MotionError(
+        raise AbiError(
             f"In row {row + 1} {name} is at {angle:g} rad, past its limit of {limit:.4g} rad; all "
             "rows would fit in degrees.",
             f"Convert them to radians, or name the unit in a CSV's header: {name} [deg].",
-            row=int(row) + 1,
-            joint=name,
         )
 
 

@@ -10,7 +10,7 @@ import scipy
 from abi.arrays import FloatArray
 from abi.certification.motion import Motion
 from abi.certification.stated_object import StatedObject
-from abi.errors import MotionError, short
+from abi.errors import AbiError, short
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.pose import METRES
 from abi.robot.kinematics.chain import Chain
@@ -32,21 +32,18 @@ def check_start(motion: Motion, robot: Robot, start: Mapping[str, float]) -> lis
     slides = {joint.name for joint in robot.joints if joint.kind == "prismatic"}
     for name in start:
         if name not in motion.joints:
-            raise MotionError(
+            raise AbiError(
                 f"The start state names {name}, which the motion does not move.",
                 f"Name some of {some_of(motion.joints, 8)}.",
-                joint=name,
             )
     near = []
     for name, first in zip(motion.joints, motion.positions[0].tolist(), strict=True):
         unit, away = "m" if name in slides else "rad", abs(first - start.get(name, first))
         if away > _FAR:
-            raise MotionError(
+            raise AbiError(
                 f"Row 1 is far from the start state: {name} is at {first:.4g} {unit} there and "
                 f"stands at {start[name]:.4g} {unit}.",
                 "Add the way from the start state to the motion.",
-                row=1,
-                joint=name,
             )
         if away > _ROUNDED:
             near.append(f"{name} by {away:.2g} {unit}")
@@ -78,22 +75,19 @@ def check_followers(given: Motion, motion: Motion, chain: Chain) -> list[str]:
             row = int(np.abs(column - follows).argmax())
             away = abs(column[row] - follows[row])
             if away > _APART:
-                raise MotionError(
+                raise AbiError(
                     f"In row {row + 1} {joint.name} is at {column[row]:.4g}, and by its <mimic> it "
                     f"follows {master} to {follows[row]:.4g}.",
                     "Leave its column out if it does, or give a robot without that <mimic>.",
-                    row=row + 1,
-                    joint=joint.name,
                 )
             if away > _ROUNDED:
                 near.append(f"{joint.name} by {away:.2g}")
         first = motion.start.joints.get(joint.name, follows[0])
         if abs(first - follows[0]) > max(1.0, abs(factor)) * _FAR:
-            raise MotionError(
+            raise AbiError(
                 f"The file's start state has {joint.name} at {first:.4g}, and by its <mimic> it "
                 f"follows {master} to {follows[0]:.4g}.",
                 "Correct the state, or give a robot without that <mimic>.",
-                joint=joint.name,
             )
     return _as_here(near)
 
@@ -113,11 +107,10 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
         if state.rests and name in ranges:
             given = state.joints.get(name, min(max(0.0, ranges[name][0]), ranges[name][1]))
         if abs(given - at) > _APART:
-            raise MotionError(
+            raise AbiError(
                 f"The file's start state has {name} at {given:.4g}, and here it stands at "
                 f"{at:.4g}.",
                 f"Hold it there: arm.gripper of the scene, or a column of the motion for {name}.",
-                joint=name,
             )
         if abs(given - at) > _ROUNDED:
             near.append(f"{name} by {abs(given - at):.2g}")
@@ -126,7 +119,7 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
         near += [f"its base by {away:.2g}"] * (away > _ROUNDED)
     root = state.root or arm.whole_robot.root
     if state.root is not None and root != chain.robot.root:
-        raise MotionError(
+        raise AbiError(
             f"The file's robot stands on its link {root}, and here on {chain.robot.root}.",
             "Say so as arm.base_link of the scene.",
         )
@@ -141,14 +134,14 @@ def check_state(motion: Motion, chain: Chain, scene: Scene) -> list[str]:
         notes.append(f"The robot holds the object that is arm.attached of the scene{none}.")
     here = {} if arm.attached is None else arm.attached.model_dump(mode="json")
     if state.attached not in (None, (scene.unit, here)):
-        raise MotionError(
+        raise AbiError(
             "The file's robot holds an object that the scene's does not.",
             "Give it as arm.attached of the scene.",
         )
     if state.attached is not None and arm.attached is not None:
         tip = arm.model_copy(update={"tip": state.tip}).tool
         if tip != arm.tool:
-            raise MotionError(
+            raise AbiError(
                 f"The file's robot holds its object with {tip}, and the scene's with {arm.tool}.",
                 "Give the same arm.tip in both scenes.",
             )
@@ -166,12 +159,12 @@ def _held_otherwise(objects: Sequence[StatedObject], scene: Scene) -> tuple[list
     named = short(objects[0].name)
     attached = scene.arm.attached
     if attached is None:
-        raise MotionError(
+        raise AbiError(
             f"The file's robot holds {named}, and the scene's nothing.",
             "Give it as arm.attached of the scene.",
         )
     if len(objects) > 1:
-        raise MotionError(
+        raise AbiError(
             f"The file's robot holds {len(objects)} objects, {named} among them, and the scene's "
             "has room for one.",
             "Give the trajectory alone, and all that is held as one mesh, arm.attached.",
@@ -181,7 +174,7 @@ def _held_otherwise(objects: Sequence[StatedObject], scene: Scene) -> tuple[list
         told = f"The file's robot holds {named}, which is not compared with arm.attached."
         return [told], []
     if away > _APART:
-        raise MotionError(
+        raise AbiError(
             f"The file's robot holds {named}, another object than the scene's or elsewhere: the "
             f"surfaces are {away:.2g} m apart.",
             "Give the same as arm.attached of the scene, in the frame of its tip.",
@@ -204,7 +197,7 @@ def _base_away(base: FloatArray, chain: Chain) -> float:
             f"({', '.join(f'{number:.4g}' for number in place)}) m"
             for place in (base[:3], here[:3, 3])
         )
-        raise MotionError(
+        raise AbiError(
             f"The file's robot stands at {there}, and here at {stands}, or it is turned otherwise.",
             "Give its place as arm.base and arm.base_wxyz of the scene.",
         )

@@ -22,7 +22,7 @@ def write(plan: Plan, name: str) -> bytes:
     is called as that or a column of the tool is, these are called ``tool_x`` and the like.
 
     Raises:
-        ExportError: there is no motion.
+        AbiError: there is no motion.
     """
     motion, unit = motion_of(plan), plan.scene.unit
     named = zip(motion.joints, motion.slides, strict=True)

@@ -1,7 +1,7 @@
 """Table of the formats in which a plan can be exported.
 
 A new format is a file beside this one and a row here. Its ``write(plan, name)`` returns the file's
-content, or raises :class:`abi.errors.ExportError` if the format cannot hold the plan.
+content, or raises :class:`abi.errors.AbiError` if the format cannot hold the plan.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from abi.atomic_file import replace_file
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.explain.arm_faults import arm_warning, limits_warning
 from abi.export import (
     csv_table,
@@ -91,7 +91,7 @@ def format_of(path: Path) -> str:
     """Name of the format for a file's ending; the longest matching ending counts.
 
     Raises:
-        ExportError: no format has this ending.
+        AbiError: no format has this ending.
     """
     endings = {
         ending: name
@@ -101,7 +101,7 @@ def format_of(path: Path) -> str:
     fitting = [ending for ending in endings if path.name.lower().endswith(ending)]
     if not fitting:
         known = ", ".join(endings)
-        raise ExportError(
+        raise AbiError(
             f"The ending of {path.name!r} means no format; expected one of {known}.",
             f"Or name a format: {', '.join(FORMATS)}.",
         )
@@ -125,24 +125,24 @@ def export(
             collides has.
 
     Raises:
-        ExportError: there is no such format, it cannot hold the plan, the plan has an error and its
+        AbiError: there is no such format, it cannot hold the plan, the plan has an error and its
             motion was not asked for all the same, or the file cannot be written.
     """
     tasks = plan if isinstance(plan, TaskPlan) else None
     plan = plan.joined if isinstance(plan, TaskPlan) else plan
     require_plan(plan)
     if not isinstance(path, str | os.PathLike):
-        raise ExportError(f"path is {path!r}; expected the file to write, such as 'motion.csv'.")
+        raise AbiError(f"path is {path!r}; expected the file to write, such as 'motion.csv'.")
     path = Path(path)
     if format is None:
         format = format_of(path)
     if format not in tuple(FORMATS):
         known = ", ".join(FORMATS)
-        raise ExportError(f"The format is {format!r}; expected one of {known}.")
+        raise AbiError(f"The format is {format!r}; expected one of {known}.")
     row = FORMATS[format]
     moves = plan.motion is not None and row.holds_motion
     if plan.error is not None and moves and not allow_unproven:
-        raise ExportError(
+        raise AbiError(
             f"The plan has an error: {plan.error.message}",
             "Pass allow_unproven=True to write its motion all the same.",
         )
@@ -154,4 +154,4 @@ def export(
         replace_file(path, content)
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "not writable").lower()
-        raise ExportError(f"{str(path)!r} cannot be written ({reason}).") from None
+        raise AbiError(f"{str(path)!r} cannot be written ({reason}).") from None

@@ -15,7 +15,7 @@ import numpy as np
 from abi import assets
 from abi.arrays import FloatArray
 from abi.curves.curve import Curve
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.explain.arm_faults import arm_faults, limits_warning
 from abi.export.carried_objects import carried_objects
 from abi.obstacles.obstacle_set import Obstacles
@@ -41,10 +41,10 @@ def write(plan: Plan, name: str) -> bytes:
     """Write the page.
 
     Raises:
-        ExportError: the plan has no mesh, so there is nothing to show.
+        AbiError: the plan has no mesh, so there is nothing to show.
     """
     if plan.free is None:
-        raise ExportError("A plan without a mesh cannot be shown.", "See its error.")
+        raise AbiError("A plan without a mesh cannot be shown.", "See its error.")
     return page_of("page.html", page_data(plan))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arm_planning.motion.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.explain.arm_faults import arm_warning, limits_warning
 from abi.export.between_points import rows_warning
 from abi.export.carried_objects import carried_objects
@@ -43,11 +43,11 @@ def motion_of(plan: Plan) -> ArmMotion:
     """The motion of a plan.
 
     Raises:
-        ExportError: the plan has no motion.
+        AbiError: the plan has no motion.
     """
     if plan.motion is None:
         cause = "it was not planned" if plan.error is None else plan.error.message
-        raise ExportError(f"There is no motion to export: {cause}")
+        raise AbiError(f"There is no motion to export: {cause}")
     return plan.motion
 
 
@@ -110,21 +110,21 @@ def joint_trajectory(plan: Plan) -> JointTrajectory:
     motion.
 
     Raises:
-        ExportError: there is no motion, it leaves the arm's reach, a joint leaves its range, or it
+        AbiError: there is no motion, it leaves the arm's reach, a joint leaves its range, or it
             lasts longer than times of ROS hold.
     """
     motion = motion_of(plan)
     if motion.error is not None:
-        raise ExportError(f"The arm cannot execute this motion: {motion.error.message}")
+        raise AbiError(f"The arm cannot execute this motion: {motion.error.message}")
     if motion.limit_violations:
         joint = motion.limit_violations[0]
-        raise ExportError(
+        raise AbiError(
             f"The arm cannot execute this motion: {joint.joint} passes its limit of "
             f"{joint.limit:.4g} at {joint.since:.2f} s.",
             "Move the base, or change the elbow or the forces of the drives.",
         )
     if not motion.time[-1] < _LONGEST:
-        raise ExportError(
+        raise AbiError(
             f"The motion lasts {motion.time[-1]:.3g} s, and times of ROS hold 68 years.",
             "Raise motion.speed, or whatever the plan says that it is slowed down by.",
         )

@@ -58,7 +58,7 @@ def write(plan: Plan, name: str) -> bytes:
     """The recording, with scene and arm attached, and as metadata whether the arm is clear.
 
     Raises:
-        ExportError: there is no motion that the arm can execute.
+        AbiError: there is no motion that the arm can execute.
     """
     from mcap.writer import Writer
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.export.solids import Solid, solids
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3
 from abi.planner.plan import Plan
@@ -22,11 +22,11 @@ def write(plan: Plan, name: str) -> bytes:
     """Write every obstacle as an object; a capsule is one object of three shapes.
 
     Raises:
-        ExportError: there are no obstacles; MoveIt refuses such a file.
+        AbiError: there are no obstacles; MoveIt refuses such a file.
     """
     scene = plan.scene
     if not scene.obstacles:
-        raise ExportError("The scene has no obstacles, and MoveIt reads no scene without.")
+        raise AbiError("The scene has no obstacles, and MoveIt reads no scene without.")
     lines = ["abi"]
     for number, parts in enumerate(solids(scene.obstacles, scene.unit)):
         lines += [f"* obstacle_{number + 1}", *_pose((0.0, 0.0, 0.0), UNTURNED)]

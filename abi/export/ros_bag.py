@@ -35,7 +35,7 @@ def write(plan: Plan, name: str) -> bytes:
     """The bag, whose metadata say whether the arm is clear.
 
     Raises:
-        ExportError: there is no motion that the arm can execute.
+        AbiError: there is no motion that the arm can execute.
     """
     from mcap_ros2.writer import Writer  # here, since few need it
 

@@ -35,7 +35,7 @@ def write(plan: Plan, name: str) -> bytes:
     but the message refuses it.
 
     Raises:
-        ExportError: there is no motion that the arm can execute.
+        AbiError: there is no motion that the arm can execute.
     """
     message = trajectory_message(plan)
     state = motion_state(plan)
@@ -55,7 +55,7 @@ def trajectory_message(plan: Plan) -> dict[str, Any]:
     them are not proven clear, but the straight way of the joints between the points is.
 
     Raises:
-        ExportError: there is no motion that the arm can execute.
+        AbiError: there is no motion that the arm can execute.
     """
     trajectory = joint_trajectory(plan)
     assert plan.arm is not None

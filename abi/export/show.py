@@ -53,7 +53,7 @@ def show(plan: Plan, search: OwnSearch | None = None) -> ShownPlan:
         An object with the HTML text in ``page``, which a notebook draws.
 
     Raises:
-        ExportError: no plan, or one without a mesh.
+        AbiError: no plan, or one without a mesh.
         ArgumentError: what ``search`` returns is no path of the graph.
     """
     require_plan(plan)

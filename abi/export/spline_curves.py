@@ -13,7 +13,7 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.planner.plan import Plan
 
 _TIMES = 201
@@ -23,11 +23,11 @@ def write(plan: Plan, name: str) -> bytes:
     """Write both curves, which of them is followed, and the motion along it, as JSON.
 
     Raises:
-        ExportError: the plan has no curves.
+        AbiError: the plan has no curves.
     """
     if plan.bspline is None:
         cause = "they were not planned." if plan.error is None else plan.error.message
-        raise ExportError(f"There are no curves to export: {cause}")
+        raise AbiError(f"There are no curves to export: {cause}")
     spline, holds = plan.bspline.curve, plan.bspline.holds
     curves = [_curve("bspline", holds, spline.degree, spline.knots, spline.control_points)]
     if plan.quadratic is not None:

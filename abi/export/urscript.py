@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.export.joint_trajectory import joint_trajectory, motion_state
 from abi.planner.plan import Plan
 
@@ -39,11 +39,11 @@ def write(plan: Plan, name: str) -> bytes:
     joints from one to the next.
 
     Raises:
-        ExportError: the arm is not one of Universal Robots, or cannot execute the motion.
+        AbiError: the arm is not one of Universal Robots, or cannot execute the motion.
     """
     trajectory = joint_trajectory(plan)
     if trajectory.names != JOINTS:
-        raise ExportError(
+        raise AbiError(
             "URScript is for the arms of Universal Robots, and this is another.",
             "Choose the UR5e in stage 6, or arm: {model: urdf, urdf: ur5e} in the scene.",
         )

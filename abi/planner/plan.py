@@ -23,7 +23,7 @@ from abi.curves.cubic_profile import PathProfile
 from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.errors import ExportError, StageError, short
+from abi.errors import AbiError, StageError, short
 from abi.obstacles.pose import METRES
 from abi.planner import plan_json
 from abi.planner.joined_legs import begins, joined_violations
@@ -305,6 +305,6 @@ class Plan(ShortRepr):
 
 
 def require_plan(value: object) -> None:
-    """Raise an ExportError for what is given instead of a plan."""
+    """Raise an AbiError for what is given instead of a plan."""
     if not isinstance(value, Plan):
-        raise ExportError(f"plan is {short(value)}; expected a Plan, such as abi.plan(scene).")
+        raise AbiError(f"plan is {short(value)}; expected a Plan, such as abi.plan(scene).")

@@ -50,7 +50,7 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     Exit code 0: written; 3: the scene has no complete plan, and what there is of it is written
     where the format can hold it; 2: bad input.
     """
-    from abi.errors import ExportError
+    from abi.errors import AbiError
     from abi.export import formats
     from abi.planner.planner import plan as plan_scene
     from abi.planner.task_plan import plan_tasks
@@ -64,7 +64,7 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     plan = plan_scene(given) if tasks is None else tasks.joined
     try:
         formats.export(tasks or plan, path, name, allow_unproven=True)
-    except ExportError as error:
+    except AbiError as error:
         if plan.error is None:
             raise
         click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)

@@ -14,7 +14,6 @@ from abi.arm_planning.arm_errors import ArmNotClear, OutOfReach
 from abi.errors import (
     AbiError,
     ClearanceNotHeld,
-    ExportError,
     NoPath,
     PointBlocked,
     SceneError,
@@ -56,7 +55,7 @@ EVERY = [
     *ERRORS,
     ArmNotClear("With the elbow up", "start", "upper_arm", 0),
     SceneError("spline.degree", 9, "at most 5"),
-    ExportError("There is no motion.", "Plan one."),
+    AbiError("There is no motion.", "Plan one."),
 ]
 
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from abi import arguments
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
-from abi.errors import ExportError, SceneError
+from abi.errors import AbiError, SceneError
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.bodies.urdf_writer import joint, write
 from abi.robot.kinematics.chain import Chain
@@ -167,12 +167,12 @@ class PaperArm(ShortRepr):
         """The chain of its URDF as it stands in the scene, in [m].
 
         Raises:
-            ExportError: it is so large that no URDF holds it.
+            AbiError: it is so large that no URDF holds it.
         """
         try:
             robot = robot_from_archive(packed(self.files()))
         except SceneError:
-            raise ExportError(
+            raise AbiError(
                 f"The arm reaches {self.reach * self.metres:.4g} m, and a URDF holds no link over "
                 "100 m.",
                 "Correct a1 to a5 of arm, or unit of the scene.",

@@ -19,7 +19,7 @@ from abi.certification.read_motion import BAGS, FORMATS, own_joints
 from abi.certification.repair import repair
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import direction_sentences, limit_sentences
-from abi.errors import AbiError, MotionError
+from abi.errors import AbiError
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.panels.files.file_uploads import FileUploads
@@ -163,7 +163,7 @@ class CheckMotionPanel:
         """Take a repaired motion in place of the one that is checked."""
         try:
             found = repair(verdict, verdict.scene.motion.joint_acceleration)
-        except MotionError as error:
+        except AbiError as error:
             notices.notify_refusal(self._client, "Not repaired", _sentence(error))
             return
         self._motion = found.verdict.problem.motion.motion
@@ -189,7 +189,7 @@ class CheckMotionPanel:
 def _with_robot(scene: Scene) -> Scene:
     """The scene, if its arm is a robot."""
     if scene.arm.model != "urdf":
-        raise MotionError(
+        raise AbiError(
             "The paper's arm has no shapes to check.", "Choose a robot in stage 6 first."
         )
     return scene

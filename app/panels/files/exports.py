@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import viser
 
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.export.formats import FORMATS
 from abi.planner.plan import Plan
 from app.panels.widgets import Wake
@@ -33,7 +33,7 @@ def send_plan(client: viser.ClientHandle, label: str, plan: Plan) -> None:
         return
     try:
         content = row.write(plan, row.file)
-    except ExportError as error:
+    except AbiError as error:
         notices.notify_refusal(client, "Not exported", error.message)
     else:
         client.send_file_download(row.file, content, save_immediately=True)

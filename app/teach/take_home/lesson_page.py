@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from markdown_it import MarkdownIt
 
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.export.html_page import page_data, page_of, rounded
 from abi.planner.planner import Planner
 from app.state.frame import Frame
@@ -52,7 +52,7 @@ def lesson_page(name: str, lesson: Lesson, folder: Path) -> bytes:
 
     Raises:
         SceneError: a page's scene cannot be read.
-        ExportError: a page's scene has no mesh, so there is nothing to show.
+        AbiError: a page's scene has no mesh, so there is nothing to show.
     """
     rehearsal, shown = Rehearsal(folder, Planner()), list[Frame]()
     pages = [_page(step, rehearsal, shown) for step in lesson.steps]
@@ -101,7 +101,7 @@ def _page(step: Step, rehearsal: Rehearsal, shown: list[Frame]) -> dict[str, Any
 def _view(frame: Frame, shown: list[Frame]) -> dict[str, Any]:
     """What is drawn of a frame, and of which plan."""
     if frame.plan.free is None:
-        raise ExportError("A page's scene has no mesh, so there is nothing to show.")
+        raise AbiError("A page's scene has no mesh, so there is nothing to show.")
     numbers = [k for k, one in enumerate(shown) if one.plan is frame.plan]
     if not numbers:
         shown.append(frame)

@@ -24,7 +24,7 @@ from abi.certification.robot_motion import robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.verdict import MotionVerdict
 from abi.certification.verdict_words import limit_sentences
-from abi.errors import ArgumentError, MotionError, SceneError
+from abi.errors import AbiError, ArgumentError, SceneError
 from abi.export.formats import FORMATS
 from abi.planner.arm_words import UNPAIRED_SENTENCE
 from abi.scene.scene import Scene, load_scene
@@ -317,7 +317,7 @@ NO_NUMBERS: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("changed", NO_NUMBERS.values(), ids=NO_NUMBERS)
 def test_what_is_no_array_of_numbers_is_refused(changed: dict[str, Any]) -> None:
     given = {"times": [0, 1], "positions": np.zeros((2, 6)), **changed}
-    with pytest.raises(MotionError, match="which are no numbers"):
+    with pytest.raises(AbiError, match="which are no numbers"):
         abi.certify("ur5e", JOINTS, **given)
 
 
@@ -449,7 +449,7 @@ def test_degrees_are_suspected_only_where_angles_are_large() -> None:
     verdict = verdict_of(scene, {"times": [0, 9], "positions": small})
     assert [one.quantity for one in verdict.limits.passed if one.joint == JOINTS[2]] == ["position"]
     small[1, 2] = 40
-    with pytest.raises(MotionError, match="would fit in degrees"):
+    with pytest.raises(AbiError, match="would fit in degrees"):
         verdict_of(scene, {"times": [0, 9], "positions": small})
 
 

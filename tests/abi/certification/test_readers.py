@@ -19,7 +19,7 @@ from abi.certification.read_motion import own_joints, read_motion
 from abi.certification.robot_motion import bezier_points, robot_motion
 from abi.certification.robot_scene import robot_scene
 from abi.certification.stated_object import StatedObject
-from abi.errors import MotionError
+from abi.errors import AbiError
 from abi.robot.urdf.tip_pose import tip_pose
 from abi.scene.scene import Scene
 from abi.scene.scene_file import yaml_text
@@ -136,7 +136,7 @@ def test_a_duration_is_read_whole(seconds: str, rest: str) -> None:
     ],
 )  # fmt: skip
 def test_what_would_be_read_otherwise_is_refused(data: dict[str, Any], words: str) -> None:
-    with pytest.raises(MotionError, match=words):
+    with pytest.raises(AbiError, match=words):
         read_message(data, [])
 
 
@@ -149,7 +149,7 @@ def test_what_points_say_beside_their_motion_is_told() -> None:
 @pytest.mark.parametrize("number", ["010", "-07", "0o17", "00", "1_000", "0.5_5", "0b11", "+0x10"])
 def test_numbers_that_two_versions_of_yaml_read_otherwise_are_refused(number: str) -> None:
     text = yaml_text(message()).replace("0.1", number, 1)
-    with pytest.raises(MotionError, match="versions of YAML"):
+    with pytest.raises(AbiError, match="versions of YAML"):
         read_motion("a.yaml", text.encode(), own_joints(ROBOT))
 
 
@@ -159,7 +159,7 @@ def test_velocities_without_times_leave_the_way_open_and_are_refused(
 ) -> None:
     plain = {"joints": list(JOINTS), "positions": TABLE}
     assert read_message({**plain, **untimed}, []).interpolation == "linear"
-    with pytest.raises(MotionError, match="velocities but no times"):
+    with pytest.raises(AbiError, match="velocities but no times"):
         read_message({**plain, **untimed, "velocities": TABLE}, [])
     with pytest.raises(Fault, match="velocities but no times"):
         exact_path({**plain, "times": TIMES, "timed": False, "velocities": TABLE}, [1] * 6)
@@ -170,7 +170,7 @@ def test_a_long_motion_is_read_from_json_and_not_from_yaml() -> None:
     content = json.dumps({"joints": list(JOINTS), "positions": table}).encode()
     assert len(content) > 2_000_000
     assert len(read_motion("a.json", content, own_joints(ROBOT)).times) == len(table)
-    with pytest.raises(MotionError, match="at most 400 kB, or JSON"):
+    with pytest.raises(AbiError, match="at most 400 kB, or JSON"):
         read_motion("a.yaml", content, own_joints(ROBOT))
 
 
@@ -212,7 +212,7 @@ def rows_with(row: int, column: int, value: object) -> list[list[object]]:
     ],
 )
 def test_wrong_input_is_one_sentence(name: str, content: bytes, words: list[str]) -> None:
-    with pytest.raises(MotionError) as caught:
+    with pytest.raises(AbiError) as caught:
         robot_motion(read_motion(name, content, own_joints(ROBOT)), SCENE)
     said = f"{caught.value.message} {caught.value.hint}"
     assert all(word in said for word in words), said
@@ -222,20 +222,20 @@ def test_wrong_input_is_one_sentence(name: str, content: bytes, words: list[str]
 def test_velocities_in_some_rows_only_are_refused() -> None:
     data = message()
     data["points"][1]["velocities"] = []
-    with pytest.raises(MotionError, match="Row 2 has 0 velocities for 6 joints"):
+    with pytest.raises(AbiError, match="Row 2 has 0 velocities for 6 joints"):
         read_motion("a.json", json.dumps(data).encode(), own_joints(ROBOT))
 
 
 def test_a_first_waypoint_far_from_the_start_state_is_refused() -> None:
     motion = Motion(JOINTS, TIMES, TABLE)  # type: ignore[arg-type]
     robot_motion(motion, SCENE, {JOINTS[2]: 0.41})
-    with pytest.raises(MotionError, match=r"Row 1 .* elbow_joint is at 0.4 rad .* at 1 rad"):
+    with pytest.raises(AbiError, match=r"Row 1 .* elbow_joint is at 0.4 rad .* at 1 rad"):
         robot_motion(motion, SCENE, {JOINTS[2]: 1.0})
 
 
 def test_a_joint_in_the_middle_must_be_given() -> None:
     motion = Motion(JOINTS[:2] + JOINTS[3:], TIMES, np.array(TABLE)[:, 1:])  # type: ignore[arg-type]
-    with pytest.raises(MotionError, match="does not say where elbow_joint is"):
+    with pytest.raises(AbiError, match="does not say where elbow_joint is"):
         robot_motion(motion, SCENE)
 
 
@@ -256,7 +256,7 @@ def test_the_joints_that_a_plan_moves_are_enough_where_the_tip_follows_another_b
     moves = robot_motion(Motion(("master",), np.array([0.0, 1.0]), table), scene)
     assert moves.chain.held == {"held": 0.0, "beside": 0.0}
     assert any("held at 0" in note for note in moves.notes)
-    with pytest.raises(MotionError, match="does not say where held is"):
+    with pytest.raises(AbiError, match="does not say where held is"):
         robot_motion(Motion(("beside",), np.array([0.0, 1.0]), table), scene)
 
 
@@ -301,7 +301,7 @@ def test_start_states_of_one_file_must_be_the_same() -> None:
         if fits:
             assert read_message(whole, []).start.base == (0, 0, 0, 0, 0, 0, 0.8)
         else:
-            with pytest.raises(MotionError, match="several start states"):
+            with pytest.raises(AbiError, match="several start states"):
                 read_message(whole, [])
 
 
@@ -310,7 +310,7 @@ def test_start_states_of_one_file_must_be_the_same() -> None:
 )
 def test_a_row_that_does_not_fit_its_header_is_refused(row: str) -> None:
     head = ",".join(["time", *JOINTS])
-    with pytest.raises(MotionError, match=r"[Rr]ow 2"):
+    with pytest.raises(AbiError, match=r"[Rr]ow 2"):
         read_motion("a.csv", f"{head}\n0,0,0,0,0,0,0,,\n{row}\n".encode(), own_joints(ROBOT))
 
 
@@ -327,9 +327,9 @@ def test_a_row_that_is_a_remark_is_told_of() -> None:
 @pytest.mark.parametrize("unit", ["deg", "degrees", ["rad", "mm"]])
 def test_a_plain_motion_in_other_units_is_refused(unit: object) -> None:
     plain = {"joints": list(JOINTS), "times": TIMES, "positions": TABLE}
-    with pytest.raises(MotionError, match="unit of the motion is"):
+    with pytest.raises(AbiError, match="unit of the motion is"):
         read_message({**plain, "unit": unit}, [])
-    with pytest.raises(MotionError, match="angle_units of the motion is"):
+    with pytest.raises(AbiError, match="angle_units of the motion is"):
         read_message({**plain, "angle_units": unit}, [])
     assert read_message({**plain, "units": "rad"}, []).joints == JOINTS
 
@@ -383,7 +383,7 @@ def test_what_else_a_message_says_of_the_robot_is_not_passed_over(
     changed: dict[str, Any], why: str
 ) -> None:
     whole = {"trajectory": [{"joint_trajectory": message()}], **changed}
-    with pytest.raises(MotionError, match=why):
+    with pytest.raises(AbiError, match=why):
         robot_motion(read_motion("a.json", json.dumps(whole).encode(), own_joints(ROBOT)), SCENE)
 
 
@@ -462,9 +462,9 @@ def test_what_a_message_says_is_held_is_what_the_scene_has(
         a_solid(kind, larger, "tool0", at, turn),
         a_solid(kind, sizes, "tool0", [0.03, 0.02, 0.08], turn),
     ):
-        with pytest.raises(MotionError, match="another object than the scene's or elsewhere"):
+        with pytest.raises(AbiError, match="another object than the scene's or elsewhere"):
             notes(other)
-    with pytest.raises(MotionError, match="holds 2 objects"):
+    with pytest.raises(AbiError, match="holds 2 objects"):
         notes(same, same)
     unread = {"link_name": "tool0", "object": {"id": "part", "meshes": [{}]}}
     for one in (unread, a_solid(kind, sizes, "forearm_link", at, turn)):
@@ -503,7 +503,7 @@ def test_a_file_may_not_have_followers_elsewhere_than_they_follow(
         assert moves.motion.joints == ("p",)
         assert any("nothing moves them: elsewhere" in note for note in moves.notes)
     else:
-        with pytest.raises(MotionError, match=why):
+        with pytest.raises(AbiError, match=why):
             robot_motion(motion, robot_scene(path))
 
 
@@ -518,7 +518,7 @@ def test_a_plan_holds_its_object_with_the_same_link(tmp_path: Path) -> None:
     table = {"joints": ["p", "q", "s"], "time": [0.0, 1.0], "positions": [[0.0] * 3, [0.1] * 3]}
     motion = read_message({"scene": scenes["d"].to_dict(), "arm": table}, ["s"])
     robot_motion(motion, scenes["d"])
-    with pytest.raises(MotionError, match="holds its object with d, and the scene's with c"):
+    with pytest.raises(AbiError, match="holds its object with d, and the scene's with c"):
         robot_motion(motion, scenes["c"])
 
 
@@ -528,7 +528,7 @@ def test_a_plan_holds_its_object_with_the_same_link(tmp_path: Path) -> None:
 def test_a_plan_of_a_scene_that_cannot_be_is_refused(wrong: dict[str, Any]) -> None:
     scene = {"unit": "m", "arm": {"base": [0, 0, 0]}} | wrong
     table = {"joints": ["p"], "time": [0.0, 1.0], "positions": [[0.0], [0.1]]}
-    with pytest.raises(MotionError, match="he plan's scene"):
+    with pytest.raises(AbiError, match="he plan's scene"):
         read_message({"scene": scene, "arm": table}, [])
 
 
@@ -564,7 +564,7 @@ def test_a_plan_is_certified_only_where_its_robot_stands_and_holds_the_same(
     moved = {"joints": ["p", "q", "s"], "positions": [[0.0] * 3, [0.1] * 3]}
     own_column = read_message({"scene": scenes[1].to_dict(), "motion": moved}, ["s"])
     assert own_column.start == motion.start._replace(joints={})
-    with pytest.raises(MotionError, match="and no scene"):
+    with pytest.raises(AbiError, match="and no scene"):
         read_message({"scene": [scenes[1].to_dict()], "motion": table}, ["s"])
     if "base_link" not in changed:  # from which p does not move anything
         assert not any("as it is here" in one for one in robot_motion(motion, scenes[1]).notes)
@@ -572,13 +572,13 @@ def test_a_plan_is_certified_only_where_its_robot_stands_and_holds_the_same(
         told = " ".join(robot_motion(motion, scenes[0]).notes)
         assert ("as it is here" in told and why in told) if why else "as it is here" not in told
     else:
-        with pytest.raises(MotionError, match=why):
+        with pytest.raises(AbiError, match=why):
             robot_motion(motion, scenes[0])
 
 
 def test_a_quote_that_none_closes_takes_no_rows_along() -> None:
     content = b'time,a,note\n0,0,\n1,1,"open\n2,2,\n3,0,'
-    with pytest.raises(MotionError, match="Row 2"):
+    with pytest.raises(AbiError, match="Row 2"):
         read_motion("a.csv", content, {"a": False})
 
 
@@ -587,7 +587,7 @@ def test_a_unit_of_another_kind_than_the_joint_is_refused(joint: int, unit: str)
     names = ["turns", "slides"]
     head = [f"{name} [{unit}]" if k == joint else name for k, name in enumerate(names)]
     content = "\n".join(["time," + ",".join(head), "0,0,0", "1,1,1"]).encode()
-    with pytest.raises(MotionError, match=f"{names[joint]} is '{unit}'"):
+    with pytest.raises(AbiError, match=f"{names[joint]} is '{unit}'"):
         read_motion("a.csv", content, {"turns": False, "slides": True})
 
 
@@ -607,5 +607,5 @@ def test_the_samples_of_all_legs_are_in_the_unit_of_their_scene() -> None:
         np.testing.assert_allclose(found.positions, [[0.1, 0.05], [0.2, 0.1]])
     for changed in ({"attach": 2}, {"release": True}, {"gripper": {"finger": 0.0}}):
         held = {**scene, "tasks": [tasks[0], changed]}
-        with pytest.raises(MotionError, match=f"Leg 2 has {next(iter(changed))}"):
+        with pytest.raises(AbiError, match=f"Leg 2 has {next(iter(changed))}"):
             read_message({"scene": held, "legs": [], "trajectory": motion}, ["slide"])

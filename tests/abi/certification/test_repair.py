@@ -11,7 +11,7 @@ from abi.certification.motion import Motion
 from abi.certification.read_motion import joint_names
 from abi.certification.repair import repair
 from abi.certification.robot_scene import robot_scene
-from abi.errors import MotionError
+from abi.errors import AbiError
 from abi.scene.scene import Scene
 
 pytestmark = pytest.mark.slow
@@ -72,5 +72,5 @@ def test_what_begins_where_it_touches_is_not_repaired() -> None:
     wall = {"shape": "box", "size": [0.3, 0.3, 0.3], "position": [x, y, z]}
     verdict = certify_motion(half, scene.replace(obstacles=[wall]))
     assert verdict.state == "touches"
-    with pytest.raises(MotionError, match="ends where it is not proven clear"):
+    with pytest.raises(AbiError, match="ends where it is not proven clear"):
         repair(verdict)

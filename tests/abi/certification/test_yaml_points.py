@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from abi.certification.read_motion import read_motion
 from abi.certification.yaml_points import parse_yaml_points
-from abi.errors import MotionError, SceneError
+from abi.errors import AbiError, SceneError
 from abi.scene.scene_file import MAX_BYTES, parse_bytes, yaml_text
 from tests.thorough import examples
 
@@ -97,5 +97,5 @@ def test_messages_larger_than_scenes_are_read() -> None:
     assert motion.to_dict() == other.to_dict()
     assert motion.notes == ("The file says: Proven clear.",)
     large = b"header: [" + b"1, " * MAX_BYTES + b"1]\n" + text
-    with pytest.raises(MotionError, match="at most 400 kB, or JSON"):
+    with pytest.raises(AbiError, match="at most 400 kB, or JSON"):
         read_motion("a.yaml", large, slides)

@@ -18,7 +18,7 @@ from mcap.reader import make_reader
 
 from abi import assets
 from abi.certification.read_motion import read_motion
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.export import formats
 from abi.export.formats import FORMATS, export
 from abi.export.joint_trajectory import joint_trajectory
@@ -71,7 +71,7 @@ def test_every_ending_means_its_format() -> None:
 
 
 def test_an_unknown_ending_names_those_there_are() -> None:
-    with pytest.raises(ExportError) as refusal:
+    with pytest.raises(AbiError) as refusal:
         formats.format_of(Path("motion.docx"))
 
     assert all(
@@ -229,7 +229,7 @@ def test_moveit_reads_every_obstacle_in_metres(sculpture: Plan) -> None:
 
 
 def test_a_scene_without_obstacles_is_no_moveit_scene() -> None:
-    with pytest.raises(ExportError, match="no obstacles"):
+    with pytest.raises(AbiError, match="no obstacles"):
         content(Plan(Scene(version=1)), "moveit")
 
 
@@ -423,7 +423,7 @@ def test_yourdfpy_moves_the_arm_to_where_the_motion_does(planned: Plan) -> None:
 @pytest.mark.slow
 def test_the_archive_has_all_that_the_arm_is_drawn_with(tmp_path: Path) -> None:
     kitchen = plan(load_scene("kitchen-ur5e"))
-    with pytest.raises(ExportError, match=r"as a \.zip"):
+    with pytest.raises(AbiError, match=r"as a \.zip"):
         content(kitchen, "urdf")
     packed = content(kitchen, "urdf-zip")
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
@@ -465,7 +465,7 @@ def test_a_plan_without_motion_says_why() -> None:
     blocked = plan(load_scene("no-way"))
 
     for name in ("csv", "ros", "mcap"):
-        with pytest.raises(ExportError, match="no motion to export: No path"):
+        with pytest.raises(AbiError, match="no motion to export: No path"):
             content(blocked, name)
     assert json.loads(content(blocked, "json"))["error"]["kind"] == "no_path"
 
@@ -475,7 +475,7 @@ def test_a_motion_that_the_arm_cannot_execute_is_for_no_robot() -> None:
     pushed = plan(load_scene("paper").replace(arm={"q5": 2.5}))
 
     for result, cause in ((far, "too far away"), (pushed, "q5 passes its limit")):
-        with pytest.raises(ExportError, match=cause):
+        with pytest.raises(AbiError, match=cause):
             content(result, "ros")
         assert content(result, "csv")
 
@@ -484,9 +484,9 @@ def test_the_ending_gives_the_format_and_a_path_may_be_text(planned: Plan, tmp_p
     path = tmp_path / "trajectory.ros.json"
     formats.export(planned, str(path))
     assert path.read_bytes() == content(planned, "ros-json")
-    with pytest.raises(ExportError, match="'cvs'; expected one of csv, json"):
+    with pytest.raises(AbiError, match="'cvs'; expected one of csv, json"):
         formats.export(planned, path, "cvs")
-    with pytest.raises(ExportError, match="means no format"):
+    with pytest.raises(AbiError, match="means no format"):
         formats.export(planned, tmp_path / "motion.docx")
 
 
@@ -496,10 +496,10 @@ def test_a_file_is_replaced_whole_or_not_at_all(planned: Plan, tmp_path: Path) -
     formats.export(planned, path, "csv")
     assert path.read_bytes() == content(planned, "csv")
 
-    with pytest.raises(ExportError, match="cannot be written"):
+    with pytest.raises(AbiError, match="cannot be written"):
         formats.export(planned, tmp_path / "none" / "motion.csv", "csv")
     blocked = plan(load_scene("no-way"))
-    with pytest.raises(ExportError):
+    with pytest.raises(AbiError):
         formats.export(blocked, path, "csv")
     assert path.read_bytes() == content(planned, "csv")
     assert [file.name for file in tmp_path.iterdir()] == ["motion.csv"]
@@ -542,7 +542,7 @@ def test_a_plan_with_an_error_writes_no_motion_unless_asked(tmp_path: Path) -> N
     assert collides.motion is not None
     for name in ("csv", "json", "ros", "ros-json", "html"):
         path = tmp_path / FORMATS[name].file
-        with pytest.raises(ExportError, match="has an error") as refusal:
+        with pytest.raises(AbiError, match="has an error") as refusal:
             formats.export(collides, path, name)
         assert "allow_unproven=True" in refusal.value.hint
         assert not path.exists()
@@ -571,5 +571,5 @@ def test_a_motion_longer_than_times_of_ros_is_refused_in_a_sentence(
 ) -> None:
     assert planned.motion is not None
     longer = replace(planned.motion, time=planned.motion.time * 2.0**32)
-    with pytest.raises(ExportError, match="times of ROS hold 68 years"):
+    with pytest.raises(AbiError, match="times of ROS hold 68 years"):
         export(replace(planned, motion=longer), tmp_path / "a", name)

@@ -10,7 +10,7 @@ import pytest
 
 import abi
 from abi import load_scene, plan
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.export import html_page
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
@@ -84,7 +84,7 @@ def test_text_cannot_leave_its_element() -> None:
 
 
 def test_nothing_to_show_is_an_error() -> None:
-    with pytest.raises(ExportError, match="without a mesh"):
+    with pytest.raises(AbiError, match="without a mesh"):
         html_page.write(Plan(load_scene("paper")), "plan.html")
 
 

@@ -22,7 +22,7 @@ from abi.arm_planning.exclusion.node_configuration_kernels import (
 )
 from abi.arm_planning.joint_rates import joint_rates
 from abi.arrays import FloatArray
-from abi.errors import ExportError, SceneError
+from abi.errors import AbiError, SceneError
 from abi.export.formats import FORMATS
 from abi.planner.arm_words import arm_result
 from abi.planner.live_planner import LivePlanner
@@ -405,7 +405,7 @@ def test_a_program_for_the_ur_passes_the_proven_poses_at_their_pace_or_slower(
 
 def test_a_program_for_the_ur_is_for_no_other_arm() -> None:
     for scene in (load_scene("paper"), KITCHEN.replace(arm={"urdf": "panda"})):
-        with pytest.raises(ExportError, match="Universal Robots"):
+        with pytest.raises(AbiError, match="Universal Robots"):
             FORMATS["urscript"].write(Planner()(scene), "motion.script")
 
 

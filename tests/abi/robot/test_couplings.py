@@ -7,7 +7,7 @@ import pytest
 
 from abi.certification.motion import Motion
 from abi.certification.robot_motion import robot_motion
-from abi.errors import MotionError, SceneError
+from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.urdf.robot import Robot, part_from
 from abi.robot.urdf.robot_files import load_robot
@@ -74,7 +74,7 @@ def test_no_motion_is_planned_certified_or_verified_of_links_posed_otherwise(ele
         {"version": 1, "unit": "m", "arm": settings}, MeshSource({"r.urdf": text_of(element)})
     )
     motion = Motion(("p", "q", "s"), np.arange(2.0), np.zeros((2, 3)))
-    with pytest.raises(MotionError, match="for other programs alone"):
+    with pytest.raises(AbiError, match="for other programs alone"):
         robot_motion(motion, scene)
 
 

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from abi import assets
 from abi.arm_planning.paper_arm_model import paper_arm
 from abi.arrays import FloatArray
-from abi.errors import ExportError
+from abi.errors import AbiError
 from abi.robot.bodies.link_solid import LinkSolid
 from abi.robot.bodies.urdf_writer import DENSITY, inertia
 from abi.robot.paper_arm import arm_links
@@ -270,5 +270,5 @@ def test_inertia_is_that_of_the_solid_geometry() -> None:
 def test_an_arm_that_no_urdf_holds_is_refused_by_its_own_lengths() -> None:
     large = PaperArm.of((0.0, 0.0, 0.0), (1.0, 2.0, 20_000.0, 3.0, 2.5), "cm")
     assert np.isfinite(large.tool(np.zeros((1, 6)))).all()
-    with pytest.raises(ExportError, match=r"reaches 200\.1 m"):
+    with pytest.raises(AbiError, match=r"reaches 200\.1 m"):
         _ = large.chain

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from abi.arm_planning.certificates.separate_chain_kernels import separate_chain
 from abi.certification.certify import certify
-from abi.errors import MotionError
+from abi.errors import AbiError
 from abi.obstacles.pose import Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.planner import Planner, plan
@@ -312,7 +312,7 @@ def test_lines_stand_for_a_robot_without_shapes_whatever_it_holds(holds: bool) -
     data: dict[str, Any] = json.loads(json.dumps(found.to_dict()))
     assert verify(data, scene.meshes)[-1].proven
     motion = data["arm"]["positions"], data["arm"]["time"]
-    with pytest.raises(MotionError, match="has a collision shape"):
+    with pytest.raises(AbiError, match="has a collision shape"):
         certify(None, ("p", "q", "s"), motion[1], motion[0], scene)
 
     # a line that is left out
