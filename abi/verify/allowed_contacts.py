@@ -197,7 +197,7 @@ def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) 
     """
     if chain.frames[link] != 0:
         return chain.frames[link] < 0
-    axis = chain.origins[0].turn.astype(float) @ chain.joints[0].axis
+    axis = chain.origins[0][:3, :3].astype(float) @ chain.joints[0].axis
     if (abs(axis[2]) if chain.joints[0].kind == "prismatic" else np.hypot(*axis[:2])) <= _UPRIGHT:
         return True
     floor = min(scene.arm.base[2], scene.workspace.min[2])
@@ -246,7 +246,8 @@ def _check_touching(
 
 def _in_frame(name: str, robot: Robot, chain: ExactChain) -> LinkTriangles:
     """Triangles of a link in the frame that moves it, [unit]."""
-    turn, origin = (np.array(part, dtype=np.float64) for part in chain.places[name])
+    pose = chain.places[name].astype(np.float64)
+    turn, origin = pose[:3, :3], pose[:3, 3]
     return link_triangles(robot.links[name], float(chain.units)).placed(turn, origin)
 
 

@@ -207,7 +207,8 @@ def _turn(chain: ExactChain, tip: str, here: Row, others: Sequence[Row]) -> Frac
 
 def _z_axis(chain: ExactChain, tip: str, here: Row) -> tuple[Vec3, Fraction]:
     """The z axis of a link at a pose, and a bound of its error along each axis."""
-    frame, (turn, origin) = chain.frames[tip], chain.places[tip]
+    frame, pose = chain.frames[tip], chain.places[tip]
+    turn, origin = pose[:3, :3], pose[:3, 3]
     ends = [cast(Vec3, tuple(one)) for one in (origin, origin + turn[:, 2])]
     if frame < 0:
         return sub(ends[1], ends[0]), Fraction(0)

@@ -70,7 +70,8 @@ def _still(scene: Scene, chain: ExactChain) -> dict[str, LinkTriangles]:
     for name, frame in chain.frames.items():
         link = scene.robot.links[name]
         if frame < 0 and link.shapes:
-            turn, origin = (np.array(part, dtype=np.float64) for part in chain.places[name])
+            pose = chain.places[name].astype(np.float64)
+            turn, origin = pose[:3, :3], pose[:3, 3]
             found[name] = link_triangles(link, float(chain.units)).placed(turn, origin)
     return found
 

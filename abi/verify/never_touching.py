@@ -220,7 +220,8 @@ def _placed(
     robot: Robot, chain: ExactChain, frames: Sequence[ExactFrame], name: str
 ) -> LinkTriangles:
     """Triangles of a link where frames are, [unit]."""
-    turn, origin = (np.array(part, dtype=np.float64) for part in chain.places[name])
+    pose = chain.places[name].astype(np.float64)
+    turn, origin = pose[:3, :3], pose[:3, 3]
     own = link_triangles(robot.links[name], float(chain.units)).placed(turn, origin)
     return own if chain.frames[name] < 0 else own.placed(*_floats(frames[chain.frames[name]]))
 

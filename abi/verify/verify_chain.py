@@ -231,7 +231,7 @@ def _check_ends(chain: ExactChain, rows: Sequence[Sequence[Fraction]], scene: Sc
 def _length(chain: ExactChain) -> Fraction:
     """Bound of the chain's length from its first joint to the tip, [unit]."""
     above = chain.above(chain.before[-1])
-    return sum((sum(map(abs, chain.origins[k].origin)) for k in (*above[:-1], -1)), Fraction(0))
+    return sum((sum(map(abs, chain.origins[k][:3, 3])) for k in (*above[:-1], -1)), Fraction(0))
 
 
 def _tool(chain: ExactChain, row: Sequence[Fraction]) -> Vec3:

@@ -14,7 +14,6 @@ from abi.verify.exact.frame import (
     ONE,
     Exact,
     ExactFrame,
-    ExactTransform,
     behind,
     fractions,
     turned,
@@ -35,10 +34,10 @@ class ExactChain:
         joints: the joints that move: those to the tip, from the base on, then those beside them
             that follow one of the coordinates, parents before children.
         before: number of the joint behind which each stands, and the tip; -1 for the world.
-        origins: pose of each joint and of the tip in the frame before it, exact.
+        origins: pose of each joint and of the tip in the frame before it, (4, 4), fractions.
         coordinates: names of the joints that the others follow.
         frames: number of the joint that moves each link of the robot, -1 where none does.
-        places: pose of each link in that frame, in the world where none does.
+        places: pose of each link in that frame, in the world where none does, (4, 4), fractions.
         units: [unit] in one metre.
         limits: of the coordinates, [rad] or [unit].
         slides: which of them are lengths.
@@ -46,10 +45,10 @@ class ExactChain:
 
     joints: tuple[Joint, ...]
     before: tuple[int, ...]
-    origins: tuple[ExactTransform, ...]
+    origins: tuple[Exact, ...]
     coordinates: tuple[str, ...]
     frames: dict[str, int]
-    places: dict[str, ExactTransform]
+    places: dict[str, Exact]
     units: Fraction
     limits: tuple[tuple[Fraction, Fraction], ...]
     slides: tuple[bool, ...]
@@ -74,7 +73,7 @@ class ExactChain:
     @cached_property
     def _wholes(self) -> list[tuple[Exact, Exact]]:
         """Rotation and origin of each pose of ``origins``, in 2^-200."""
-        return [(wholes(turn), wholes(origin)) for turn, origin in self.origins]
+        return [(wholes(pose[:3, :3]), wholes(pose[:3, 3])) for pose in self.origins]
 
     def within(self, limits: tuple[tuple[Fraction, Fraction], ...]) -> ExactChain:
         """The chain with other limits of its coordinates, [rad] or [unit]."""
@@ -109,7 +108,7 @@ class ExactChain:
             slides = joint.kind == "prismatic"
             rate = factor * (self.units if slides else far)
             found[number] += rate / (self.units if self.slides[number] else 1)
-            far += _length(self.origins[k].origin)
+            far += _length(self.origins[k][:3, 3])
             if slides:
                 far += max(self._stroke(joint, number, end) for end in self.limits[number])
         return [WIDER * lever for lever in found]

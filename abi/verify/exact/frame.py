@@ -22,13 +22,6 @@ _LARGEST_ANGLE = 64
 Exact = NDArray[np.object_]  # of exact numbers, such as a matrix in 2^-200
 
 
-class ExactTransform(NamedTuple):
-    """Rotation (3, 3) and origin (3,), as fractions."""
-
-    turn: Exact
-    origin: Exact
-
-
 class ExactFrame(NamedTuple):
     """A frame in the world: rotation and origin in 2^-200, and bounds of the errors of both."""
 

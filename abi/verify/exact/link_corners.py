@@ -62,7 +62,8 @@ def check_corners(
     for name, link in robot.links.items():
         if not link.shapes:
             continue
-        turn, origin = (np.array(part, dtype=np.float64) for part in chain.places[name])
+        pose = chain.places[name].astype(np.float64)
+        turn, origin = pose[:3, :3], pose[:3, 3]
         kinds = (*map(_corners, link.shapes), *(_spread(one, random) for one in link.shapes))
         own = np.concatenate(kinds)
         corners = units * own @ turn.T + origin
@@ -88,9 +89,9 @@ def check_lines(chain: ExactChain, robot: Robot, bodies: Mapping[str, Sequence[L
         return
     moving = (joint for joint in robot.joints if joint.kind != "fixed")
     between = {link for joint in moving for link in (joint.parent, joint.child)}
-    for frame, (_, origin) in zip(chain.before, chain.origins, strict=True):
+    for frame, pose in zip(chain.before, chain.origins, strict=True):
         if frame >= 0:
-            ends = np.array([[0.0] * 3, [*map(float, origin)]])
+            ends = np.array([[0.0] * 3, [*map(float, pose[:3, 3])]])
             # what is fixed to these may be allowed to touch, as a held object is
             links = (link for link in between if chain.frames.get(link) == frame)
             pieces = [one for link in links for one in bodies.get(link, ())]

@@ -16,12 +16,7 @@ from abi.robot.urdf.held_joints import NOT_HELD, held_in_metres
 from abi.robot.urdf.joint import Joint
 from abi.robot.urdf.robot import Robot, joints_to
 from abi.verify.exact.chain import ExactChain
-from abi.verify.exact.frame import (
-    ExactTransform,
-    fractions,
-    rounded,
-    turned,
-)
+from abi.verify.exact.frame import Exact, fractions, rounded, turned
 from abi.verify.exact.solids import in_body
 from abi.verify.fault import Fault
 
@@ -94,21 +89,21 @@ def _exact_tree(
     by_name = {joint.name: joint for joint in robot.joints}
     require_followed(robot, names, held_in_metres(robot, held, 1 / units))
     positions = _at_rest(robot, names, held, units)
-    axes, zero = fractions(np.eye(3)), fractions(np.zeros(3))
-    turned = np.array([in_body(axis, wxyz) for axis in axes])
-    frames = {robot.root: (-1, ExactTransform(turned, fractions(np.array(base))))}
-    before, origins = [-1] * len(joints), [frames[robot.root][1]] * len(joints)
+    root = fractions(np.eye(4))
+    root[:3, :3] = [in_body(axis, wxyz) for axis in root[:3, :3]]
+    root[:3, 3] = fractions(np.array(base))
+    frames = {robot.root: (-1, root)}
+    before, origins = [-1] * len(joints), [root] * len(joints)
     for joint in robot.joints:
         frame, pose = frames[joint.parent]
-        turn, place = _matrix(joint, units)
-        pose = ExactTransform(pose.turn @ turn, pose.turn @ place + pose.origin)
+        pose = pose @ _matrix(joint, units)
         if joint in joints:
             axis = fractions(joint.axis)
             if abs(axis @ axis - 1) > _NEARLY:
                 raise Fault(f"the axis of {joint.name} is no direction")
             number = joints.index(joint)
             before[number], origins[number] = frame, pose
-            frame, pose = number, ExactTransform(axes, zero)
+            frame, pose = number, fractions(np.eye(4))
         elif joint.kind != "fixed":
             pose = _moved(pose, joint, positions[joint.name], units)
         frames[joint.child] = frame, pose
@@ -159,17 +154,21 @@ def _at_rest(
     return found
 
 
-def _moved(pose: ExactTransform, joint: Joint, position: Fraction, units: int) -> ExactTransform:
+def _moved(pose: Exact, joint: Joint, position: Fraction, units: int) -> Exact:
     """A pose behind a joint that stands still, whose turn is rounded as those in a URDF are."""
+    motion = fractions(np.eye(4))
     if joint.kind == "prismatic":
-        slid = pose.turn @ (fractions(joint.axis) * position * units)
-        return pose._replace(origin=pose.origin + slid)
-    return pose._replace(turn=pose.turn @ rounded(turned(joint, position)[0]))
+        motion[:3, 3] = fractions(joint.axis) * position * units
+    else:
+        motion[:3, :3] = rounded(turned(joint, position)[0])
+    return np.asarray(pose @ motion)
 
 
-def _matrix(joint: Joint, units: int) -> ExactTransform:
+def _matrix(joint: Joint, units: int) -> Exact:
+    """Pose of a joint in the frame of its parent, (4, 4), [unit]."""
     origin = fractions(joint.origin)
     turn = origin[:3, :3]
     if (abs(turn @ turn.T - np.eye(3, dtype=object)) > _NEARLY).any():
         raise Fault(f"the origin of {joint.name} is no rotation")
-    return ExactTransform(turn, units * origin[:3, 3])
+    origin[:3, 3] *= units
+    return origin

@@ -88,7 +88,9 @@ def end_of_chain(part: float) -> bool:
     data = copy.deepcopy(_of_urdf())
     scene = load_scene("kitchen-ur5e")
     chain = exact_chain(scene.arm.robot, scene.arm.tool, scene.arm.base, 1, scene.arm.base_wxyz)
-    length = float(sum(sum(map(abs, origin)) for _, origin in chain.origins[1:]))
+    length = float(
+        sum(sum(map(abs, origin)) for origin in (pose[:3, 3] for pose in chain.origins[1:]))
+    )
     data["scene"]["start"][0] += part * 1e-5 * length
     return verdict_on("arm", data).proven
 

@@ -79,7 +79,7 @@ def test_one_piece_stands_for_all_of_a_line_between_two_joints() -> None:
     beside = joint("fixed", "b", "d", "fixed")
     robot = robot_from_archive(packed({"r.urdf": urdf(*bare, *joints, beside)}))
     chain = exact_chain(robot, "c", (0, 0, 0), 1)
-    ends = np.array([[0.0] * 3, [*map(float, chain.origins[1].origin)]])
+    ends = np.array([[0.0] * 3, [*map(float, chain.origins[1][:3, 3])]])
     assert np.linalg.norm(ends[1]) > 0.1
     tip = around(np.zeros((1, 3)), 1e-3)
     check_lines(chain, robot, {"b": [around(ends, 1e-3)], "c": [tip]})
