@@ -20,9 +20,8 @@ from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.certificate import ARM
 from abi.verify.exact.chain import ExactChain
-from abi.verify.exact.link_corners import LinkPiece
 from abi.verify.exact.mesh import ExactMesh
-from abi.verify.exact.solids import ExactSolid
+from abi.verify.exact.solids import ExactSolid, LinkPiece
 from abi.verify.fault import Fault
 from abi.verify.link_contact import LinkTriangles, link_triangles, touch
 from abi.verify.never_touching import never_touch
@@ -204,11 +203,14 @@ def may_touch_floor(link: str, scene: Scene, chain: ExactChain, bodies: Bodies) 
     low, high = (np.array(one) for one in _usual_range(chain))
     coordinate = chain.coordinates.index(chain.joints[0].coordinate)
     row = np.clip(0.0, low, high)
+    closest = [piece[-1] for piece in bodies[link]]
+    corners = [np.array(hull.points, dtype=np.float64) for hull in closest]
+    radii = [float(hull.radius) for hull in closest]
     for value in np.linspace(low[coordinate], high[coordinate], _POSES):
         row[coordinate] = value
         frame = chain.place([Fraction(number) for number in row.tolist()])[0]
         up, origin = (np.array(part[2] / 2.0**200, dtype=np.float64) for part in frame[:2])
-        heights = [(piece.points @ up).min() - piece.rounding for piece in bodies[link]]
+        heights = [(few @ up).min() - radius for few, radius in zip(corners, radii, strict=True)]
         if min(heights) + origin > floor + _NEAR:
             return False
     return True

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -15,24 +14,23 @@ from abi.verify.plan_fields import list_of, numbers_of
 Row = list[Fraction]
 
 
-@dataclass(frozen=True, eq=False)
-class ExactPath:
-    """Bézier points of each piece, rows of n positions, [rad] or [unit]; piece k begins at k."""
+ExactPath = Sequence[tuple[Row, ...]]
+"""Bézier points of each piece, rows of n positions, [rad] or [unit]; piece k begins at k."""
 
-    pieces: tuple[tuple[Row, ...], ...]
 
-    def positions(self, at: Fraction) -> Row:
-        """Positions at a parameter."""
-        piece = min(int(at), len(self.pieces) - 1)
-        return _part(self.pieces[piece], Fraction(0), at - piece)[-1]
+def positions_at(path: ExactPath, at: Fraction) -> Row:
+    """Positions at a parameter of a path."""
+    piece = min(int(at), len(path) - 1)
+    return _part(path[piece], Fraction(0), at - piece)[-1]
 
-    def hull(self, start: Fraction, end: Fraction) -> list[Row]:
-        """Rows whose least and largest values bound all positions on a stretch."""
-        found: list[Row] = []
-        for piece in range(int(start), max(int(start) + 1, -int(-end // 1))):
-            low, high = max(start - piece, Fraction(0)), min(end - piece, Fraction(1))
-            found += _part(self.pieces[piece], low, high)
-        return found
+
+def rows_around(path: ExactPath, start: Fraction, end: Fraction) -> list[Row]:
+    """Rows whose least and largest values bound all positions on a stretch of a path."""
+    found: list[Row] = []
+    for piece in range(int(start), max(int(start) + 1, -int(-end // 1))):
+        low, high = max(start - piece, Fraction(0)), min(end - piece, Fraction(1))
+        found += _part(path[piece], low, high)
+    return found
 
 
 def exact_path(motion: dict[str, Any], scales: Sequence[int]) -> ExactPath:
@@ -76,7 +74,7 @@ def exact_path(motion: dict[str, Any], scales: Sequence[int]) -> ExactPath:
             _sum(b, (v, -5, 1)),
         )
         pieces.append((a, *inner, b))
-    return ExactPath(tuple(pieces))
+    return pieces
 
 
 def _sum(row: Row, added: tuple[Row, int, int]) -> Row:

@@ -18,7 +18,7 @@ from abi.scene.scene import Scene
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.frame import nearly_sine_and_cosine
 from abi.verify.exact.solids import Vec3, dot, sqrt_bounds, sub, vector
-from abi.verify.exact_path import ExactPath, Row
+from abi.verify.exact_path import ExactPath, Row, positions_at, rows_around
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, mapping, numbers_of
 
@@ -53,7 +53,7 @@ def check_held_at_samples(
     """
     _check_uniform(section, rows)
     last = len(rows) - 1
-    path = ExactPath(tuple(itertools.pairwise([*row] for row in rows)))
+    path = [*itertools.pairwise([*row] for row in rows)]
     check_held(axis, chain, tip, path, (Fraction(axis.begin) * last, Fraction(axis.end) * last))
     return (
         f", the gripper within {axis.tolerance:g} rad of its direction from {axis.begin:g} to "
@@ -161,12 +161,12 @@ def check_held(
             raise Fault("the direction that it keeps has too little room to be checked")
         start, end = waiting.pop()
         middle = _cut(start, end)
-        here = path.positions(middle)
-        left = tolerance - _turn(chain, tip, here, path.hull(start, end))
+        here = positions_at(path, middle)
+        left = tolerance - _turn(chain, tip, here, rows_around(path, start, end))
         if left > 0 and _within(_z_axis(chain, tip, here), axis, left):
             continue
         if end - start < _SHORTEST:
-            share = float(middle / len(path.pieces))
+            share = float(middle / len(path))
             within = f"within {axis.tolerance:g} rad at {share:.3f} of its time"
             raise Fault(f"the gripper does not keep its direction {within}")
         waiting += [(middle, end), (start, middle)]

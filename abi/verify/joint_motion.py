@@ -4,25 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import NamedTuple
 
 import numpy as np
 
 from abi.verify.certificate import CertifiedPlane
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.frame import BITS, ONE, Exact, ExactFrame, wholes
-from abi.verify.exact.solids import Vec3, times_length
-from abi.verify.exact_path import ExactPath
+from abi.verify.exact.solids import MovedHull, Vec3, times_length
+from abi.verify.exact_path import ExactPath, positions_at, rows_around
 from abi.verify.fault import Fault
-
-
-class MovedHull(NamedTuple):
-    """All points within ``radius`` of a hull in the frame of a joint, -1 for the world."""
-
-    link: str
-    frame: int
-    points: tuple[Vec3, ...]
-    radius: Fraction
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +86,14 @@ class JointMotion:
     def _near(self, plane: CertifiedPlane) -> tuple[list[ExactFrame], list[Fraction]]:
         """Frames at the pose of a plane, and how far each coordinate gets from it."""
         start, end, at = plane.start, plane.end, plane.at
-        if not 0 <= start <= at <= end <= len(self.path.pieces):
+        if not 0 <= start <= at <= end <= len(self.path):
             raise Fault(f"a piece from {float(start):g} is not on the motion")
         if at not in self.frames:
-            self.frames[at] = self.chain.place(self.path.positions(at))
+            self.frames[at] = self.chain.place(positions_at(self.path, at))
         key = start, end, at
         if key not in self.ways:
-            here = self.path.positions(at)
-            columns = zip(*self.path.hull(start, end), strict=True)
+            here = positions_at(self.path, at)
+            columns = zip(*rows_around(self.path, start, end), strict=True)
             self.ways[key] = [
                 max(max(column) - middle, middle - min(column))
                 for column, middle in zip(columns, here, strict=True)

@@ -29,6 +29,10 @@ _WHOLE = 1e-4
 _EDGES = ([0, 1, 2], [1, 2, 0])
 _TINY = 1e-300
 
+TrianglePairs = tuple[FloatArray, FloatArray, FloatArray]
+"""Triangles of one link and of another, (k, 3, 3) each, and the distance within which each pair
+counts as touching, (k,)."""
+
 
 class LinkTriangles(NamedTuple):
     """Triangles of a link's shapes.
@@ -77,19 +81,6 @@ def _shells(triangles: FloatArray) -> IntArray:
     return np.asarray(np.unique(parts[sides[:, 0]], return_inverse=True)[1])
 
 
-class NearTriangles(NamedTuple):
-    """Triangles of two links whose bounds overlap.
-
-    Attributes:
-        first, second: triangles, (k, 3, 3) each.
-        reach: distance within which both count as touching, (k,).
-    """
-
-    first: FloatArray
-    second: FloatArray
-    reach: FloatArray
-
-
 def touch(first: LinkTriangles, second: LinkTriangles) -> bool:
     """Check whether two links touch, up to a millionth of their size."""
     if _any_inside(first, second) or _any_inside(second, first):
@@ -99,7 +90,7 @@ def touch(first: LinkTriangles, second: LinkTriangles) -> bool:
 
 def near_triangles(
     first: LinkTriangles, second: LinkTriangles, within: float
-) -> Iterator[NearTriangles]:
+) -> Iterator[TrianglePairs]:
     """Triangles of two links that may be that near, up to a millionth of the links' size.
 
     They come some thousand at a time.
@@ -108,7 +99,7 @@ def near_triangles(
     near = within + _NEAR * float(np.ptp(every, axis=0).max())
     for i, j in _candidates(first, second, near):
         reach = first.radii[i] + second.radii[j] + near
-        yield NearTriangles(first.corners[i], second.corners[j], reach)
+        yield first.corners[i], second.corners[j], reach
 
 
 def _triangles(shape: LinkShape) -> FloatArray:

@@ -21,7 +21,7 @@ from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.frame import ExactFrame
 from abi.verify.link_contact import (
     LinkTriangles,
-    NearTriangles,
+    TrianglePairs,
     link_triangles,
     meet,
     near_triangles,
@@ -137,7 +137,7 @@ def _meeting(
     """
     used = sorted({one.coordinate for one in axes})
     found = np.zeros(len(positions), dtype=np.bool_)
-    waiting, count = list[tuple[int, NearTriangles]](), 0
+    waiting, count = list[tuple[int, TrianglePairs]](), 0
     corners, points = moved.corners.reshape(-1, 3), np.unique(still.corners.reshape(-1, 3), axis=0)
     once = np.unique(corners, axis=0, return_index=True)[1]
     for number, (at, distance) in enumerate(zip(positions.tolist(), within.tolist(), strict=True)):
@@ -150,7 +150,7 @@ def _meeting(
         placed = moved._replace(corners=there.reshape(-1, 3, 3))
         for few in near_triangles(still, placed, distance):
             waiting.append((number, few))
-            count += len(few.reach)
+            count += len(few[0])
         if count > _MANY:
             found[_hits(waiting)] = True
             waiting, count = [], 0
@@ -158,13 +158,13 @@ def _meeting(
     return found
 
 
-def _hits(waiting: Sequence[tuple[int, NearTriangles]]) -> IntArray:
+def _hits(waiting: Sequence[tuple[int, TrianglePairs]]) -> IntArray:
     """Numbers of those that have triangles which meet."""
     if not waiting:
         return np.zeros(0, dtype=np.int32)
     numbers, all_ = zip(*waiting, strict=True)
     meeting = meet(*(np.concatenate(column) for column in zip(*all_, strict=True)))
-    return np.repeat(np.array(numbers, np.int32), [len(one.reach) for one in all_])[meeting]
+    return np.repeat(np.array(numbers, np.int32), [len(reach) for *_, reach in all_])[meeting]
 
 
 def _axes(chain: ExactChain, frames: Sequence[ExactFrame], first: str, second: str) -> list[_Axis]:

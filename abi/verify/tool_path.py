@@ -87,7 +87,7 @@ def check_tool(
         if found is None or any(_gap(tool, end) > allowed for end in ends):
             raise Fault(f"at {time:g} s the tool tip is not where it is on the curve")
         at = found
-        slid, q5 = slide.within(Fraction(at), Fraction(at)), Fraction(row[4])
+        slid, q5 = slide(Fraction(at), Fraction(at)), Fraction(row[4])
         if not slid.low - allowed <= q5 <= slid.high + allowed:
             raise Fault(f"at {time:g} s its slide is not where it is on the curve")
 

@@ -34,15 +34,23 @@ from abi.verify.certificate import (
 )
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.frame import ExactFrame
-from abi.verify.exact.link_corners import LinkPiece, check_corners, check_lines
+from abi.verify.exact.link_corners import check_corners, check_lines
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.robot_chain import exact_chain
-from abi.verify.exact.solids import ExactFloor, ExactSolid, Vec3, sub, vector
-from abi.verify.exact_path import ExactPath
+from abi.verify.exact.solids import (
+    ExactFloor,
+    ExactSolid,
+    LinkPiece,
+    MovedHull,
+    Vec3,
+    sub,
+    vector,
+)
+from abi.verify.exact_path import positions_at
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_at_samples, check_span
 from abi.verify.held_links import held_below_floor, held_in_each_other
-from abi.verify.joint_motion import JointMotion, MovedHull
+from abi.verify.joint_motion import JointMotion
 from abi.verify.joint_rates import check_rates
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.samples import check_samples, check_tool_points
@@ -61,10 +69,6 @@ _LEAST_ANGLE = 0.01
 """Least angle to a direction held at samples that is checked, [rad]: less would take too long."""
 _PAST = Fraction(1, 10**9)
 """Distance by which a joint may exceed its limit, [rad] or [unit]."""
-
-
-_Capsule = tuple[MovedHull, MovedHull]
-"""A piece of a link: it is within a radius of a segment, and in a hull that is closer."""
 
 
 def check_chain(
@@ -89,12 +93,14 @@ def check_chain(
     duration = finite("timing.duration", timing.get("duration"))
     check_rates(section, duration, rows, chain, scene)
     check_span(section, scene, duration)
-    motion = JointMotion(chain, ExactPath(tuple(itertools.pairwise(rows))))
+    motion = JointMotion(chain, [*itertools.pairwise(rows)])
     _check_ends(chain, rows, scene)
     check_tool_points(section, partial(_tool, chain), _tolerance(chain, rows))
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
-    bodies = _bodies(capsules)
+    bodies: dict[str, list[LinkPiece]] = {}
+    for capsule in capsules:
+        bodies.setdefault(capsule[0].link, []).append(capsule)
     check_corners(scene.robot, chain, bodies)
     check_lines(chain, scene.robot, bodies)
     ends = [rows[k] for k in (0, len(rows) // 2, -1)]
@@ -163,18 +169,8 @@ def _left_out(certificate: dict[str, Any]) -> str:
     return f"; allowed to touch: {named}" if named else ""
 
 
-def _bodies(capsules: Sequence[_Capsule]) -> dict[str, list[LinkPiece]]:
-    """Pieces of each link, in floating point."""
-    found: dict[str, list[LinkPiece]] = {}
-    for capsule in capsules:
-        ends, points = (np.array(hull.points, dtype=np.float64) for hull in capsule)
-        radius, rounding = (float(hull.radius) for hull in capsule)
-        found.setdefault(capsule[0].link, []).append(LinkPiece(ends, radius, points, rounding))
-    return found
-
-
 def _check_all_named(
-    capsules: Sequence[_Capsule],
+    capsules: Sequence[LinkPiece],
     pairs: Sequence[tuple[int, int]],
     allowed: Container[tuple[str, Other]],
 ) -> None:
@@ -257,12 +253,12 @@ def _turned(frame: ExactFrame, wxyz: Quaternion) -> float:
 
 def _check_outside(
     motion: JointMotion,
-    capsules: Sequence[_Capsule],
+    capsules: Sequence[LinkPiece],
     obstacles: list[ExactSolid | ExactMesh],
     allowed: Container[tuple[str, Other]],
 ) -> None:
     """Raise if a capsule, clear of all triangles, is inside a closed mesh."""
-    frames = motion.chain.place(motion.path.positions(Fraction(0)))
+    frames = motion.chain.place(positions_at(motion.path, Fraction(0)))
     for _, hull in capsules:
         point = hull.points[0]
         if hull.frame >= 0:
@@ -274,20 +270,21 @@ def _check_outside(
                 raise Fault(f"{hull.link} is inside a mesh")
 
 
-def _least(motion: JointMotion, capsule: _Capsule, plane: CertifiedPlane) -> Fraction:
+def _least(motion: JointMotion, capsule: LinkPiece, plane: CertifiedPlane) -> Fraction:
     """Lower bound of a plane's product with a capsule, or its closer hull, all along its piece."""
     return motion.least(capsule[plane.closer], plane)
 
 
 def _apart(
-    motion: JointMotion, first: _Capsule, second: _Capsule, plane: CertifiedPlane
+    motion: JointMotion, first: LinkPiece, second: LinkPiece, plane: CertifiedPlane
 ) -> Fraction:
     """Lower bound of a plane's product with a capsule that it must keep apart from another."""
     return motion.apart(first[plane.closer], second[plane.closer], plane)
 
 
-def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> list[_Capsule]:
-    capsules = []
+def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> list[LinkPiece]:
+    """Pieces of links: each within a radius of a segment, and in a hull that is closer."""
+    capsules: list[LinkPiece] = []
     for entry in list_of(f"{ARM}.capsules", certificate.get("capsules")):
         data = mapping(f"{ARM}.capsules", entry)
         link, radius = data.get("link"), Fraction(finite(f"{ARM}.radius", data.get("radius")))

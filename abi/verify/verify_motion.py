@@ -15,25 +15,22 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from abi.errors import SceneError
 from abi.obstacles.pose import METRES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.urdf.robot import Robot
 from abi.scene.scene import Scene
 from abi.verify.allowed_contacts import contacts_of_motion, may_touch_floor, not_compared
 from abi.verify.certificate import MOTION, planes_of, words_of
 from abi.verify.exact.chain import ExactChain
-from abi.verify.exact.link_corners import LinkPiece, check_corners, has_own_shape
+from abi.verify.exact.link_corners import check_corners, has_own_shape
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.robot_chain import exact_joints
-from abi.verify.exact.solids import ExactFloor, ExactSolid
-from abi.verify.exact_path import exact_path
+from abi.verify.exact.solids import ExactFloor, ExactSolid, LinkPiece, MovedHull
+from abi.verify.exact_path import exact_path, positions_at
 from abi.verify.fault import Fault
 from abi.verify.held_direction import check_held_in_motion
 from abi.verify.held_links import held_below_floor, held_in_each_other
-from abi.verify.joint_motion import JointMotion, MovedHull
+from abi.verify.joint_motion import JointMotion
 from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.separation import check_apart
@@ -60,15 +57,17 @@ def verify_motion(data: dict[str, Any], folder: Path | MeshSource | None = None)
     margin = _margin(data, certificate, obstacles)
     motion = _motion(mapping("motion", data.get("motion")), scene)
     bodies = _bodies(certificate, motion.chain)
-    pieces = _pieces(bodies, scene.robot)
+    pieces: dict[str, list[LinkPiece]] = {name: [] for name in scene.robot.links}
+    for body in bodies:
+        pieces[body.link].append((body,))
     check_corners(scene.robot, motion.chain, pieces)
     if not has_own_shape(motion.chain, scene.robot):
         raise Fault("no link of the robot that moves has a shape")
-    few = [motion.path.positions(Fraction(k * len(motion.path.pieces), 4)) for k in range(5)]
+    few = [positions_at(motion.path, Fraction(k * len(motion.path), 4)) for k in range(5)]
     allowed = contacts_of_motion(data, scene, motion.chain, pieces, few)
     pairs = _pairs(certificate, len(bodies))
     planes = planes_of(MOTION, certificate, partial(_key, len(bodies)))
-    span = Fraction(0), Fraction(len(motion.path.pieces))
+    span = Fraction(0), Fraction(len(motion.path))
     floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     links = {body.link for body in bodies}
     standing = {one for one in links if may_touch_floor(one, scene, motion.chain, pieces)}
@@ -158,7 +157,7 @@ def _motion(motion: dict[str, Any], scene: Scene) -> JointMotion:
     stands = scene.arm.base, units, scene.arm.base_wxyz, held
     chain = exact_joints(robot, tuple(names), *stands)
     path = exact_path(motion, [units if slides else 1 for slides in chain.slides])
-    columns = [*zip(*(row for piece in path.pieces for row in piece), strict=True)]
+    columns = [*zip(*(row for piece in path for row in piece), strict=True)]
     limits = tuple(
         (min(low, *column), max(high, *column))
         for (low, high), column in zip(chain.limits, columns, strict=True)
@@ -183,16 +182,6 @@ def _bodies(certificate: dict[str, Any], chain: ExactChain) -> list[MovedHull]:
             raise Fault(f"{link} is moved by another joint")
         bodies.append(MovedHull(link, chain.frames[link], tuple(points), radius))
     return bodies
-
-
-def _pieces(bodies: Sequence[MovedHull], robot: Robot) -> dict[str, list[LinkPiece]]:
-    """Bodies by link, in floating point."""
-    by_link: dict[str, list[LinkPiece]] = {name: [] for name in robot.links}
-    for body in bodies:
-        corners = np.array(body.points, dtype=np.float64)
-        anywhere = np.zeros((2, 3)), np.inf
-        by_link[body.link].append(LinkPiece(*anywhere, corners, float(body.radius)))
-    return by_link
 
 
 def _pairs(certificate: dict[str, Any], bodies: int) -> list[tuple[int, int]]:
@@ -231,7 +220,7 @@ def _check_outside(
     motion: JointMotion, bodies: Sequence[MovedHull], obstacles: Sequence[ExactSolid | ExactMesh]
 ) -> None:
     """Raise if a body, clear of all triangles, is inside a closed mesh."""
-    frames = motion.chain.place(motion.path.positions(Fraction(0)))
+    frames = motion.chain.place(positions_at(motion.path, Fraction(0)))
     for body in bodies:
         if body.frame >= 0:
             point, _ = frames[body.frame].place(body.points[0])

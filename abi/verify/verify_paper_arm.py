@@ -6,9 +6,9 @@ The proof is that of :mod:`abi.arm_planning.certificates.paper_arm_certificate`.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 from abi.scene.scene import Scene
@@ -25,7 +25,7 @@ from abi.verify.certificate import (
 from abi.verify.exact.interval import enclose, rounded
 from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.paper_arm import ExactArm, ExactCapsule, ExactPose
-from abi.verify.exact.slide import ExactSlide, ExactTiming, anywhere, moving
+from abi.verify.exact.slide import ExactSlide, anywhere, moving
 from abi.verify.exact.solids import (
     ExactCurve,
     ExactFloor,
@@ -51,36 +51,8 @@ _PHASES, _WITHOUT_PHASES = ("three_phase", "slowed"), ("time_optimal", "jerk_lim
 """Laws whose motions have three phases, and never have; of any other a plan has them or has not."""
 
 
-@dataclass(frozen=True, eq=False)
-class _CurveMotion:
-    """The arm with its tool on a curve, and the poses around which directions hold."""
-
-    arm: ExactArm
-    curve: ExactCurve
-    slide: ExactSlide
-    poses: dict[tuple[Fraction, Fraction, Fraction], ExactPose] = field(default_factory=dict)
-
-    def near(self, plane: CertifiedPlane) -> ExactPose:
-        """The pose of a plane, and how far the arm moves from it."""
-        key = plane.start, plane.end, plane.at
-        if key not in self.poses:
-            self.poses[key] = self._pose(plane)
-        return self.poses[key]
-
-    def _pose(self, plane: CertifiedPlane) -> ExactPose:
-        points = hull(self.curve, plane.start, plane.end)
-        if not points or not plane.start <= plane.at <= plane.end:
-            raise Fault(f"a piece from {float(plane.start):g} is not on the curve")
-        place = rounded(point_at(self.curve, plane.at))
-        # rounding a point moves it by less than 2^-59
-        ways = [sub(rounded(point), place) for point in points]
-        away = enclose(max(dot(way, way) for way in ways)).sqrt().high + Fraction(1, 1 << 59)
-        slid = self.slide.within(plane.start, plane.end)
-        forearm = enclose(self.arm.lower + slid.low, self.arm.lower + slid.high)
-        pose = self.arm.near(place, forearm, away)
-        if pose is None:
-            raise Fault(f"the arm may not reach all places near {float(plane.at):g}")
-        return pose
+_PoseNear = Callable[[Fraction, Fraction, Fraction], ExactPose]
+"""Function from a piece's first and last parameter, and that of a pose, to the arm near this."""
 
 
 def check_paper_arm(
@@ -110,16 +82,17 @@ def check_paper_arm(
         *(Fraction(settings.a3), Fraction(settings.a4) + Fraction(settings.a5)),
         1 if elbow == "up" else -1,
     )
-    motion = _CurveMotion(arm, curve, _slide(scene, timing, curve))
+    slide = _slide(scene, timing, curve)
+    near = lru_cache(maxsize=None)(partial(_pose_near, arm, curve, slide))
     check_ends(curve, scene)
-    check_tool(section, timing, arm, curve, motion.slide)
+    check_tool(section, timing, arm, curve, slide)
     capsules = capsules_of(certificate, arm)
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     floor = ExactFloor(min(arm.base[2], Fraction(scene.workspace.min[2])))
     span = curve[0].start, curve[-1].end
     _check_above(curve, floor, scene)
     for number, capsule in enumerate(capsules):
-        least = partial(_least, motion, capsule)
+        least = partial(_least, arm, near, capsule)
         for k, obstacle in enumerate(obstacles):
             label = f"{capsule.link} and obstacle {k + 1}"
             check_apart(label, planes.get((number, k), []), least, span, obstacle, margin)
@@ -179,11 +152,36 @@ def _still(capsule: ExactCapsule, arm: ExactArm) -> ExactSolid:
     return ExactSolid(half, zero, capsule.radius, centre, _UPRIGHT)
 
 
-def _least(motion: _CurveMotion, capsule: ExactCapsule, plane: CertifiedPlane) -> Fraction:
+def _pose_near(
+    arm: ExactArm,
+    curve: ExactCurve,
+    slide: ExactSlide,
+    start: Fraction,
+    end: Fraction,
+    at: Fraction,
+) -> ExactPose:
+    """The arm with its tool at a parameter of a curve, and how far it moves on a piece of that."""
+    points = hull(curve, start, end)
+    if not points or not start <= at <= end:
+        raise Fault(f"a piece from {float(start):g} is not on the curve")
+    place = rounded(point_at(curve, at))
+    # rounding a point moves it by less than 2^-59
+    ways = [sub(rounded(point), place) for point in points]
+    away = enclose(max(dot(way, way) for way in ways)).sqrt().high + Fraction(1, 1 << 59)
+    slid = slide(start, end)
+    pose = arm.near(place, enclose(arm.lower + slid.low, arm.lower + slid.high), away)
+    if pose is None:
+        raise Fault(f"the arm may not reach all places near {float(at):g}")
+    return pose
+
+
+def _least(
+    arm: ExactArm, near: _PoseNear, capsule: ExactCapsule, plane: CertifiedPlane
+) -> Fraction:
     """Lower bound of a plane's product with the capsule all along its piece."""
-    pose = motion.near(plane)
-    way = motion.arm.way(pose, capsule) + capsule.radius
-    return motion.arm.least(pose, capsule, plane.normal) - times_length(way, plane.normal)
+    pose = near(plane.start, plane.end, plane.at)
+    way = arm.way(pose, capsule) + capsule.radius
+    return arm.least(pose, capsule, plane.normal) - times_length(way, plane.normal)
 
 
 def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlide:
@@ -206,7 +204,7 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
         return anywhere(start, start)
     if (motion.law != "three_phase" or motion.time_step is not None) and t1 and t3:
         rates = peak / t1, peak / t3
-    return moving(curve, ExactTiming(t1, t2, t3, peak, *rates), start, force / inertia)
+    return moving(curve, (t1, t2, t3), (peak, *rates), start, force / inertia)
 
 
 def _key(capsules: int, entry: dict[str, Any]) -> CapsuleKey:

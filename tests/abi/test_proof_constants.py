@@ -385,9 +385,9 @@ def is_within_proven(plan: Plan) -> bool:
     data, slide = plan.to_dict(), plan.motion.slide
     curve = curve_of(plan.followed, data[plan.followed])
     checked = verify_paper_arm._slide(plan.scene, data["timing"], curve)
-    # the verifier takes 64 parts of each polynomial, the proof 16
-    parts = itertools.pairwise(checked.parameters[::4])
-    found = [checked.within(start, end) for start, end in parts]
+    # the proof takes 16 parts of each polynomial
+    parts = [one.start + (one.end - one.start) * k / 16 for one in curve for k in range(16)]
+    found = [checked(*ends) for ends in itertools.pairwise([*parts, curve[-1].end])]
     low, high = slide.low[:-1].tolist(), slide.high[1:].tolist()
     return all(
         least <= float(one.low) and float(one.high) <= most

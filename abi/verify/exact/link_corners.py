@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -19,6 +18,7 @@ from abi.arrays import BoolArray, FloatArray
 from abi.robot.urdf.link import LinkShape
 from abi.robot.urdf.robot import Robot
 from abi.verify.exact.chain import ExactChain
+from abi.verify.exact.solids import LinkPiece, MovedHull
 from abi.verify.fault import Fault
 
 _NEAR = 1e-6
@@ -29,26 +29,10 @@ _POINTS = 600
 _AROUND = np.linspace(0, 2 * np.pi, 16, endpoint=False)
 
 
-class LinkPiece(NamedTuple):
-    """A piece of a link, in the frame that moves it, [unit].
-
-    Attributes:
-        ends: of its capsule's segment, (2, 3).
-        radius: of its capsule.
-        points: whose hull it is in, too, (k, 3).
-        rounding: distance from that hull that belongs to it.
-    """
-
-    ends: FloatArray
-    radius: float
-    points: FloatArray
-    rounding: float
-
-
 def check_corners(
     robot: Robot, chain: ExactChain, bodies: Mapping[str, Sequence[LinkPiece]]
 ) -> None:
-    """Raise if a point of a link's shapes is in none of its pieces, capsule and hull.
+    """Raise if a point of a link's shapes is in none of its pieces.
 
     Args:
         robot: the robot.
@@ -116,15 +100,16 @@ def _are_held(points: FloatArray, pieces: Sequence[LinkPiece], allowed: float) -
 
 
 def _inside(points: FloatArray, one: LinkPiece, allowed: float) -> BoolArray:
-    """Check which of points (n, 3) are in a piece, capsule and hull, up to a distance."""
-    inside = np.asarray(_distances(points, one.ends) <= one.radius + allowed)
-    inside[inside] = _in_hull(points[inside], one, allowed)
+    """Check which of points (n, 3) are in all hulls of a piece, up to a distance."""
+    inside = np.ones(len(points), dtype=np.bool_)
+    for hull in one:
+        inside[inside] = _in_hull(points[inside], hull, allowed)
     return inside
 
 
-def _in_hull(corners: FloatArray, body: LinkPiece, allowed: float) -> BoolArray:
-    """Check which of points (n, 3) are in the hull of a body, up to a distance."""
-    points, room = body.points, body.rounding + allowed
+def _in_hull(corners: FloatArray, hull: MovedHull, allowed: float) -> BoolArray:
+    """Check which of points (n, 3) are in a hull, up to a distance."""
+    points, room = np.array(hull.points, dtype=np.float64), float(hull.radius) + allowed
     if len(points) <= 2:
         return np.asarray(_distances(corners, points[[0, -1]]) <= room)
     try:

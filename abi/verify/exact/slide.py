@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import itertools
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass
+from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 
 from abi.verify.exact.interval import Interval, enclose, rounded
 from abi.verify.exact.solids import ExactCurve, dot, sub
@@ -19,63 +20,31 @@ _MOVED = Fraction(1, 1 << 59)
 _PARTS = 64  # of each polynomial; with 16, one right proof of forty was refused
 
 
-@dataclass(frozen=True)
-class ExactTiming:
-    """Three phases: speeding up, cruising, slowing down.
-
-    Attributes:
-        t1, t2, t3: their durations, [s].
-        peak: speed of the cruise, [unit/s].
-        acceleration, deceleration: of the first and the last, [unit/s²].
-    """
-
-    t1: Fraction
-    t2: Fraction
-    t3: Fraction
-    peak: Fraction
-    acceleration: Fraction
-    deceleration: Fraction
-
-    def at(self, way: Interval) -> Interval:
-        """Time at which a distance has been travelled, [s]."""
-        return Interval(self._at(way.low).low, self._at(way.high).high)
-
-    def _at(self, way: Fraction) -> Interval:
-        speeding = self.peak * self.t1 / 2
-        cruising = speeding + self.peak * self.t2
-        length = cruising + self.peak * self.t3 / 2
-        if way <= speeding:
-            time = enclose(2 * max(way, Fraction(0)) / self.acceleration).sqrt()
-            return Interval(time.low, min(time.high, self.t1))
-        if way <= cruising:
-            return enclose(self.t1 + (way - speeding) / self.peak)
-        duration = self.t1 + self.t2 + self.t3
-        left = enclose(2 * max(length - way, Fraction(0)) / self.deceleration).sqrt()
-        return enclose(duration).minus(left)
-
-
-@dataclass(frozen=True, eq=False)
-class ExactSlide:
-    """Bounds of q5 at some parameters of a curve; it rises or falls all along."""
-
-    parameters: list[Fraction]
-    values: list[Interval]
-
-    def within(self, start: Fraction, end: Fraction) -> Interval:
-        """Bounds of q5 from one parameter to another, [unit]."""
-        first = max(bisect_right(self.parameters, start) - 1, 0)
-        last = min(bisect_left(self.parameters, end), len(self.parameters) - 1)
-        a, b = self.values[first], self.values[last]
-        return Interval(min(a.low, b.low), max(a.high, b.high))
+ExactSlide = Callable[[Fraction, Fraction], Interval]
+"""Function that bounds q5 from one parameter of a curve to another, [unit]."""
 
 
 def anywhere(first: Fraction, last: Fraction) -> ExactSlide:
     """A slide of which only the ends of its range are known; it is still if they are one."""
-    return ExactSlide([Fraction(0)], [Interval(min(first, last), max(first, last))])
+    return partial(_within, [Fraction(0)], [Interval(min(first, last), max(first, last))])
 
 
-def moving(curve: ExactCurve, timing: ExactTiming, q5: Fraction, rate: Fraction) -> ExactSlide:
-    """A slide pushed from ``q5`` by rate·t², [unit/s²]."""
+def moving(
+    curve: ExactCurve,
+    phases: tuple[Fraction, Fraction, Fraction],
+    speeds: tuple[Fraction, Fraction, Fraction],
+    q5: Fraction,
+    rate: Fraction,
+) -> ExactSlide:
+    """A slide that is pushed while the tool speeds up, cruises and slows down.
+
+    Args:
+        curve: path of the tool.
+        phases: durations of the three, [s].
+        speeds: that of the cruise, [unit/s], and the rates of the first and last, [unit/s²].
+        q5: where the slide begins, [unit].
+        rate: its way over t², [unit/s²].
+    """
     low = high = Fraction(0)
     parameters, values = [curve[0].start], [Interval(q5, q5)]
     for span in curve:
@@ -88,8 +57,37 @@ def moving(curve: ExactCurve, timing: ExactTiming, q5: Fraction, rate: Fraction)
             low += max(enclose(dot(chord, chord)).sqrt().low - _MOVED, Fraction(0))
             high += sum((enclose(dot(step, step)).sqrt().high for step in steps), Fraction(0))
             high += len(steps) * _MOVED
-            time = timing.at(Interval(low, high))
+            time = Interval(_time(phases, speeds, low).low, _time(phases, speeds, high).high)
             parameters.append(b)
             squared = time.times(time)
             values.append(enclose(q5).plus(squared.times(enclose(rate))))
-    return ExactSlide(parameters, values)
+    return partial(_within, parameters, values)
+
+
+def _within(
+    parameters: list[Fraction], values: list[Interval], start: Fraction, end: Fraction
+) -> Interval:
+    """Bounds from one parameter to another of what rises or falls between ``parameters``."""
+    first = max(bisect_right(parameters, start) - 1, 0)
+    last = min(bisect_left(parameters, end), len(parameters) - 1)
+    a, b = values[first], values[last]
+    return Interval(min(a.low, b.low), max(a.high, b.high))
+
+
+def _time(
+    phases: tuple[Fraction, Fraction, Fraction],
+    speeds: tuple[Fraction, Fraction, Fraction],
+    way: Fraction,
+) -> Interval:
+    """Time at which the tool has travelled a distance, [s]; see :func:`moving`."""
+    (t1, t2, t3), (peak, acceleration, deceleration) = phases, speeds
+    speeding = peak * t1 / 2
+    cruising = speeding + peak * t2
+    length = cruising + peak * t3 / 2
+    if way <= speeding:
+        time = enclose(2 * max(way, Fraction(0)) / acceleration).sqrt()
+        return Interval(time.low, min(time.high, t1))
+    if way <= cruising:
+        return enclose(t1 + (way - speeding) / peak)
+    left = enclose(2 * max(length - way, Fraction(0)) / deceleration).sqrt()
+    return enclose(t1 + t2 + t3).minus(left)

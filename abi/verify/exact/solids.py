@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,6 +117,19 @@ class ExactFloor:
         """Check whether a normal, which must point straight up, separates the floor."""
         x, y, z = normal
         return not (x or y) and z > 0 and least > z * (self.height + margin)
+
+
+class MovedHull(NamedTuple):
+    """All points within ``radius`` of a hull in the frame of a joint, -1 for the world."""
+
+    link: str
+    frame: int
+    points: tuple[Vec3, ...]
+    radius: Fraction
+
+
+LinkPiece = tuple[MovedHull, ...]
+"""A piece of a link: what is common to some hulls, such as a capsule and a hull that is closer."""
 
 
 def times_length(factor: Fraction, normal: Vec3) -> Fraction:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -36,8 +37,8 @@ from abi.robot.urdf.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_arm import UrdfArm, urdf_arm
 from abi.scene.scene import Scene, load_scene
 from abi.verify.allowed_contacts import _usual_range, are_joined, may_touch_floor
-from abi.verify.exact.link_corners import LinkPiece
 from abi.verify.exact.robot_chain import exact_chain, exact_joints
+from abi.verify.exact.solids import LinkPiece, MovedHull, vector
 from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.plumb_line import is_beneath
 from abi.verify.verify import verify
@@ -462,7 +463,10 @@ def test_the_floor_may_be_touched_by_what_no_joint_brings_nearer_to_it(seed: int
     exact = exact_chain(robot, tip, (0, 0, 0), 1, wxyz)
     bodies: dict[str, list[LinkPiece]] = {}
     for k in one.capsules:
-        bodies.setdefault(k.link, []).append(LinkPiece(k.ends, k.radius, k.points, k.rounding))
+        corners = tuple(map(vector, k.points.tolist()))
+        bodies.setdefault(k.link, []).append(
+            (MovedHull(k.link, k.frame, corners, Fraction(k.rounding)),)
+        )
     found = {link for link in bodies if may_touch_floor(link, scene, exact, bodies)}
     assert found == {*standing}
 

@@ -27,9 +27,8 @@ from abi.scene.scene import Scene
 from abi.verify.exact.chain import ExactChain
 from abi.verify.exact.frame import ExactFrame, sine_and_cosine
 from abi.verify.exact.robot_chain import exact_chain
-from abi.verify.exact.solids import Vec3, dot, vector
-from abi.verify.exact_path import ExactPath
-from abi.verify.joint_motion import JointMotion, MovedHull
+from abi.verify.exact.solids import MovedHull, Vec3, dot, vector
+from abi.verify.joint_motion import JointMotion
 from abi.verify.verify import verify
 from tests.abi.robot.robots import OWN, joint, packed, urdf
 from tests.abi.verify.verdicts import NEAR, verdict_on
@@ -69,7 +68,7 @@ def check_products(
     chain: ExactChain, frames: list[ExactFrame], random: np.random.Generator
 ) -> None:
     """Bounds of products hold those of the placed points, and are hardly wider."""
-    motion, tiny = JointMotion(chain, ExactPath(())), Fraction(1, 1 << 100)
+    motion, tiny = JointMotion(chain, ()), Fraction(1, 1 << 100)
     direction, *points = (vector(one) for one in random.normal(size=(4, 3)).tolist())
     for number in range(-1, len(frames)):
         placed = [(point, Fraction(0)) for point in points]

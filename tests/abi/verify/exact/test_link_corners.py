@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from abi.arrays import FloatArray
 from abi.robot.bodies.link_bodies import link_bodies
 from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.robot_files import robot_from_archive
-from abi.verify.exact.link_corners import LinkPiece, _corners, check_corners, check_lines
+from abi.verify.exact.link_corners import _corners, check_corners, check_lines
 from abi.verify.exact.robot_chain import exact_chain
+from abi.verify.exact.solids import LinkPiece, MovedHull, vector
 from abi.verify.fault import Fault
 from tests.abi.robot.robots import arm, joint, packed, urdf
 from tests.abi.robot.test_robot_files import ball
@@ -34,8 +36,8 @@ def robot_of(name: str) -> Robot:
 
 
 def around(points: FloatArray, radius: float) -> LinkPiece:
-    """A piece that is the hull of points with a radius around it, in whatever capsule."""
-    return LinkPiece(np.zeros((2, 3)), np.inf, points, radius)
+    """A piece that is the hull of points with a radius around it."""
+    return (MovedHull("", 0, tuple(map(vector, points.tolist())), Fraction(radius)),)
 
 
 def check(robot: Robot, pieces: list[LinkPiece]) -> None:
