@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.joint_search.tree_kernels import ArmInWorld, edges_are_clear
+from abi.arm_planning.joint_search.tree_kernels import edges_are_clear
 from abi.arm_planning.world.collision_world import CollisionWorld
+from abi.arm_planning.world.collision_world_kernels import Obstacles
 from abi.arrays import FloatArray, ShortRepr, flat, read_only
+from abi.robot.bodies.capsule_table import Bodies
+from abi.robot.kinematics.chain_kernels import ChainTable
 from abi.robot.urdf_arm import UrdfArm
-
-MOST_TRIES = 20_000
-"""Most pairs of bodies that the proof of one edge may try."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,11 +40,11 @@ class JointSpace(ShortRepr):
         slides = np.array(self.arm.chain.slides)
         return read_only(np.where(slides, 1 / self.arm.reach, 1.0))
 
-    @cached_property
-    def kernel_arm(self) -> ArmInWorld:
-        """Arm and collision world in the format of the kernels."""
+    @property
+    def kernel_arguments(self) -> tuple[ChainTable, Bodies, Obstacles]:
+        """The arm's joints, its bodies, and what these keep clear of."""
         around = self.collision_world.beyond(self.margin)
-        return ArmInWorld(self.arm.chain.table, self.arm.bodies, around, MOST_TRIES)
+        return self.arm.chain.table, self.arm.bodies, around
 
     def distance(self, path: FloatArray) -> float:
         """Length of a path (k, n) of joint positions, [rad], slides over the arm's reach."""
@@ -63,4 +63,4 @@ class JointSpace(ShortRepr):
         That it is inside no closed mesh is not checked: see :meth:`clear_poses`.
         """
         path = arguments.numbers("path", path, (-1, len(self.weights)))
-        return bool(edges_are_clear(self.kernel_arm, flat(path / self.arm.scales)))
+        return bool(edges_are_clear(*self.kernel_arguments, flat(path / self.arm.scales)))

@@ -121,7 +121,7 @@ def paths_found(
         batch = random.uniform(low, high, (min(_BATCH, effort.samples - samples), len(low)))
         if samples == 0:  # often the straight way is free
             batch[0] = roots[1][0]
-        met = kernels.grow_trees(space.kernel_arm, trees, flat(batch))
+        met = kernels.grow_trees(*space.kernel_arguments, trees, flat(batch))
         samples += len(batch)
     found = [_tree(trees, number, space) for number in range(2)]
     counts = samples, *(int(trees.state[k]) for k in (kernels.PROOFS, kernels.REFUSED))

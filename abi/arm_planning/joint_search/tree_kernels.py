@@ -28,26 +28,8 @@ STATE = 7
 """Numbers of a state."""
 POSES = (1.0, 0.5, 0.25, 0.75)
 """Places of an edge at which the arm must be clear before a proof of all of it is tried."""
-
-
-class ArmInWorld(NamedTuple):
-    """An arm among what it must keep clear of.
-
-    Attributes:
-        chain: its joints.
-        bodies: what it consists of.
-        around: what it keeps clear of.
-        most_tries: pairs of bodies that a proof of one edge may try.
-    """
-
-    chain: ChainTable
-    bodies: Bodies
-    around: Obstacles
-    most_tries: int
-
-
-ARM = ArmInWorld(TABLE, BODIES, NO_OBSTACLES, 9)
-"""Example of an arm."""
+_MOST_TRIES = 20_000
+"""Most pairs of bodies that the proof of one edge may try."""
 
 
 class Trees(NamedTuple):
@@ -73,19 +55,21 @@ TREES = Trees(NEW_FLOATS, NEW_IDS, FLOATS, 1.0, NEW_IDS)
 
 
 @jitable
-def edge_is_clear(arm: ArmInWorld, a: FloatArray, b: FloatArray) -> bool:
+def edge_is_clear(
+    chain: ChainTable, bodies: Bodies, around: Obstacles, a: FloatArray, b: FloatArray
+) -> bool:
     """Check whether the arm is proven clear while its joints go straight from a to b, (n,) each."""
     count = len(a)
     knots = np.empty(2 * count)
     for place in range(len(POSES)):
         for j in range(count):
             knots[j] = knots[count + j] = a[j] + POSES[place] * (b[j] - a[j])
-        still = separate_knots(arm.chain, arm.bodies, knots, arm.around, arm.most_tries, False)
+        still = separate_knots(chain, bodies, knots, around, _MOST_TRIES, False)
         if still[0] != CERTIFIED:
             return False
     for j in range(count):
         knots[j], knots[count + j] = a[j], b[j]
-    outcome = separate_knots(arm.chain, arm.bodies, knots, arm.around, arm.most_tries, False)
+    outcome = separate_knots(chain, bodies, knots, around, _MOST_TRIES, False)
     return outcome[0] == CERTIFIED
 
 
@@ -106,7 +90,14 @@ def nearest_node(trees: Trees, tree: int, target: FloatArray) -> tuple[int, floa
 
 
 @jitable
-def _step_towards(arm: ArmInWorld, trees: Trees, tree: int, target: FloatArray) -> tuple[int, bool]:
+def _step_towards(
+    chain: ChainTable,
+    bodies: Bodies,
+    around: Obstacles,
+    trees: Trees,
+    tree: int,
+    target: FloatArray,
+) -> tuple[int, bool]:
     """Add the node at most a step from a tree towards coordinates, if the edge to it is proven.
 
     Returns:
@@ -126,7 +117,7 @@ def _step_towards(arm: ArmInWorld, trees: Trees, tree: int, target: FloatArray) 
         a[j] = trees.nodes[(tree * room + parent) * count + j]
         b[j] = target[j] if reached else a[j] + share * (target[j] - a[j])
     state[PROOFS] += 1
-    if not edge_is_clear(arm, a, b):
+    if not edge_is_clear(chain, bodies, around, a, b):
         state[REFUSED] += 1
         return -1, False
     node = int(state[NODES + tree])
@@ -141,20 +132,24 @@ _NO_TREES = TREES._replace(parents=NEW_IDS[:0])
 
 
 @jitable
-def _edges_are_clear(arm: ArmInWorld, knots: FloatArray) -> bool:
+def _edges_are_clear(
+    chain: ChainTable, bodies: Bodies, around: Obstacles, knots: FloatArray
+) -> bool:
     """Check whether the arm is proven clear on straight ways between coordinates, flat (k n,)."""
-    count = len(arm.chain.limits) // 2
+    count = len(chain.limits) // 2
     a, b = np.empty(count), np.empty(count)
     for knot in range(len(knots) // count - 1):
         for j in range(count):
             a[j], b[j] = knots[knot * count + j], knots[(knot + 1) * count + j]
-        if not edge_is_clear(arm, a, b):
+        if not edge_is_clear(chain, bodies, around, a, b):
             return False
     return True
 
 
-@compiled(example=(ARM, TREES, FLOATS), fallback=False)
-def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
+@compiled(example=(TABLE, BODIES, NO_OBSTACLES, TREES, FLOATS), fallback=False)
+def grow_trees(
+    chain: ChainTable, bodies: Bodies, around: Obstacles, trees: Trees, samples: FloatArray
+) -> bool:
     """Grow two trees towards samples and each other until they meet.
 
     For each sample one of them, in turn, takes a step towards it; then the other goes towards the
@@ -162,7 +157,9 @@ def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
     each sample to the next are proven instead: one kernel has all that proofs of edges need.
 
     Args:
-        arm: the arm among its surroundings.
+        chain: the arm's joints.
+        bodies: what it consists of.
+        around: what it keeps clear of.
         trees: with one root each at least; written.
         samples: coordinates, flat (k n,).
 
@@ -171,7 +168,7 @@ def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
         all edges are proven.
     """
     if len(trees.parents) == 0:
-        return _edges_are_clear(arm, samples)
+        return _edges_are_clear(chain, bodies, around, samples)
     count, state = len(trees.weights), trees.state
     room, target = len(trees.parents) // 2, np.empty(count)
     for sample in range(len(samples) // count):
@@ -180,20 +177,22 @@ def grow_trees(arm: ArmInWorld, trees: Trees, samples: FloatArray) -> bool:
         state[TURN] = other
         for j in range(count):
             target[j] = samples[sample * count + j]
-        node, _ = _step_towards(arm, trees, tree, target)
+        node, _ = _step_towards(chain, bodies, around, trees, tree, target)
         if node < 0:
             continue
         for j in range(count):
             target[j] = trees.nodes[(tree * room + node) * count + j]
         met, reached = 0, False
         while met >= 0 and not reached:
-            met, reached = _step_towards(arm, trees, other, target)
+            met, reached = _step_towards(chain, bodies, around, trees, other, target)
         if reached:
             state[JOINED + tree], state[JOINED + other] = node, met
             return True
     return False
 
 
-def edges_are_clear(arm: ArmInWorld, knots: FloatArray) -> bool:
+def edges_are_clear(
+    chain: ChainTable, bodies: Bodies, around: Obstacles, knots: FloatArray
+) -> bool:
     """Check whether the arm is proven clear on straight ways between coordinates, flat (k n,)."""
-    return bool(grow_trees(arm, _NO_TREES, knots))
+    return bool(grow_trees(chain, bodies, around, _NO_TREES, knots))
