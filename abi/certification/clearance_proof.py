@@ -28,7 +28,7 @@ import numpy as np
 from abi import arguments
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
-from abi.arm_planning.world.row_table import Own, RowTable
+from abi.arm_planning.world.row_table import RowTable, own_world
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.certification.convex_bodies import body_pairs, hulls_apart, robot_bodies
 from abi.certification.posed_hulls_kernels import nearest_obstacle
@@ -248,9 +248,10 @@ def _around(chain: Chain, bodies: Sequence[Body], scene: Scene) -> CollisionWorl
     standing = on_floor(chain, bodies, floor * metres)
     frames = np.array([body.frame for body in bodies])
     stands = np.array([body.link in standing for body in bodies])
-    own = Own(read_only(np.zeros(0)), np.array([FLOOR], dtype=np.int32), ~stands[:, None])
     reach = 2 * chain.table.reach / metres
     points = max(float(np.abs(body.points).max()) for body in bodies) / metres
     size = float(np.abs(scene.arm.base).max()) + reach + points
-    world = RowTable()(ObstacleSet(scene.obstacles), own, floor, size)
+    numbers = np.array([FLOOR], dtype=np.int32)
+    own = own_world(read_only(np.zeros(0)), numbers, ~stands[:, None], floor, size)
+    world = RowTable()(ObstacleSet(scene.obstacles), own)
     return replace(world, asked=read_only(world.asked & (frames >= 0)[:, None]))

@@ -10,14 +10,13 @@ import numpy as np
 
 from abi.arm_planning.world.collision_world import FLOOR, OWN, CollisionWorld
 from abi.arm_planning.world.mount import mounts
-from abi.arm_planning.world.row_table import Own, RowTable
+from abi.arm_planning.world.row_table import RowTable, own_world
 from abi.arrays import BoolArray, flat, read_only
 from abi.obstacles.capsule import Capsule
 from abi.obstacles.convex_shape import row
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
-from abi.robot.any_arm import AnyArm
 from abi.robot.bodies.allowed_contacts import AllowedContact, Reason
 from abi.robot.paper_arm.link_capsules import COLUMN
 from abi.robot.paper_arm.paper_arm import PaperArm
@@ -38,8 +37,7 @@ def paper_arm_world(
         lowest: height of the workspace's bottom, [unit].
         table: with the rows of obstacles as they were; None to make all anew.
     """
-    reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
-    return _world_of(arm, reach, _own(arm), obstacles, lowest, table)
+    return (table or RowTable())(obstacles, _own(arm, min(float(arm.base[2]), lowest)))
 
 
 def chain_world(
@@ -51,10 +49,12 @@ def chain_world(
     brings them no nearer to it. Those that stand still may touch what the arm stands on, too, and
     whatever the scene says may touch.
     """
-    standing = arm.on_floor(min(float(arm.base[2]), lowest))
+    floor = min(float(arm.base[2]), lowest)
+    standing = arm.on_floor(floor)
     moves = np.array([link not in standing for link in arm.capsule_links])[:, None]
-    own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
-    found = _world_of(arm, 2 * arm.reach, own, obstacles, lowest, table)
+    size = float(np.abs(arm.base).max()) + 2 * arm.reach
+    own = own_world(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves, floor, size)
+    found = (table or RowTable())(obstacles, own)
     allowed = _allowed(arm, obstacles, standing)
     asked, capsules = found.asked.copy(), np.array(arm.capsule_links)
     for link, other, _ in allowed:
@@ -105,30 +105,9 @@ def _allowed(
     return tuple(found)
 
 
-def _world_of(
-    arm: AnyArm,
-    reach: float,
-    own: Own,
-    obstacles: ObstacleSet,
-    lowest: float,
-    table: RowTable | None,
-) -> CollisionWorld:
-    """The collision world of an arm.
-
-    Args:
-        arm: the arm.
-        reach: farthest that it gets from its base, [unit].
-        own: what it keeps clear of beside obstacles.
-        obstacles: the solids.
-        lowest: height of the workspace's bottom, [unit].
-        table: with the rows of obstacles as they were; None to make all anew.
-    """
-    size = float(np.abs(arm.base).max()) + reach
-    return (table or RowTable())(obstacles, own, min(float(arm.base[2]), lowest), size)
-
-
 @lru_cache(maxsize=16)
-def _own(arm: PaperArm) -> Own:
+def _own(arm: PaperArm, floor: float) -> CollisionWorld:
+    """The column and the floor, at a height, [unit]."""
     still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
     x, y, z = arm.base.tolist()
     rows = np.zeros((len(still), WIDTH))
@@ -143,4 +122,6 @@ def _own(arm: PaperArm) -> Own:
     jointed = np.array([capsule.neighbour for capsule in arm.capsules])[:, None]
     grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
     asked = moves & np.where(numbers == FLOOR, ~grips, ~jointed)
-    return Own(flat(rows), read_only(numbers), read_only(asked))
+    reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
+    size = float(np.abs(arm.base).max()) + reach
+    return own_world(flat(rows), numbers, asked, floor, size)

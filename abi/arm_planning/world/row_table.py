@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from abi.arm_planning.world.collision_world import FLOOR, CollisionWorld
 from abi.arm_planning.world.mesh_boxes import boxes_of, write_boxes
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
 
@@ -18,27 +16,31 @@ _SPARE = 4
 """Fraction of a table that is left free for obstacles that move."""
 
 
-class Own(NamedTuple):
-    """Parts other than obstacles that an arm keeps clear of.
+def own_world(
+    rows: FloatArray, numbers: IntArray, asked: BoolArray, floor: float, size: float
+) -> CollisionWorld:
+    """The world of an arm without obstacles: what else it keeps clear of.
 
-    Attributes:
+    Args:
         rows: primitives, flat (k ``WIDTH``,).
         numbers: of each of them, last ``FLOOR``, (k + 1,).
         asked: whether a capsule is to keep clear of it, (c, k + 1).
+        floor: height of the floor, [unit].
+        size: largest coordinate of the arm, [unit].
     """
-
-    rows: FloatArray
-    numbers: IntArray
-    asked: BoolArray
-
-
-class _Block(NamedTuple):
-    """Rows of one obstacle, or of the arm's own part."""
-
-    whose: object
-    number: int
-    first: int
-    size: int
+    count = len(numbers)
+    return CollisionWorld(
+        ObstacleSet(()),
+        rows=rows,
+        inside=read_only(np.zeros(2 * (count - 1), dtype=np.int32)),
+        numbers=read_only(numbers),
+        meshes=read_only(np.full(count, -1, dtype=np.int32)),
+        outer=read_only(np.arange(count, dtype=np.int32)),
+        in_use=count,
+        asked=read_only(asked),
+        floor=floor,
+        size=size,
+    )
 
 
 class RowTable:
@@ -50,50 +52,48 @@ class RowTable:
 
     def __init__(self) -> None:
         self._begin(0)
-        self._blocks: dict[int, _Block] = {}
+        self._solids: tuple[object, ...] = ()
+        self._places: dict[int, slice] = {}  # rows of each of these, by identity
 
-    def __call__(
-        self, obstacles: ObstacleSet, own: Own, floor: float, size: float
-    ) -> CollisionWorld:
+    def __call__(self, obstacles: ObstacleSet, own: CollisionWorld) -> CollisionWorld:
         """The world with these obstacles: primitives as they are, meshes as trees of boxes.
 
         Args:
             obstacles: the obstacles, of which every capsule is asked.
-            own: what else there is.
-            floor: height of the floor, [unit].
-            size: largest coordinate of the arm, [unit].
+            own: the arm's world without them.
         """
         solids = (*obstacles.primitives, *obstacles.meshes, own)
         numbers = [*obstacles.rows.tolist(), FLOOR]
-        known = [self._blocks.get(id(one)) for one in solids]
+        known = [self._places.get(id(one)) for one in solids]
         sizes = [
-            _size(one) if block is None else block.size
-            for one, block in zip(solids, known, strict=True)
+            _size(one) if place is None else place.stop - place.start
+            for one, place in zip(solids, known, strict=True)
         ]
         stays = [
-            block is not None and block.number == number
-            for block, number in zip(known, numbers, strict=True)
+            place is not None and (one is own or self._numbers[place.start] == number)
+            for one, place, number in zip(solids, known, numbers, strict=True)
         ]
         before = self._rows
         added = sum(size for size, stay in zip(sizes, stays, strict=True) if not stay)
-        if len(solids) != len(self._blocks) or self._used + added >= len(self._numbers):
+        if len(solids) != len(self._places) or self._used + added >= len(self._numbers):
             stays = [False] * len(solids)
             self._begin(sum(sizes) + 1)
         packed = obstacles.packed.reshape(-1, WIDTH)
-        blocks = []
-        for k, (one, block, stay) in enumerate(zip(solids, known, stays, strict=True)):
-            if block is None or not stay:
-                made = None if block is None else before[block.first : block.first + block.size]
+        places = []
+        for k, (one, place, stay) in enumerate(zip(solids, known, stays, strict=True)):
+            if place is None or not stay:
+                made = None if place is None else before[place]
                 made = packed[k : k + 1] if k < len(packed) else made
-                block = self._added(_Block(one, numbers[k], self._used, sizes[k]), made)
-            blocks.append(block)
-        self._blocks = {id(block.whose): block for block in blocks}
+                place = self._added(one, numbers[k], sizes[k], made)
+            places.append(place)
+        self._solids = solids
+        self._places = {id(one): place for one, place in zip(solids, places, strict=True)}
         # the floor has no row, but a place behind them
         self._numbers[self._used], self._meshes[self._used] = FLOOR, -1
         self._used += 1
         last = self._used - 1
-        outer = [block.first for block in blocks[:-1]]
-        outer += [*range(blocks[-1].first, blocks[-1].first + blocks[-1].size), last]
+        outer = [place.start for place in places[:-1]]
+        outer += [*range(places[-1].start, places[-1].stop), last]
         asked = np.zeros((len(own.asked), self._used), dtype=np.bool_)
         asked[:, outer] = True
         asked[:, outer[len(outer) - own.asked.shape[1] :]] = own.asked
@@ -107,8 +107,8 @@ class RowTable:
             outer=read_only(np.array(outer, dtype=np.int32)),
             in_use=sum(sizes) + 1,
             asked=read_only(asked),
-            floor=floor,
-            size=size + float(np.abs(corners).max(initial=0.0)),
+            floor=own.floor,
+            size=own.size + float(np.abs(corners).max(initial=0.0)),
         )
 
     def _begin(self, count: int) -> None:
@@ -119,27 +119,29 @@ class RowTable:
         self._inside = np.zeros((size, 2), dtype=np.int32)
         self._numbers, self._meshes = np.empty((2, size), dtype=np.int32)
 
-    def _added(self, block: _Block, made: FloatArray | None) -> _Block:
-        """Write the rows of a block, or copy those that are made already, (n, ``WIDTH``)."""
-        part = slice(block.first, block.first + block.size)
+    def _added(
+        self, one: Obstacle | CollisionWorld, number: int, size: int, made: FloatArray | None
+    ) -> slice:
+        """Write so many rows of an obstacle, or copy those made already, (n, ``WIDTH``)."""
+        part = slice(self._used, self._used + size)
         self._used = part.stop
-        self._numbers[part], self._meshes[part] = block.number, -1
-        if isinstance(block.whose, Own):
-            self._rows[part] = block.whose.rows.reshape(-1, WIDTH)
-            self._numbers[part] = block.whose.numbers[:-1]
+        self._numbers[part], self._meshes[part] = number, -1
+        if isinstance(one, CollisionWorld):
+            self._rows[part] = one.rows.reshape(-1, WIDTH)
+            self._numbers[part] = one.numbers[:-1]
         elif made is not None:
             self._rows[part] = made
-        if isinstance(block.whose, MeshShape):
+        if isinstance(one, MeshShape):
             if made is None:
-                write_boxes(block.whose, self._rows[part].reshape(-1))
-            tree = boxes_of(block.whose.surface).inside
-            self._inside[part] = np.where(tree[:, 1:] > 0, tree + np.int32(block.first), 0)
-            self._meshes[part] = block.number
-        return block
+                write_boxes(one, self._rows[part].reshape(-1))
+            tree = boxes_of(one.surface).inside
+            self._inside[part] = np.where(tree[:, 1:] > 0, tree + np.int32(part.start), 0)
+            self._meshes[part] = number
+        return part
 
 
-def _size(one: object) -> int:
+def _size(one: Obstacle | CollisionWorld) -> int:
     """Rows of an obstacle, or of the arm's own."""
-    if isinstance(one, Own):
+    if isinstance(one, CollisionWorld):
         return len(one.numbers) - 1
     return len(boxes_of(one.surface).inside) if isinstance(one, MeshShape) else 1
