@@ -13,10 +13,11 @@ import numpy as np
 
 from abi.arrays import IntArray, read_only
 from abi.robot.bodies.always_touching import always_touch
+from abi.robot.bodies.chain_capsules import place
 from abi.robot.bodies.finer_links import fitted_capsules
 from abi.robot.bodies.link_bodies import Body
 from abi.robot.bodies.never_touching import never_touch
-from abi.robot.bodies.sampled_bodies import SampledBodies
+from abi.robot.bodies.sampled_bodies import near_pairs, overlapping_pairs, sampled_poses
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.held_joints import NOT_HELD
 from abi.robot.urdf.robot import Robot, meet
@@ -71,14 +72,21 @@ def link_pairs(
     numbers: dict[str, list[int]] = {}
     for number, capsule in enumerate(capsules):
         numbers.setdefault(capsule.link, []).append(number)
-    sampled = SampledBodies.of(chain, capsules, SAMPLES)
+    poses = sampled_poses(chain, SAMPLES)
+    ends = place(capsules, chain.unpacked(poses))
     apart: list[tuple[int, int]] = []
     allowed: list[AllowedContact] = []
     for first, second in itertools.combinations(numbers, 2):
         pairs = [*itertools.product(numbers[first], numbers[second])]
         reason = _known_reason(chain, robot, asked, capsules[pairs[0][0]], capsules[pairs[0][1]])
-        if reason is None and _always_overlap(sampled, pairs):
-            reason = _constant_reason(chain, first, second)
+        if reason is None:
+            # in every pose a piece of one link is to overlap one of the other
+            near = near_pairs(capsules, ends, pairs)
+            always = (
+                near.any(axis=1).all()
+                and overlapping_pairs(chain, capsules, poses, pairs, near).any(axis=1).all()
+            )
+            reason = _constant_reason(chain, first, second) if always else None
         if reason is None:
             apart += pairs
         else:
@@ -134,14 +142,3 @@ def tree_reason(
         return None if between else "grasp"
     joined = not between or (len(between) == 1 and meet(robot, *links))
     return "adjacent" if joined else None
-
-
-def _always_overlap(sampled: SampledBodies, pairs: list[tuple[int, int]]) -> bool:
-    """Check whether in every pose a piece of one link overlaps one of another.
-
-    Args:
-        sampled: the poses.
-        pairs: numbers of one piece of each link.
-    """
-    near = sampled.near(pairs)
-    return bool(near.any(axis=1).all() and sampled.overlap(pairs, near).any(axis=1).all())

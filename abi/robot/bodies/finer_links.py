@@ -15,9 +15,9 @@ from functools import lru_cache
 import numpy as np
 
 from abi.robot.bodies import body_store, chain_capsules, sampled_bodies, telescopes
-from abi.robot.bodies.chain_capsules import capsules_of
+from abi.robot.bodies.chain_capsules import capsules_of, place
 from abi.robot.bodies.link_bodies import Body, Fit
-from abi.robot.bodies.sampled_bodies import SampledBodies
+from abi.robot.bodies.sampled_bodies import near_pairs, overlapping_pairs, sampled_poses
 from abi.robot.kinematics.chain import Chain
 from abi.robot.urdf.robot import Robot
 
@@ -73,21 +73,21 @@ def _close_links(chain: Chain, fits: Mapping[str, Fit]) -> frozenset[str]:
     for number, capsule in enumerate(capsules):
         of_link.setdefault(capsule.link, []).append(number)
     close: set[str] = set()
-    sampled = SampledBodies.of(chain, capsules, _POSES)
-    smaller = sampled._replace(capsules=tuple(map(_smaller, capsules)))
+    poses, smaller = sampled_poses(chain, _POSES), [_smaller(one) for one in capsules]
+    ends = place(capsules, chain.unpacked(poses))
     for first, second in itertools.combinations(of_link, 2):
         between = {*chain.behind(capsules[of_link[first][0]].frame)}
         between ^= {*chain.behind(capsules[of_link[second][0]].frame)}
         if len(between) <= 1:
             continue
         pairs = [*itertools.product(of_link[first], of_link[second])]
-        near = sampled.near(pairs)
+        near = near_pairs(capsules, ends, pairs)
         if near.any(axis=1).mean() < _SHOWS:
             continue
-        overlap = sampled.overlap(pairs, near)
+        overlap = overlapping_pairs(chain, capsules, poses, pairs, near)
         if overlap.any(axis=1).mean() < _SHOWS:
             continue
-        still = smaller.overlap(pairs, overlap)
+        still = overlapping_pairs(chain, smaller, poses, pairs, overlap)
         if (overlap.any(axis=1) & ~still.any(axis=1)).mean() >= _SHOWS:
             close |= {first, second}
     return frozenset(close)

@@ -3,67 +3,69 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Self
 
 import numpy as np
 
 from abi import arguments
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.robot.bodies.chain_capsules import hulls_of, place, segment_distances
+from abi.arrays import BoolArray, FloatArray, read_only
+from abi.robot.bodies.chain_capsules import hulls_of, segment_distances
 from abi.robot.bodies.hull_kernels import hull_distances
 from abi.robot.bodies.link_bodies import Body
 from abi.robot.kinematics.chain import Chain
+from abi.robot.kinematics.chain_kernels import POSE
 
 
-class SampledBodies(NamedTuple):
-    """Bodies of a chain in random poses.
+def sampled_poses(chain: Chain, count: int) -> FloatArray:
+    """Random poses of a chain, which are the same at every call.
 
-    Attributes:
+    Returns:
+        Those of its frames, as the kernels have them, flat (12 (m + 1) k,), [m].
+    """
+    low, high = chain.usual_range().T
+    return chain.packed_poses(np.random.default_rng(0).uniform(low, high, (count, len(low))))
+
+
+def near_pairs(
+    capsules: Sequence[Body], ends: FloatArray, pairs: Sequence[tuple[int, int]]
+) -> BoolArray:
+    """Check which capsules of each pair overlap in each of k poses, (k, p).
+
+    Args:
+        capsules: the bodies.
+        ends: of their capsules in these poses, (k, c, 2, 3), [m].
+        pairs: numbers of two bodies each.
+    """
+    radii = [capsules[i].radius + capsules[j].radius for i, j in pairs]
+    gaps = [segment_distances(ends[:, i], ends[:, j]) for i, j in pairs]
+    return np.asarray(np.stack(gaps, axis=1) <= radii)
+
+
+def overlapping_pairs(
+    chain: Chain,
+    capsules: Sequence[Body],
+    poses: FloatArray,
+    pairs: Sequence[tuple[int, int]],
+    asked: BoolArray,
+) -> BoolArray:
+    """Check which bodies of each pair overlap, in the poses in which it is asked, (k, p).
+
+    Args:
         chain: the chain.
         capsules: its bodies.
-        poses: of its frames in k poses, as the kernels have them, flat (12 (m + 1) k,), [m].
-        ends: of the capsules there, (k, c, 2, 3), [m].
+        poses: of its frames, as :func:`sampled_poses` gives them.
+        pairs: numbers of two bodies each.
+        asked: whether a pair is asked about in a pose, (k, p).
+
+    Raises:
+        ArgumentError: there are no such pairs, or flags are missing.
     """
-
-    chain: Chain
-    capsules: tuple[Body, ...]
-    poses: FloatArray
-    ends: FloatArray
-
-    @classmethod
-    def of(cls, chain: Chain, capsules: tuple[Body, ...], count: int) -> Self:
-        """Bodies in ``count`` poses, which are the same at every call."""
-        low, high = chain.usual_range().T
-        positions = np.random.default_rng(0).uniform(low, high, (count, len(low)))
-        poses = chain.packed_poses(positions)
-        return cls(chain, capsules, poses, place(capsules, chain.unpacked(poses)))
-
-    def near(self, pairs: Sequence[tuple[int, int]]) -> BoolArray:
-        """Check which capsules of each pair overlap in each pose, (k, p)."""
-        radii = [self.capsules[i].radius + self.capsules[j].radius for i, j in pairs]
-        gaps = [segment_distances(self.ends[:, i], self.ends[:, j]) for i, j in pairs]
-        return np.asarray(np.stack(gaps, axis=1) <= radii)
-
-    def overlap(self, pairs: Sequence[tuple[int, int]], asked: BoolArray) -> BoolArray:
-        """Check which bodies of each pair overlap, in the poses in which it is asked, (k, p).
-
-        Raises:
-            ArgumentError: there are no such pairs, or flags are missing.
-        """
-        listed = np.array(pairs, dtype=np.int32).reshape(-1, 2)
-        each = arguments.ids("pairs", listed, (-1, 2), len(self.capsules))
-        asked = arguments.flags("asked", asked, (len(self.ends), len(each)))
-        found = np.zeros(asked.shape, dtype=np.bool_)
-        poses, numbers = (one.astype(np.int32) for one in np.nonzero(asked))
-        found[poses, numbers] = self._distances(each, poses, numbers) <= 0
-        return found
-
-    def _distances(self, pairs: IntArray, poses: IntArray, numbers: IntArray) -> FloatArray:
-        """Distances (m,) of bodies in poses, each by its number and that of the pair, [m]."""
-        bodies = hulls_of(self.chain, self.capsules, 1.0)._replace(
-            pairs=read_only(pairs.reshape(-1))
-        )
-        asked = np.stack([poses, numbers], axis=1).astype(np.int32)
-        distances = np.empty(len(asked))
-        hull_distances(bodies, self.poses, asked.reshape(-1), 0.0, 0, distances)
-        return distances
+    listed = np.array(pairs, dtype=np.int32).reshape(-1, 2)
+    each = arguments.ids("pairs", listed, (-1, 2), len(capsules))
+    count = len(poses) // (POSE * (len(chain.joints) + 1))
+    asked = arguments.flags("asked", asked, (count, len(each)))
+    bodies = hulls_of(chain, capsules, 1.0)._replace(pairs=read_only(each.reshape(-1)))
+    rows = np.argwhere(asked).astype(np.int32)
+    distances, found = np.empty(len(rows)), np.zeros(asked.shape, dtype=np.bool_)
+    hull_distances(bodies, poses, rows.reshape(-1), 0.0, 0, distances)
+    found[tuple(rows.T)] = distances <= 0
+    return found
