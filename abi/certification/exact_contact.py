@@ -8,26 +8,24 @@ from __future__ import annotations
 
 import numpy as np
 
+from abi.arrays import FloatArray
 from abi.certification.clearance_proof import MotionProblem
 from abi.robot.bodies import solid_contact
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
-from abi.robot.bodies.solid_contact import SolidPose
 
 
 def touches(problem: MotionProblem, parameter: float, link: str, other: int | str) -> bool:
     """Decide whether a link touches something."""
-    parts = _beside(problem, parameter, link, other)
-    if parts is None:
+    if other == "floor":
         return _height(problem, parameter, link) <= 0
-    return solid_contact.touch(parts[0], _solids(problem, link), parts[1])
+    return solid_contact.touch(*_beside(problem, parameter, link, other))
 
 
 def depth(problem: MotionProblem, parameter: float, link: str, other: int | str) -> float:
     """How far a link is in something, at least, [unit]."""
-    parts = _beside(problem, parameter, link, other)
-    if parts is None:
+    if other == "floor":
         return max(-_height(problem, parameter, link), 0.0)
-    return solid_contact.depth(parts[0], _solids(problem, link), parts[1])
+    return solid_contact.depth(*_beside(problem, parameter, link, other))
 
 
 def distance(problem: MotionProblem, parameter: float, link: str, other: int | str) -> float:
@@ -35,25 +33,25 @@ def distance(problem: MotionProblem, parameter: float, link: str, other: int | s
 
     It is at least that of the shapes, and negative inside.
     """
-    parts = _beside(problem, parameter, link, other)
-    if parts is None:
+    if other == "floor":
         return _height(problem, parameter, link)
-    return solid_contact.distance(parts[0], _solids(problem, link), parts[1])
+    return solid_contact.distance(*_beside(problem, parameter, link, other))
 
 
 def _beside(
     problem: MotionProblem, parameter: float, link: str, other: int | str
-) -> tuple[LinkSolids, SolidPose] | None:
-    """The body that a link may touch, and the link's pose in its frame; None for the floor."""
+) -> tuple[LinkSolids, LinkSolids, FloatArray, FloatArray]:
+    """The body that a link may touch, the link, and its rotation and origin in the frame of that.
+
+    That body is an obstacle or another link.
+    """
     solid_contact.compile_kernels()
-    pose = _pose(problem, link, parameter)
+    turn, origin = _pose(problem, link, parameter)
+    solids = _solids(problem, link)
     if isinstance(other, int):
-        return problem.solids[other], pose
-    if other == "floor":
-        return None
-    base = _pose(problem, other, parameter)
-    place = base.turn.T @ (pose.origin - base.origin)
-    return _solids(problem, other), SolidPose(base.turn.T @ pose.turn, place)
+        return problem.solids[other], solids, turn, origin
+    base, place = _pose(problem, other, parameter)
+    return _solids(problem, other), solids, base.T @ turn, base.T @ (origin - place)
 
 
 def _height(problem: MotionProblem, parameter: float, link: str) -> float:
@@ -65,12 +63,12 @@ def _solids(problem: MotionProblem, link: str) -> LinkSolids:
     return link_solids(problem.chain.robot.links[link], 1 / problem.metres)
 
 
-def _pose(problem: MotionProblem, link: str, parameter: float) -> SolidPose:
-    """World from link, [unit]."""
+def _pose(problem: MotionProblem, link: str, parameter: float) -> tuple[FloatArray, FloatArray]:
+    """Rotation and origin of a link, [unit], world."""
     carried = next(one for one in problem.chain.carried if one.link == link)
     turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
     if carried.frame >= 0:
         positions = problem.motion.positions_at(np.array([parameter]))
         frame = problem.chain.poses(positions)[0, carried.frame]
         turn, origin = frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3]
-    return SolidPose(turn, 1 / problem.metres * origin)
+    return turn, 1 / problem.metres * origin

@@ -12,10 +12,11 @@ from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.robot.bodies.chain_capsules import meeting
 from abi.robot.bodies.link_solids import LinkSolids, link_solids
-from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, depth, distance, touch
+from abi.robot.bodies.solid_contact import compile_kernels, depth, distance, touch
 from abi.robot.urdf_arm import UrdfArm
 
-_WORLD = SolidPose(np.eye(3), np.zeros(3))
+_Pose = tuple[FloatArray, FloatArray]
+"""Rotation (3, 3) and origin (3,), [unit]."""
 _MOST = 20_000
 """Most triangles of a link that are compared; more would take seconds."""
 
@@ -54,10 +55,10 @@ def link_contact(
 
 
 def _contact(
-    beside: LinkSolids, solids: LinkSolids, placed: SolidPose, clearance: float
+    beside: LinkSolids, solids: LinkSolids, placed: _Pose, clearance: float
 ) -> LinkContact:
     """Contact of a link with another body, in whose frame it is placed."""
-    both = beside, solids, placed
+    both = beside, solids, *placed
     if touch(*both):
         return LinkContact(True, depth(*both), 0.0, clearance)
     return LinkContact(False, 0.0, distance(*both), clearance)
@@ -74,7 +75,7 @@ def _own_contact(arm: UrdfArm, link: str, other: str, between: bytes) -> LinkCon
 def _own_touch(arm: UrdfArm, link: str, other: str, between: bytes) -> bool:
     """Whether two links touch, by the positions of the joints between them; cached."""
     beside = _beside(arm, link, other, between)
-    return touch(_solids(arm, other), _solids(arm, link), beside)
+    return touch(_solids(arm, other), _solids(arm, link), *beside)
 
 
 @lru_cache(maxsize=1024)
@@ -93,12 +94,13 @@ def _between(arm: UrdfArm, link: str, other: str) -> IntArray:
     return read_only(np.array(sorted(found), dtype=np.int32))
 
 
-def _beside(arm: UrdfArm, link: str, other: str, between: bytes) -> SolidPose:
+def _beside(arm: UrdfArm, link: str, other: str, between: bytes) -> _Pose:
     """Pose of a link in the frame of another, by the positions of the joints between them."""
     pose = arm.limits.mean(axis=1)
     pose[_between(arm, link, other)] = np.frombuffer(between)
     frames = _frames(arm, pose)
-    return _from(_placed(arm, other, frames), _placed(arm, link, frames))
+    (base, place), (turn, origin) = (_placed(arm, name, frames) for name in (other, link))
+    return base.T @ turn, base.T @ (origin - place)
 
 
 def are_apart(arm: UrdfArm, pose: FloatArray, link: str, other: str) -> bool:
@@ -126,11 +128,6 @@ def _is_decided(arm: UrdfArm, *names: str) -> bool:
     return max(sum(len(shape.faces) for shape in one.shapes) for one in links) <= _MOST
 
 
-def _from(base: SolidPose, placed: SolidPose) -> SolidPose:
-    """A pose in the frame of another."""
-    return SolidPose(base.turn.T @ placed.turn, base.turn.T @ (placed.origin - base.origin))
-
-
 def _solids(arm: UrdfArm, link: str) -> LinkSolids:
     return link_solids(arm.chain.robot.links[link], 1 / arm.metres)
 
@@ -140,11 +137,11 @@ def _frames(arm: UrdfArm, pose: FloatArray) -> FloatArray:
     return np.asarray(arm.chain.poses(pose[None] / arm.scales)[0])
 
 
-def _placed(arm: UrdfArm, link: str, frames: FloatArray) -> SolidPose:
+def _placed(arm: UrdfArm, link: str, frames: FloatArray) -> _Pose:
     """Pose of a link, ``world_from_link``, [unit], by those of all frames, [m]."""
     carried = next(one for one in arm.chain.carried if one.link == link)
     turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
     if carried.frame >= 0:
         frame = frames[carried.frame]
         turn, origin = frame[:, :3] @ turn, frame[:, :3] @ origin + frame[:, 3]
-    return SolidPose(turn, origin / arm.metres)
+    return turn, origin / arm.metres

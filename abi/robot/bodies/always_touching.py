@@ -9,7 +9,7 @@ import numpy as np
 from abi.robot.bodies import body_store, link_poses, link_solids, solid_contact
 from abi.robot.bodies.link_poses import relative_poses
 from abi.robot.bodies.link_solids import link_solids as solids_of
-from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, touch
+from abi.robot.bodies.solid_contact import compile_kernels, touch
 from abi.robot.kinematics.chain import Chain
 
 _POSES, _AT_ENDS = 96, 2
@@ -46,7 +46,7 @@ def always_touch(chain: Chain, first: str, second: str) -> bool:
     if kept is None:
         compile_kernels()
         both = solids_of(one, 1.0), solids_of(other, 1.0)
-        beside = map(SolidPose, turned, moved)
-        kept = [np.array([float(all(touch(*both, pose) for pose in beside))])]
+        beside = zip(turned, moved, strict=True)
+        kept = [np.array([float(all(touch(*both, *pose) for pose in beside))])]
         body_store.keep(key, kept)
     return bool(kept[0][0])

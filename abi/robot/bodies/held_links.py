@@ -13,7 +13,7 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.robot.bodies.floor_contacts import SUNK
 from abi.robot.bodies.link_solids import link_solids as solids_of
-from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, touch
+from abi.robot.bodies.solid_contact import compile_kernels, touch
 from abi.robot.kinematics.chain import Carried, Chain
 from abi.robot.urdf.link import Link, LinkShape
 
@@ -77,8 +77,8 @@ def _touch(chain: Chain, first: Carried, second: Carried) -> bool:
         return False
     compile_kernels()
     beside = np.linalg.inv(first.pose) @ second.pose
-    pose = SolidPose(beside[:3, :3].copy(), beside[:3, 3].copy())
-    return touch(solids_of(links[0], 1.0), solids_of(links[1], 1.0), pose)
+    pose = beside[:3, :3].copy(), beside[:3, 3].copy()
+    return touch(solids_of(links[0], 1.0), solids_of(links[1], 1.0), *pose)
 
 
 def _bounds(link: Link, pose: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from abi.robot.bodies import body_store, link_poses, link_solids, solid_contact
 from abi.robot.bodies.link_poses import relative_poses
 from abi.robot.bodies.link_solids import SIDES, LinkSolids
 from abi.robot.bodies.link_solids import link_solids as solids_of
-from abi.robot.bodies.solid_contact import SolidPose, compile_kernels, touch
+from abi.robot.bodies.solid_contact import compile_kernels, touch
 from abi.robot.kinematics.chain import Chain
 
 _MOST_JOINTS = 2
@@ -34,18 +33,9 @@ _LEAST = 1e-6
 """Least distance that links keep, over the size of both."""
 
 
-class _Joints(NamedTuple):
-    """Joints between two links.
-
-    Attributes:
-        coordinates: numbers of the c coordinates that move them.
-        limits: of these, (c, 2).
-        ways: farthest that a point moves for one unit of each, (c,), [m].
-    """
-
-    coordinates: list[int]
-    limits: FloatArray
-    ways: FloatArray
+_Between = tuple[list[int], FloatArray, FloatArray]
+"""Numbers of the c coordinates between two links, their limits, (c, 2), and the farthest that a
+point moves for one unit of each, (c,), [m]."""
 
 
 def never_touch(chain: Chain, first: str, second: str) -> bool:
@@ -59,20 +49,23 @@ def never_touch(chain: Chain, first: str, second: str) -> bool:
         second: name of another.
     """
     one, other = (solids_of(chain.robot.links[name], 1.0) for name in (first, second))
-    joints = _between(chain, (first, second), (one, other))
-    if joints is None:
+    between = _between(chain, (first, second), (one, other))
+    if between is None:
         return False
+    coordinates, limits, ways = between
     shapes = (*chain.robot.links[first].shapes, *chain.robot.links[second].shapes)
     code = (__file__, link_poses.__file__, solid_contact.__file__, link_solids.__file__)
     key = body_store.key_of(shapes, code)
-    turned, moved = relative_poses(chain, first, second, _rows(chain, joints, _random(joints)))
-    for array in (joints.limits, joints.ways, turned, moved):
+    low, high = limits.T
+    some = np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
+    turned, moved = relative_poses(chain, first, second, _rows(chain, coordinates, some))
+    for array in (limits, ways, turned, moved):
         key = hashlib.sha256(key.encode() + np.round(array, 9).tobytes()).hexdigest()
     kept = body_store.find(key)
     if kept is None:
         compile_kernels()
-        apart = not any(touch(one, other, pose) for pose in map(SolidPose, turned, moved))
-        apart = apart and _proven(chain, (first, second), (one, other), joints)
+        apart = not any(touch(one, other, *pose) for pose in zip(turned, moved, strict=True))
+        apart = apart and _proven(chain, (first, second), (one, other), between)
         kept = [np.array([float(apart)])]
         body_store.keep(key, kept)
     return bool(kept[0][0])
@@ -80,7 +73,7 @@ def never_touch(chain: Chain, first: str, second: str) -> bool:
 
 def _between(
     chain: Chain, links: tuple[str, str], solids: tuple[LinkSolids, LinkSolids]
-) -> _Joints | None:
+) -> _Between | None:
     """Joints between two links; None of too many, or where a link has no shape."""
     frames = [one.frame for name in links for one in chain.carried if one.link == name]
     up, down = (chain.behind(frame) for frame in frames)
@@ -98,7 +91,7 @@ def _between(
     whole = not table.slides[path].any() and (np.abs(table.factor[path]) == 1).all()
     if whole:  # after a turn all is as before
         limits[:, 1] = np.minimum(limits[:, 1], limits[:, 0] + 2 * math.pi)
-    return _Joints(coordinates, limits, ways)
+    return coordinates, limits, ways
 
 
 def _reaches(
@@ -140,29 +133,30 @@ def _proven(
     chain: Chain,
     links: tuple[str, str],
     solids: tuple[LinkSolids, LinkSolids],
-    joints: _Joints,
+    between: _Between,
 ) -> bool:
     """Check box by box that two links are apart in all positions of the joints between them."""
+    coordinates, limits, of_joints = between
     edges = sum(len(one.edges[0]) for one in solids)
-    low, high = joints.limits.T[:, None]
+    low, high = limits.T[:, None]
     slack, left = _rounding(solids), _WORK // edges
     while len(low):
         left -= len(low)
         if left < 0:
             return False
         middles, halves = (low + high) / 2, (high - low) / 2
-        turned, moved = relative_poses(chain, *links, _rows(chain, joints, middles))
-        poses = [*map(SolidPose, turned, moved)]
-        ways = halves * joints.ways
+        turned, moved = relative_poses(chain, *links, _rows(chain, coordinates, middles))
+        poses = [*zip(turned, moved, strict=True)]
+        ways = halves * of_joints
         near = np.array(
             [
-                touch(*solids, pose, within=way + slack)
+                touch(*solids, *pose, within=way + slack)
                 for pose, way in zip(poses, ways.sum(axis=1), strict=True)
             ]
         )
         rows = np.flatnonzero(near)
         few = rows[:: len(rows) // _TRIED + 1]
-        if any(touch(*solids, poses[k]) for k in few):
+        if any(touch(*solids, *poses[k]) for k in few):
             return False
         low, high, middles, widest = low[near], high[near], middles[near], ways[near].argmax(axis=1)
         rows = np.arange(len(low))
@@ -180,14 +174,8 @@ def _rounding(solids: tuple[LinkSolids, LinkSolids]) -> float:
     return found + max(radii, default=0.0) * (1 - math.cos(math.pi / SIDES))
 
 
-def _random(joints: _Joints) -> FloatArray:
-    """Positions of some poses, (k, c)."""
-    low, high = joints.limits.T
-    return np.random.default_rng(1).uniform(low, high, (_POSES, len(low)))
-
-
-def _rows(chain: Chain, joints: _Joints, positions: FloatArray) -> FloatArray:
+def _rows(chain: Chain, coordinates: list[int], positions: FloatArray) -> FloatArray:
     """Rows (k, n) of all coordinates, with positions (k, c) of those between the links."""
     rows = np.tile(np.clip(0.0, *chain.limits.T), (len(positions), 1))
-    rows[:, joints.coordinates] = positions
+    rows[:, coordinates] = positions
     return rows

@@ -10,7 +10,6 @@ that of 48 corners are not found.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
@@ -33,22 +32,20 @@ _Edges = tuple[FloatArray, FloatArray, FloatArray]
 """First ends (k, 3) and last ends (k, 3) of edges, and their radii (k,)."""
 
 
-class SolidPose(NamedTuple):
-    """Rotation (3, 3) and origin (3,), [unit]."""
-
-    turn: FloatArray
-    origin: FloatArray
-
-
 def _sides(
-    first: LinkSolids, second: LinkSolids, pose: SolidPose, within: float = 0.0
-) -> Iterator[tuple[LinkSolids, LinkSolids, SolidPose, _Edges]]:
-    """Each of two bodies, the other, its pose in the frame of that, and its edges near to it there.
+    first: LinkSolids,
+    second: LinkSolids,
+    turn: FloatArray,
+    origin: FloatArray,
+    within: float = 0.0,
+) -> Iterator[tuple[LinkSolids, _Edges]]:
+    """Each of two bodies, and the edges of the other near to it, wider by ``within``, in its frame.
 
-    Edges are wider by ``within``. ``pose`` is that of the second in the frame of the first.
+    The first comes first.
     """
-    back = SolidPose(pose.turn.T, -pose.turn.T @ pose.origin)
-    for body, other, (turn, origin) in ((second, first, pose), (first, second, back)):
+    back = -turn.T @ origin
+    pairs = (second, first, turn, origin), (first, second, turn.T, back)
+    for body, other, turn, origin in pairs:
         a, b, radii = body.edges
         radii = radii + within
         a, b = a @ turn.T + origin, b @ turn.T + origin
@@ -56,19 +53,25 @@ def _sides(
         reach = radii[:, None]
         beside = (np.minimum(a, b) - reach > high) | (np.maximum(a, b) + reach < low)
         near = ~beside.any(axis=1)
-        yield body, other, SolidPose(turn, origin), (a[near], b[near], radii[near])
+        yield other, (a[near], b[near], radii[near])
 
 
-def distance(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> float:
-    """Distance from the corners of each of two bodies to the other: at least their distance."""
-    turn, origin = first_from_second
+def distance(first: LinkSolids, second: LinkSolids, turn: FloatArray, origin: FloatArray) -> float:
+    """Distance from the corners of each of two bodies to the other: at least their distance.
+
+    Arguments are those of :func:`touch`.
+    """
     there = first.whole.signed_distance(second.corners @ turn.T + origin)
     back = second.whole.signed_distance((first.corners - origin) @ turn)
     return float(min(there.min(initial=np.inf), back.min(initial=np.inf)))
 
 
 def touch(
-    first: LinkSolids, second: LinkSolids, first_from_second: SolidPose, within: float = 0.0
+    first: LinkSolids,
+    second: LinkSolids,
+    turn: FloatArray,
+    origin: FloatArray,
+    within: float = 0.0,
 ) -> bool:
     """Decide whether two bodies touch, or come nearer than a distance.
 
@@ -77,27 +80,29 @@ def touch(
     Args:
         first: a body.
         second: another.
-        first_from_second: pose of the second in the frame of the first.
+        turn: rotation (3, 3) of the second in the frame of the first.
+        origin: of the second in that frame, (3,), [unit].
         within: the distance, [unit].
     """
-    for _, other, _, edges in _sides(first, second, first_from_second, within):
+    for other, edges in _sides(first, second, turn, origin, within):
         if len(edges[0]) and other.whole.blocked(*edges).any():
             return True
-    turn, origin = first_from_second
     there = first.whole.signed_distance(second.anchors @ turn.T + origin)
     back = second.whole.signed_distance((first.anchors - origin) @ turn)
     return bool((there < 0).any() or (back < 0).any())
 
 
-def depth(first: LinkSolids, second: LinkSolids, first_from_second: SolidPose) -> float:
+def depth(first: LinkSolids, second: LinkSolids, turn: FloatArray, origin: FloatArray) -> float:
     """How far a corner or an edge of one of two bodies is inside the other, at least, [unit].
 
     It is 0 where they do not touch; arguments are those of :func:`touch`.
     """
     deepest = 0.0
-    for body, other, pose, (a, b, radii) in _sides(first, second, first_from_second):
+    back = -turn.T @ origin
+    placed = second.corners @ turn.T + origin, first.corners @ turn + back
+    sides = _sides(first, second, turn, origin)
+    for corners, (other, (a, b, radii)) in zip(placed, sides, strict=True):
         low, high = other.bounds
-        corners = body.corners @ pose.turn.T + pose.origin
         corners = corners[((corners >= low) & (corners <= high)).all(axis=1)]
         entering = np.flatnonzero(other.whole.blocked(a, b, radii))
         along = a[entering] + _ALONG[:, None, None] * (b[entering] - a[entering])

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 from abi.arrays import FloatArray
 from abi.robot.bodies import solid_contact
 from abi.robot.bodies.link_solids import link_solids
-from abi.robot.bodies.solid_contact import SolidPose
 from abi.robot.urdf.link import Link, LinkShape
 from abi.verify.link_contact import link_triangles, touch
 
@@ -67,7 +66,7 @@ def test_planner_and_verifier_find_the_same_links_in_contact() -> None:
         turn = Rotation.random(random_state=random).as_matrix()
         origin = 0.15 * random.normal(size=3)
         solids = link_solids(first, 1.0), link_solids(second, 1.0)
-        expected = solid_contact.touch(*solids, SolidPose(turn, origin))
+        expected = solid_contact.touch(*solids, turn, origin)
         placed = link_triangles(second, 1.0).placed(turn, origin)
         assert touch(link_triangles(first, 1.0), placed) == expected
         assert touch(placed, link_triangles(first, 1.0)) == expected
