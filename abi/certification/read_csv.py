@@ -12,7 +12,6 @@ import csv
 import math
 import re
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -37,14 +36,6 @@ _MOST_LINES = MOST_WAYPOINTS + 2
 _DECIMAL_COMMA = re.compile(r"(\d),(\d)")
 
 
-class _Column(NamedTuple):
-    """A column of the table: its place, its name without the unit, and the unit."""
-
-    place: int
-    name: str
-    unit: str
-
-
 def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     """Read a motion from comma-, semicolon- or tab-separated values.
 
@@ -64,23 +55,31 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
         lines[1:] = [_DECIMAL_COMMA.sub(r"\1.\2", line) for line in lines[1:]]
     rows = [_cells(number, line, delimiter) for number, line in enumerate(lines[:_MOST_LINES])]
     _check_widths(rows)
-    columns = [_column(k, cell, slides) for k, cell in enumerate(rows[0])]
-    found = [one for one in columns if one.name in slides and not _must_be_time(one)]
-    time = [one for one in columns if one.name.lower() in _TIMES and one not in found]
-    if not found:
-        names = ", ".join(short(one.name) for one in columns[:6])
+    names, units = zip(*(_name_and_unit(cell, slides) for cell in rows[0]), strict=True)
+    places = range(len(names))
+    joints = [k for k in places if names[k] in slides and not _must_be_time(names[k], units[k])]
+    time = [k for k in places if names[k].lower() in _TIMES and k not in joints][:1]
+    if not joints:
         raise AbiError(
-            f"No column of the file is named after a joint: its first row has {names}.",
+            "No column of the file is named after a joint: its first row has "
+            f"{', '.join(map(short, names[:6]))}.",
             f"Give a header with the robot's joints: {', '.join(list(slides)[:8])}.",
         )
-    tables = [_numbers(rows, one, _LENGTHS if slides[one.name] else _ANGLES) for one in found]
-    positions = np.stack(tables, axis=1)
-    times = _numbers(rows, time[0], _DURATIONS) if time else np.arange(len(rows) - 1, dtype=float)
-    stated = {one.place for one in columns if one.name in _STATES and one not in found}
+    tables = [
+        _numbers(
+            rows,
+            k,
+            names[k],
+            _factor(names[k], units[k], _LENGTHS if slides[names[k]] else _ANGLES),
+        )
+        for k in joints
+    ]
+    positions, times = np.stack(tables, axis=1), np.arange(len(rows) - 1, dtype=float)
+    for k in time:
+        times = _numbers(rows, k, names[k], _factor(names[k], units[k], _DURATIONS))
+    stated = [k for k in places if names[k] in _STATES and k not in joints]
     left_out = [
-        one.name or "one without a name"
-        for one in columns
-        if one not in found and one not in time[:1] and one.place not in stated
+        names[k] or "one without a name" for k in places if k not in (*joints, *time, *stated)
     ]
     notes = []
     begin = filled.index(lines[0])
@@ -93,7 +92,7 @@ def read_csv(text: str, slides: Mapping[str, bool]) -> Motion:
     if left_out:
         notes.append(f"Columns that are no joint were ignored: {', '.join(left_out[:8])}.")
     return Motion(
-        joints=tuple(one.name for one in found),
+        joints=tuple(names[k] for k in joints),
         times=times,
         positions=positions,
         timed=bool(time),
@@ -129,41 +128,43 @@ def _fits(header: str, delimiter: str, slides: Mapping[str, bool]) -> tuple[int,
         cells = next(csv.reader([header], delimiter=delimiter))
     except csv.Error:
         cells = []
-    named = sum(_column(k, cell, slides).name in slides for k, cell in enumerate(cells))
+    named = sum(_name_and_unit(cell, slides)[0] in slides for cell in cells)
     return named, header.count(delimiter)
 
 
-def _column(place: int, cell: str, slides: Mapping[str, bool]) -> _Column:
-    """A column by its cell in the header; what looks like a unit may be part of a joint's name."""
+def _name_and_unit(cell: str, slides: Mapping[str, bool]) -> tuple[str, str]:
+    """Name and unit of a column; what looks like a unit may be part of a joint's name."""
     if cell.strip() in slides or len(cell) > _LONGEST_HEADING:
-        return _Column(place, cell.strip(), "")
+        return cell.strip(), ""
     match = _HEADING.match(cell.strip().strip('"'))
     assert match is not None  # every text is a name
     unit = (match["unit"] or "").strip().lower()
-    return _Column(place, match["name"].strip(), unit)
+    return match["name"].strip(), unit
 
 
-def _must_be_time(column: _Column) -> bool:
+def _must_be_time(name: str, unit: str) -> bool:
     """Check whether a column is the time though a joint is called so: by its unit."""
-    return column.name.lower() in _TIMES and column.unit in _DURATIONS and column.unit != ""
+    return name.lower() in _TIMES and unit in _DURATIONS and unit != ""
 
 
-def _numbers(rows: list[list[str]], column: _Column, factors: Mapping[str, float]) -> FloatArray:
-    """Numbers of a column below the header, times the factor of its unit."""
-    if column.unit not in factors:
-        units = ", ".join(f"[{unit}]" for unit in factors if unit)
-        raise AbiError(
-            f"The unit of {column.name} is {short(column.unit)}.",
-            f"Use one of {units}.",
-        )
+def _factor(name: str, unit: str, factors: Mapping[str, float]) -> float:
+    """Factor of a column's unit."""
+    if unit not in factors:
+        units = ", ".join(f"[{one}]" for one in factors if one)
+        raise AbiError(f"The unit of {name} is {short(unit)}.", f"Use one of {units}.")
+    return factors[unit]
+
+
+def _numbers(rows: list[list[str]], place: int, name: str, factor: float) -> FloatArray:
+    """Numbers of a column below the header, times a factor."""
     values = []
     for row, cells in enumerate(rows[1:], start=1):
-        cell = cells[column.place] if column.place < len(cells) else ""
+        cell = cells[place] if place < len(cells) else ""
         try:
             # float() would take 1_0 for 10, and digits of other scripts
             values.append(float(cell.replace("_", "?") if cell.isascii() else "?"))
         except ValueError:
             raise AbiError(
-                f"In row {row} {column.name} is {short(cell)}, which is no number.",
+                f"In row {row} {name} is {short(cell)}, which is no number.",
             ) from None
-    return factors[column.unit] * np.array(values)
+    return factor * np.array(values)
