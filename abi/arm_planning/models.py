@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from abi.arm_planning.arm_model import ArmModel
 from abi.arm_planning.paper_arm_model import PaperArmModel
 from abi.arm_planning.urdf_arm_model import UrdfArmModel
 from abi.scene.arm_settings import ArmSettings
 
 Unit = Literal["m", "cm", "mm"]
+
+ArmModel = PaperArmModel | UrdfArmModel
+"""An arm and its inverse kinematics, by formulas or by damped least squares."""
 
 MODELS: dict[str, Callable[[ArmSettings, Unit], ArmModel]] = {
     "abi": PaperArmModel,

@@ -15,7 +15,7 @@ from types import MappingProxyType
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_model import JointPath
+from abi.arm_planning.branch.arm_branch import JointPath
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.cubic_profile import (
     CubicProfile,

@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_model import BranchProblem
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.world.arm_worlds import paper_arm_world
@@ -20,6 +19,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.robot.paper_arm.paper_arm import PaperArm
 from abi.scene.arm_settings import ArmSettings
 from abi.scene.scene import Scene
+from abi.tet_mesh.tet_mesh import TetMesh
 
 _LONGER = 1.5
 """Longest path, over the straight line, whose duration bounds the slide in advance."""
@@ -67,22 +67,31 @@ class PaperArmModel:
         """False: its joints follow from formulas, and testing them along the curve is as quick."""
         return False
 
-    def branches(self, problem: BranchProblem, only: str = "") -> tuple[ElbowBranch, ...]:
+    def branches(
+        self,
+        scene: Scene,
+        collision_world: CollisionWorld,
+        mesh: TetMesh,
+        slack: float,
+        only: str = "",
+    ) -> tuple[ElbowBranch, ...]:
         """One branch for each allowed elbow, whichever is named: they are made at once."""
-        settings, around = problem.scene.arm, problem.collision_world
-        extensions, clearance = _extensions(problem.scene), settings.clearance
+        settings, extensions = scene.arm, _extensions(scene)
+        asked = extensions, settings.clearance, slack
         return tuple(
-            ElbowBranch(
-                *(self.arm, elbow, around, extensions, clearance, problem.slack), settings=settings
-            )
+            ElbowBranch(self.arm, elbow, collision_world, *asked, settings=settings)
             for elbow in settings.branches
         )
 
-    def branches_in_turn(self, problem: BranchProblem) -> Iterator[ElbowBranch]:
+    def branches_in_turn(
+        self, scene: Scene, collision_world: CollisionWorld, mesh: TetMesh, slack: float
+    ) -> Iterator[ElbowBranch]:
         """One branch for each allowed elbow."""
-        return iter(self.branches(problem))
+        return iter(self.branches(scene, collision_world, mesh, slack))
 
-    def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ElbowBranch], str]:
+    def other_branches(
+        self, scene: Scene, collision_world: CollisionWorld, mesh: TetMesh, slack: float
+    ) -> tuple[Iterator[ElbowBranch], str]:
         """No further branches: an elbow has only two sides."""
         return iter(()), ""
 

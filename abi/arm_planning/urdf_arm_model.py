@@ -6,13 +6,12 @@ redundant joints are drawn towards poses with the tool at the goal.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from abi.arm_planning.arm_model import BranchProblem
 from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
@@ -36,6 +35,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import METRES, Vec3
 from abi.robot.urdf_arm import TRIED, urdf_arm
 from abi.scene.arm_settings import ArmSettings
+from abi.scene.scene import Scene
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _BRANCHES = 6
@@ -92,57 +92,68 @@ class UrdfArmModel:
             return False
         return touches_from_all(curve, arc, self.arm, collision_world, required)
 
-    def branches(self, problem: BranchProblem, only: str = "") -> tuple[ChainBranch, ...]:
+    def branches(
+        self,
+        scene: Scene,
+        collision_world: CollisionWorld,
+        mesh: TetMesh,
+        slack: float,
+        only: str = "",
+    ) -> tuple[ChainBranch, ...]:
         """One branch for each of a few start poses, clear ones if there are any."""
-        self._remember(problem)
-        poses = self._poses_at(problem.scene.start)
+        self._remember(scene, mesh)
+        poses, is_clear = self._poses_at(scene.start), self._asked(scene, collision_world, slack)
+        pairs: list[PosePair] = []
         if only:  # whether others are clear is not asked
-            known = {PosePair(number, None) for number in range(TRIED)} | {*self._configurations}
-            kept = (pair for pair in known if _name_of(pair) == only and pair.first < len(poses))
-            return tuple(
-                self._branch(pair, problem)
-                for pair in kept
-                if self._is_clear(problem, poses[pair.first])
-            )
-        clear = self._clear(poses[:TRIED], problem)
-        return tuple(self._branch(PosePair(k, None), problem) for k in _first_ones(clear))
+            known = {(number, None) for number in range(TRIED)} | {*self._configurations}
+            named = [pair for pair in known if _name_of(*pair) == only and pair[0] < len(poses)]
+            pairs = [(first, home) for first, home in named if is_clear(poses[first])]
+        else:
+            clear = _clear_ones(poses[:TRIED], is_clear)
+            pairs = [(number, None) for number in _first_ones(clear)]
+        return tuple(self._branch(scene, collision_world, slack, *pair) for pair in pairs)
 
-    def branches_in_turn(self, problem: BranchProblem) -> Iterator[ChainBranch]:
+    def branches_in_turn(
+        self, scene: Scene, collision_world: CollisionWorld, mesh: TetMesh, slack: float
+    ) -> Iterator[ChainBranch]:
         """Start poses, each made on demand; the one along the tool's own curve comes first."""
-        self._remember(problem)
-        clear = self._clear(self._poses_at(problem.scene.start)[:TRIED], problem)
+        self._remember(scene, mesh)
+        is_clear = self._asked(scene, collision_world, slack)
+        clear = _clear_ones(self._poses_at(scene.start)[:TRIED], is_clear)
         numbers = sorted(_first_ones(clear), key=lambda number: number != self._start)
-        return (self._branch(PosePair(number, None), problem) for number in numbers)
+        return (self._branch(scene, collision_world, slack, number, None) for number in numbers)
 
-    def other_branches(self, problem: BranchProblem) -> tuple[Iterator[ChainBranch], str]:
+    def other_branches(
+        self, scene: Scene, collision_world: CollisionWorld, mesh: TetMesh, slack: float
+    ) -> tuple[Iterator[ChainBranch], str]:
         """One branch for each of a few clear pairs of a start pose and a pose at the goal.
 
         A start pose that was not tried may also stand alone.
         """
         if not self.arm.is_redundant:
             return iter(()), ""
-        self._remember(problem)
-        start, goal = problem.scene.start, problem.scene.goal
-        firsts, lasts = (self._clear(self._poses_at(point), problem) for point in (start, goal))
-        for where, point, clear in (("start", start, firsts), ("goal", goal, lasts)):
+        self._remember(scene, mesh)
+        is_clear = self._asked(scene, collision_world, slack)
+        poses = [self._poses_at(point) for point in (scene.start, scene.goal)]
+        firsts, lasts = (_clear_ones(some, is_clear) for some in poses)
+        for where, found, clear in zip(("start", "goal"), poses, (firsts, lasts), strict=True):
             if not clear:
-                found = len(self._poses_at(point))
-                note = f"Of {found} poses found at the {where} none keeps the arm clear."
+                note = f"Of {len(found)} poses found at the {where} none keeps the arm clear."
                 return iter(()), note
-        tried = [PosePair(number, None) for number in _first_ones(firsts)]
-        line = np.array(start), np.array(goal)
-        pairs = pose_pairs(self.arm, line, firsts, lasts, partial(self._is_clear, problem))
-        return (self._branch(pair, problem) for pair in pairs if pair not in tried), ""
+        tried = [(number, None) for number in _first_ones(firsts)]
+        line = np.array(scene.start), np.array(scene.goal)
+        pairs = pose_pairs(self.arm, line, firsts, lasts, is_clear)
+        others = (pair for pair in pairs if pair not in tried)
+        return (self._branch(scene, collision_world, slack, *pair) for pair in others), ""
 
-    def _remember(self, problem: BranchProblem) -> None:
+    def _remember(self, scene: Scene, mesh: TetMesh) -> None:
         """Drop caches of another mesh, start or goal."""
-        scene = problem.scene
-        at = (problem.mesh, scene.start, scene.goal)
+        at = (mesh, scene.start, scene.goal)
         if self._at is None or at[0] is not self._at[0] or at[1] != self._at[1]:
             self._configurations = {}
         elif at[2] != self._at[2]:
             self._configurations = {
-                pair: one for pair, one in self._configurations.items() if pair.home is None
+                pair: one for pair, one in self._configurations.items() if pair[1] is None
             }
         self._at = at
 
@@ -150,20 +161,21 @@ class UrdfArmModel:
         """All poses found with the tool at a point."""
         return self.arm.first_poses(np.array(point), _ALL)
 
-    def _clear(self, poses: Sequence[FloatArray], problem: BranchProblem) -> dict[int, FloatArray]:
-        """The clear poses by their numbers."""
-        return {k: pose for k, pose in enumerate(poses) if self._is_clear(problem, pose)}
+    def _asked(
+        self, scene: Scene, collision_world: CollisionWorld, slack: float
+    ) -> Callable[[FloatArray], bool]:
+        """Function that tells whether the arm, standing still in a pose, is proven clear."""
+        return partial(self._is_clear, collision_world, scene.arm.clearance + slack)
 
-    def _is_clear(self, problem: BranchProblem, pose: FloatArray) -> bool:
+    def _is_clear(self, collision_world: CollisionWorld, margin: float, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
-        margin = problem.scene.arm.clearance + problem.slack
-        self._poses.enter(problem.collision_world)
+        self._poses.enter(collision_world)
         _, fault = self._poses.examined(
             (pose.tobytes(), margin), partial(_still, pose), partial(self._refutation, margin)
         )
         if fault is not None:
             return False
-        return not inside_meshes(self.arm, problem.collision_world, pose)
+        return not inside_meshes(self.arm, collision_world, pose)
 
     def _refutation(
         self, margin: float, followed: Followed, around: CollisionWorld, with_itself: bool
@@ -172,35 +184,47 @@ class UrdfArmModel:
         joints = followed.joints
         return chain_refutation(self.arm, joints, around, margin, with_itself=with_itself)
 
-    def _branch(self, pair: PosePair, problem: BranchProblem) -> ChainBranch:
-        configurations, memory = self._spread(pair, problem)
-        memory.enter(problem.collision_world)
-        clearance = problem.scene.arm.clearance
-        around = problem.collision_world, configurations, clearance, problem.slack
-        return ChainBranch(self.arm, _name_of(pair), *around, memory=memory)
+    def _branch(
+        self,
+        scene: Scene,
+        collision_world: CollisionWorld,
+        slack: float,
+        first: int,
+        home: int | None,
+    ) -> ChainBranch:
+        configurations, memory = self._spread(first, home)
+        memory.enter(collision_world)
+        around = collision_world, configurations, scene.arm.clearance, slack
+        return ChainBranch(self.arm, _name_of(first, home), *around, memory=memory)
 
-    def _spread(
-        self, pair: PosePair, problem: BranchProblem
-    ) -> tuple[NodeConfigurations, SegmentMemory]:
+    def _spread(self, first: int, home: int | None) -> tuple[NodeConfigurations, SegmentMemory]:
         """Configurations on the mesh from a first pose, drawn to a home; memory of segments."""
-        if pair not in self._configurations:
-            start, goal = problem.scene.start, problem.scene.goal
-            first = self._poses_at(start)[pair.first]
-            home = first if pair.home is None else self._poses_at(goal)[pair.home]
-            found = spread_over(self.arm, problem.mesh, np.array(start, dtype=float), first, home)
+        if (first, home) not in self._configurations:
+            assert self._at is not None
+            mesh, start, goal = self._at
+            pose = self._poses_at(start)[first]
+            drawn = pose if home is None else self._poses_at(goal)[home]
+            found = spread_over(self.arm, mesh, np.array(start, dtype=float), pose, drawn)
             if len(self._configurations) >= _REMEMBERED:
                 self._configurations.pop(next(iter(self._configurations)))
-            self._configurations[pair] = found, SegmentMemory()
-        return self._configurations[pair]
+            self._configurations[first, home] = found, SegmentMemory()
+        return self._configurations[first, home]
 
 
-def _name_of(pair: PosePair) -> str:
+def _name_of(first: int, home: int | None) -> str:
     """Name of the branch from a first pose, drawn to a home."""
-    name = f"From pose {pair.first + 1} at the start"
-    return name if pair.home is None else f"{name} drawn to pose {pair.home + 1} at the goal"
+    name = f"From pose {first + 1} at the start"
+    return name if home is None else f"{name} drawn to pose {home + 1} at the goal"
 
 
-def _first_ones(clear: Mapping[int, FloatArray]) -> list[int]:
+def _clear_ones(
+    poses: Sequence[FloatArray], is_clear: Callable[[FloatArray], bool]
+) -> dict[int, FloatArray]:
+    """The clear poses by their numbers."""
+    return {k: pose for k, pose in enumerate(poses) if is_clear(pose)}
+
+
+def _first_ones(clear: Iterable[int]) -> list[int]:
     """Numbers of the first poses that are tried alone; the very first if none is clear."""
     return [number for number in clear if number < TRIED][:_BRANCHES] or [0]
 

@@ -13,7 +13,7 @@ from functools import partial
 from heapq import heappop, heappush
 
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.arm_planning.arm_model import ArmBranch, BranchProblem
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.world.collision_world import CollisionWorld
 from abi.planner.plan import Plan
 from abi.planner.planning_problem import PlanningProblem
@@ -53,7 +53,7 @@ class ArmAware:
         """
         assert tool.free is not None
         slack = problem.margin - problem.scene.spline.clearance
-        asked = BranchProblem(problem.scene, collision_world, tool.free.mesh, slack)
+        asked = problem.scene, collision_world, tool.free.mesh, slack
 
         def on(arm_branch: ArmBranch, memory: str) -> WholeArmBranch:
             """An arm's branch, with the memory of that name."""
@@ -61,20 +61,20 @@ class ArmAware:
             return WholeArmBranch(problem, collision_world, tool, arm_branch, kept)
 
         if problem.hasty and self.kept:
-            kept = [on(one, self._memory) for one in problem.model.branches(asked, self.kept)]
+            kept = [on(one, self._memory) for one in problem.model.branches(*asked, self.kept)]
             if (found := _shortest_motion(kept)[0]) is not None:
                 return found.plan
         every, found, faults = list[WholeArmBranch](), None, dict[str, ArmNotClear]()
         if problem.hasty and not problem.model.arm.has_elbow:
             # to make all takes longer than a frame, and at rest they are compared
-            for one in problem.model.branches_in_turn(asked):
+            for one in problem.model.branches_in_turn(*asked):
                 every.append(on(one, one.name))
                 found, refused = _shortest_motion(every[-1:])
                 faults |= refused
                 if found is not None:
                     break
         else:
-            every = [on(one, one.name) for one in problem.model.branches(asked)]
+            every = [on(one, one.name) for one in problem.model.branches(*asked)]
             found, faults = _shortest_motion(every)
         self.kept = ""
         if found is not None and not problem.model.arm.has_elbow:
@@ -87,7 +87,8 @@ class ArmAware:
             faults |= again
         if found is not None:
             return found.plan
-        others, note = problem.model.other_branches(asked)
+        others: Iterable[ArmBranch]
+        others, note = problem.model.other_branches(*asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others))
         of_name = {one.arm_branch.name: one for one in every}
         why = [(of_name[name], fault) for name, fault in faults.items()]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from abi.arm_planning.arm_model import ArmModel
+from abi.arm_planning.models import ArmModel
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.fit_quadratic import Mode
 from abi.errors import StageError

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from abi import progress
-from abi.arm_planning.arm_model import JointPath
+from abi.arm_planning.branch.arm_branch import JointPath
 from abi.arm_planning.joint_search.search_joints import JointSearch, JointSearchEffort
 from abi.arm_planning.models import model_of
 from abi.arm_planning.motion.arm_clearance import ArmClearance

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache, partial
 import numpy as np
 
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.arm_planning.arm_model import ArmBranch
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.arm_path import REFINEMENTS, fit_clear, pull_clear, search_clear
 from abi.arm_planning.exclusion.arm_path_kernels import ROUNDS
@@ -193,7 +193,7 @@ class WholeArmBranch(Branch):
         """
         scene = self.problem.scene
         joint_path = self.arm_branch.joint_path(followed.curve, followed.arc)
-        profile = _profile(joint_path, scene.motion)  # type: ignore[arg-type]  # all have a hash
+        profile = _profile(joint_path, scene.motion)
         motion = joint_path.motion(profile, sample_count(profile, scene.motion))
         clearance = joint_path.clearance(motion, self.collision_world, scene.arm.clearance)
         moved = TimedMotion(profile, motion, clearance)

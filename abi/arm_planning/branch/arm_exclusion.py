@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm_planning.arm_model import ArmBranch
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arrays import BoolArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from abi.arm_planning.arm_model import ArmBranch
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.exclusion.arm_path_kernels import ROUNDS, pull, pulled
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import BSpline, clamped

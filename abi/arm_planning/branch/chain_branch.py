@@ -9,8 +9,7 @@ from typing import Self
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_errors import LinkContact
-from abi.arm_planning.arm_model import Unreached
+from abi.arm_planning.arm_errors import LinkContact, Unreached
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.segment_memory import SegmentMemory
 from abi.arm_planning.certificates.chain_certificate import MOST_TRIES as CURVE_TRIES

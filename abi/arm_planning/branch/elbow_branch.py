@@ -10,7 +10,7 @@ from typing import Literal, Self
 import numpy as np
 
 from abi import arguments
-from abi.arm_planning.arm_model import Unreached
+from abi.arm_planning.arm_errors import Unreached
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.certificates.arm_certificate import ArmCertificate
 from abi.arm_planning.certificates.paper_arm_certificate import certify_paper_arm

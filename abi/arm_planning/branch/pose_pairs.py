@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,16 +18,9 @@ _POINTS = 41
 """Points of the straight line at which pairs are compared."""
 
 
-class PosePair(NamedTuple):
-    """A start pose, and the pose towards which redundant joints drift.
-
-    Attributes:
-        first: number of the start pose, from 0.
-        home: number of the pose at the goal; None for the start pose itself.
-    """
-
-    first: int
-    home: int | None
+PosePair = tuple[int, int | None]
+"""Number of a start pose, from 0, and of the pose at the goal towards which redundant joints drift;
+None for the start pose itself."""
 
 
 def pose_pairs(
@@ -62,6 +54,6 @@ def pose_pairs(
             reached = bool((missed <= REACHED * arm.reach).all())
             at_end = reached and is_clear(positions[-1])
             whole = at_end and all(is_clear(one) for one in positions[1:-1:5])
-            found.append(((2 - at_end - whole, distance), PosePair(first, number)))
+            found.append(((2 - at_end - whole, distance), (first, number)))
     found.sort(key=lambda one: one[0])
     return [pair for _, pair in found[:_MOST]]

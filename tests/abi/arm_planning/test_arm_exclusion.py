@@ -7,7 +7,7 @@ from typing import cast
 import numpy as np
 import pytest
 
-from abi.arm_planning.arm_model import ArmBranch
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from abi.arm_planning.arm_model import BranchProblem
 from abi.arm_planning.exclusion.paper_arm_node_tree_kernels import places_touching
 from abi.arm_planning.paper_arm_model import PaperArmModel
 from abi.obstacles.mesh_shape import MeshShape
@@ -49,7 +48,7 @@ def test_places_are_decided_as_one_by_one(number: int, elbow: str) -> None:
     obstacles = ObstacleSet(scene.obstacles)
     collision_world = model.collision_world(obstacles, scene.workspace.min[2])
     made = tetrahedralise(scene.workspace, scene.mesh)
-    for branch in model.branches(BranchProblem(scene, collision_world, made, 0.01)):
+    for branch in model.branches(scene, collision_world, made, 0.01):
         asked = branch.reached(made.points) & (random.random(len(made.points)) < 0.9)
         expected = branch.touching(made.points, 1, asked)
         assert 0 < expected.sum() < asked.sum()

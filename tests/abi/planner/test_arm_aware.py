@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from abi import Planner, load_scene, plan
-from abi.arm_planning.arm_errors import ArmNotClear
-from abi.arm_planning.arm_model import Unreached
+from abi.arm_planning.arm_errors import ArmNotClear, Unreached
 from abi.arm_planning.branch.arm_exclusion import ArmExclusionCache
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.paper_arm_model import paper_arm

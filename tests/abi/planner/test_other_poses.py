@@ -12,7 +12,7 @@ import pytest
 
 from abi import compiling
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.arm_planning.arm_model import ArmBranch, BranchProblem
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.urdf_arm_model import UrdfArmModel
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
@@ -132,7 +132,7 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     collision_world = model.collision_world(obstacles, 0.0)
 
     assert len(model.arm.joints) <= 3
-    others, note = model.other_branches(BranchProblem(scene, collision_world, mesh, 0.01))
+    others, note = model.other_branches(scene, collision_world, mesh, 0.01)
     assert list(others) == []
     assert note == ""
 
@@ -142,13 +142,13 @@ def test_a_branch_that_is_named_is_the_one_among_all() -> None:
     scene = scene_of(name, axis, ends, [LAMP])
     model = UrdfArmModel(scene.arm, scene.unit)
     mesh, solids = tetrahedralise(scene.workspace, scene.mesh), ObstacleSet(scene.obstacles)
-    asked = BranchProblem(scene, model.collision_world(solids, 0.0), mesh, 0.01)
+    asked = scene, model.collision_world(solids, 0.0), mesh, 0.01
 
-    branches = model.branches(asked)
+    branches = model.branches(*asked)
     assert len(branches) > 1
     for one in branches:
-        (alone,) = model.branches(asked, one.name)
+        (alone,) = model.branches(*asked, one.name)
         assert alone.configurations is one.configurations
-    assert model.branches(asked, "From pose 99 at the start") == ()
-    in_turn = [one.name for one in model.branches_in_turn(asked)]
-    assert sorted(in_turn) == sorted(one.name for one in model.branches(asked))
+    assert model.branches(*asked, "From pose 99 at the start") == ()
+    in_turn = [one.name for one in model.branches_in_turn(*asked)]
+    assert sorted(in_turn) == sorted(one.name for one in model.branches(*asked))

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from abi import compiling
-from abi.arm_planning.arm_model import JointPath
+from abi.arm_planning.branch.arm_branch import JointPath
 from abi.arm_planning.motion_law import motion_law
 from abi.curves import fit_bspline
 from abi.curves.cubic_profile import PathProfile
