@@ -8,7 +8,7 @@ the certificate holds.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from abi.arrays import FloatArray
+from abi.arrays import BoolArray, FloatArray
 from abi.scene.scene import Scene
 from abi.verify.exact.frame import nearly_sine_and_cosine
 from abi.verify.exact.paper_arm import ExactArm
@@ -76,68 +76,78 @@ def check_tool(
         raise Fault("a joint turns by half a turn or more between two samples")
     allowed = _REACHED * (arm.upper + arm.lower)
     check_tool_points(section, partial(_tool, arm), allowed)
-    path, at = _Path(curve), float(curve[0].start)
+    placed = [_placed(arm, row) for row in rows]
+    along = _followed(curve, [tool for tool, _, _ in placed], allowed)
     first, last = curve[0].bezier[0], curve[-1].bezier[-1]
-    for number, (row, time) in enumerate(zip(rows, times, strict=True)):
-        tool, sine, out = _placed(arm, row)
+    for number, (row, time, (tool, sine, out)) in enumerate(zip(rows, times, placed, strict=True)):
         if sine * arm.side <= 0 or out <= 0:
             raise Fault(f"at {time:g} s its elbow is on the other side")
         ends = [first] * (number == 0) + [last] * (number == len(rows) - 1)
-        found = path.next(tool, at, allowed)
-        if found is None or any(_gap(tool, end) > allowed for end in ends):
+        at = next(along, None)
+        if at is None or any(_gap(tool, end) > allowed for end in ends):
             raise Fault(f"at {time:g} s the tool tip is not where it is on the curve")
-        at = found
         slid, q5 = slide(Fraction(at), Fraction(at)), Fraction(row[4])
         if not slid.low - allowed <= q5 <= slid.high + allowed:
             raise Fault(f"at {time:g} s its slide is not where it is on the curve")
 
 
-class _Path:
-    """A curve in floating point, in which candidates are sought that are then checked exactly."""
+def _followed(curve: ExactCurve, tools: Sequence[Vec3], allowed: Fraction) -> Iterator[float]:
+    """Parameters at which a curve is at tools, one after the other; they end where there is none.
 
-    # a damaged curve may leave the numbers: what is found is checked exactly
-    @np.errstate(all="ignore")
-    def __init__(self, curve: ExactCurve) -> None:
+    They are sought in floating point, and what is found is checked exactly.
+    """
+    with np.errstate(all="ignore"):
         breaks = [*(float(span.start) for span in curve), float(curve[-1].end)]
         bezier = np.array([span.bezier for span in curve], dtype=np.float64)
-        self._curve = curve
-        self._places = scipy.interpolate.BPoly(bezier.swapaxes(0, 1), breaks)
-        self._slopes = self._places.derivative()
-        ends = itertools.pairwise(breaks)
+        places = scipy.interpolate.BPoly(bezier.swapaxes(0, 1), breaks)
+        slopes, ends = places.derivative(), itertools.pairwise(breaks)
         parts = [np.linspace(low, high, _PARTS, endpoint=False) for low, high in ends]
-        self._grid: FloatArray = np.concatenate([*parts, breaks[-1:]])
-        self._on_grid: FloatArray = self._places(self._grid)
-
-    @np.errstate(all="ignore")
-    def next(self, tool: Vec3, behind: float, allowed: Fraction) -> float | None:
-        """First parameter found from ``behind`` on at which the curve is at the tool."""
+        grid: FloatArray = np.concatenate([*parts, breaks[-1:]])
+        on_grid, behind = np.asarray(places(grid)), breaks[0]
+    for tool in tools:
         target = np.array(tool, dtype=np.float64)
-        for guess in self._guesses(target, behind):
-            at = self._nearest(target, guess, behind)
-            if _gap(point_at(self._curve, Fraction(at)), tool) <= allowed:
-                return at
-        return None
+        later = int(np.searchsorted(grid, behind, side="right"))
+        few = np.append(behind, grid[later:])
+        guesses = few[_nearer(np.vstack([places(behind), on_grid[later:]]), target)].tolist()
+        span = behind, breaks[-1]
+        found = (_nearest(places, slopes, target, guess, span) for guess in guesses)
+        near = (at for at in found if _gap(point_at(curve, Fraction(at)), tool) <= allowed)
+        at = next(near, None)
+        if at is None:
+            return
+        yield at
+        behind = at
 
-    def _guesses(self, target: FloatArray, behind: float) -> list[float]:
-        """Parameters from ``behind`` on whose points are nearer than their neighbours."""
-        later = int(np.searchsorted(self._grid, behind, side="right"))
-        places = np.vstack([self._places(behind), self._on_grid[later:]])
-        away = ((places - target) ** 2).sum(axis=1)
-        around = np.concatenate([[np.inf], away, [np.inf]])
-        nearer = (around[:-2] >= away) & (away <= around[2:])
-        found: list[float] = np.append(behind, self._grid[later:])[nearer].tolist()
-        return found
 
-    def _nearest(self, target: FloatArray, at: float, behind: float) -> float:
-        """Refine a parameter by Gauss-Newton steps while they are finite."""
-        last = float(self._grid[-1])
-        for _ in range(_STEPS):
-            slope = self._slopes(at)
-            step = (target - self._places(at)) @ slope / (slope @ slope)
-            if np.isnan(step):
-                break
-            at = min(max(at + float(step), behind), last)
-        return at
+# a damaged curve may leave the numbers: what is found is checked exactly
+@np.errstate(all="ignore")
+def _nearer(places: FloatArray, target: FloatArray) -> BoolArray:
+    """Flags of the places (k, 3) that are no farther from a target than their neighbours."""
+    away = ((places - target) ** 2).sum(axis=1)
+    around = np.concatenate([[np.inf], away, [np.inf]])
+    return np.asarray((around[:-2] >= away) & (away <= around[2:]))
+
+
+@np.errstate(all="ignore")
+def _nearest(
+    places: Any, slopes: Any, target: FloatArray, at: float, span: tuple[float, float]
+) -> float:
+    """Refine a parameter between two by Gauss-Newton steps while they are finite.
+
+    Args:
+        places: function from a parameter to a place, (3,).
+        slopes: its derivative.
+        target: the place that is to be near, (3,).
+        at: the parameter.
+        span: the least and the largest.
+    """
+    for _ in range(_STEPS):
+        slope = slopes(at)
+        step = (target - places(at)) @ slope / (slope @ slope)
+        if np.isnan(step):
+            break
+        at = min(max(at + float(step), span[0]), span[1])
+    return at
 
 
 def _tool(arm: ExactArm, row: Sequence[Fraction]) -> Vec3:
