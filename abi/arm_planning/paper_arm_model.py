@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.branch.elbow_branch import ElbowBranch
 from abi.arm_planning.branch.paper_arm_joint_path import PaperArmJointPath
 from abi.arm_planning.world.arm_worlds import paper_arm_world
@@ -91,7 +92,7 @@ class PaperArmModel:
 
     def other_branches(
         self, scene: Scene, collision_world: CollisionWorld, mesh: TetMesh, slack: float
-    ) -> tuple[Iterator[ElbowBranch], str]:
+    ) -> tuple[Iterator[ArmBranch], str]:
         """No further branches: an elbow has only two sides."""
         return iter(()), ""
 

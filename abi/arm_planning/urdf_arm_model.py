@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from abi.arm_planning.branch.arm_branch import ArmBranch
 from abi.arm_planning.branch.chain_branch import ChainBranch
 from abi.arm_planning.branch.followed import Followed
 from abi.arm_planning.branch.pose_pairs import PosePair, pose_pairs
@@ -125,7 +126,7 @@ class UrdfArmModel:
 
     def other_branches(
         self, scene: Scene, collision_world: CollisionWorld, mesh: TetMesh, slack: float
-    ) -> tuple[Iterator[ChainBranch], str]:
+    ) -> tuple[Iterator[ArmBranch], str]:
         """One branch for each of a few clear pairs of a start pose and a pose at the goal.
 
         A start pose that was not tried may also stand alone.

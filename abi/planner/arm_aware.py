@@ -87,7 +87,6 @@ class ArmAware:
             faults |= again
         if found is not None:
             return found.plan
-        others: Iterable[ArmBranch]
         others, note = problem.model.other_branches(*asked)
         branches = (on(one, f"other {number}") for number, one in enumerate(others))
         of_name = {one.arm_branch.name: one for one in every}
