@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 from abi import assets
@@ -18,31 +19,26 @@ from abi.verify.exact.mesh import ExactMesh
 from abi.verify.exact.solids import ExactSolid, vector
 
 
-class PlanMeshes(MeshSource):
-    """Mesh files beside a plan, or else those of the shipped scenes.
+def meshes_beside(folder: Path, shipped: list[str]) -> MeshSource:
+    """Mesh files in a plan's folder, or else those of the shipped scenes.
 
-    Attributes:
-        shipped: names of the files taken from the shipped scenes.
+    Args:
+        folder: the plan's.
+        shipped: to which the names of the files are added that are taken from the shipped scenes.
     """
+    return MeshSource(folder=folder, otherwise=partial(_of_shipped_scenes, folder, shipped))
 
-    def __init__(self, folder: Path) -> None:
-        super().__init__(folder=folder)
-        self.shipped: list[str] = []
-        self._folder = folder
 
-    def surface(self, name: str) -> Surface:
-        """Source of the meshes, as in :class:`MeshSource`."""
-        try:
-            return super().surface(name)
-        except SceneError as error:
-            # a file that is there but is no mesh is what was meant
-            if not (self._folder / name).exists():
-                with contextlib.suppress(SceneError):
-                    surface = MeshSource(folder=assets.path("scenes")).surface(name)
-                    self.shipped.append(name)
-                    return surface
-            expected = f"{error.expected}, beside the plan or in the folder or zip of --meshes"
-            raise SceneError(error.field, name, expected) from None
+def _of_shipped_scenes(folder: Path, shipped: list[str], name: str, error: SceneError) -> Surface:
+    """The surface of a file of the shipped scenes; of one that is beside the plan, the error."""
+    # a file that is there but is no mesh is what was meant
+    if not (folder / name).exists():
+        with contextlib.suppress(SceneError):
+            surface = MeshSource(folder=assets.path("scenes")).surface(name)
+            shipped.append(name)
+            return surface
+    expected = f"{error.expected}, beside the plan or in the folder or zip of --meshes"
+    raise SceneError(error.field, name, expected) from None
 
 
 def obstacles_of(scene: Scene) -> list[ExactSolid | ExactMesh]:

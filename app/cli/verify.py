@@ -36,14 +36,14 @@ def verify(plan: Path, meshes: Path | None) -> None:
 
     Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
     """
-    from abi.verify.plan_obstacles import PlanMeshes
+    from abi.verify.plan_obstacles import meshes_beside
     from abi.verify.unchecked import unchecked
     from abi.verify.verify import verify as verify_plan
 
-    found = PlanMeshes(plan.parent)
-    data = _read(plan)
-    verdicts = verify_plan(data, found if meshes is None else _files(meshes))
-    for name in dict.fromkeys(found.shipped):
+    data, shipped = _read(plan), list[str]()
+    source = meshes_beside(plan.parent, shipped) if meshes is None else _files(meshes)
+    verdicts = verify_plan(data, source)
+    for name in dict.fromkeys(shipped):
         click.echo(f"{name!r} is not beside the plan; the shipped scenes' is taken.", err=True)
     lines = [str(verdict) for verdict in verdicts]
     if names := unchecked(data):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Protocol
@@ -35,15 +35,18 @@ class MeshSource:
     Args:
         files: content of each file by its name, or what was read of it; looked at first.
         folder: the folder that holds the scene file; nothing outside it is opened.
+        otherwise: where to find a surface that is not here, by its name and the error; None for
+            nowhere.
     """
 
     def __init__(
         self,
         files: Files | None = None,
         folder: Path | None = None,
+        otherwise: Callable[[str, SceneError], Surface] | None = None,
     ) -> None:
         self.files: dict[str, bytes | CheckedFile] = dict(files or {})
-        self.folder = folder
+        self.folder, self._otherwise = folder, otherwise
 
     @classmethod
     def of(cls, origin: str | Path | Files | MeshSource | None) -> MeshSource:
@@ -60,6 +63,15 @@ class MeshSource:
         Raises:
             SceneError: there is no such file, it is outside the folder, or it is no mesh.
         """
+        try:
+            return self._surface_here(name)
+        except SceneError as error:
+            if self._otherwise is None:
+                raise
+            return self._otherwise(name, error)
+
+    def _surface_here(self, name: str) -> Surface:
+        """The surface of a file that is given or in the folder."""
         _check_name(name)
         if PurePosixPath(name).suffix.lower() not in SUFFIXES:
             raise SceneError("file", name, f"a file that ends in {', '.join(SUFFIXES)}")
