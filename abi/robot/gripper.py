@@ -46,10 +46,10 @@ def gripper_at(field: str, robot: Robot, tip: str, opening: Opening) -> dict[str
     behind = _behind(robot, planned)
     fingers = {name: one for name, one in free.items() if one.child in behind}
     named = [
-        {name: at for name, at in state.positions.items() if name in free}
-        for state in robot.states
-        if state.name.rpartition("/")[2].lower() in _STATES[opening]
-        and not fingers.keys().isdisjoint(state.positions)
+        {name: at for name, at in positions.items() if name in free}
+        for state, positions in robot.states.items()
+        if state.rpartition("/")[2].lower() in _STATES[opening]
+        and not fingers.keys().isdisjoint(positions)
     ]
     if len({tuple(sorted(one.items())) for one in named}) > 1:
         expected = "positions by the names of joints, as its SRDF has several states of that name"

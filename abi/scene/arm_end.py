@@ -128,11 +128,11 @@ class ArmEnd(Settings):
     ) -> dict[str, float]:
         """Positions by name, [rad] or [m], that are given or belong to the named state."""
         if self.state is not None:
-            states = {one.name: one.positions for one in robot.states}
-            if self.state not in states:
-                expected = f"a state of its SRDF: {some_of([*states], _FEW) or 'it has none'}"
+            if self.state not in robot.states:
+                known = some_of([*robot.states], _FEW)
+                expected = f"a state of its SRDF: {known or 'it has none'}"
                 raise SceneError(f"{field}.state", self.state, expected)
-            return {name: at for name, at in states[self.state].items() if name in planned}
+            return {name: at for name, at in robot.states[self.state].items() if name in planned}
         plain = _plain(self.joints)
         if isinstance(plain, list):
             if len(plain) != len(planned):

@@ -280,9 +280,8 @@ class ArmSettings(Settings):
             return
         still = self._still(metres)
         free = {one.name for one in self.robot.joints if one.mimic is None} & still.keys()
-        states = {one.name: one.positions for one in self.robot.states}
         for name, end in ends.items():
-            state = states.get(end.state or "", {}) if end is not None else {}
+            state = self.robot.states.get(end.state or "", {}) if end is not None else {}
             wanted = {
                 one: at
                 for one, at in state.items()

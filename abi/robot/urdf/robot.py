@@ -23,20 +23,6 @@ MOST_JOINTS = 16
 """Most joints between root and tip."""
 
 
-class NamedState(NamedTuple):
-    """Named positions of joints from an SRDF, such as ``home`` or ``open``.
-
-    Attributes:
-        name: of the state.
-        group: name of the group of joints that it belongs to.
-        positions: by the names of joints, within their limits, [rad] or [m].
-    """
-
-    name: str
-    group: str
-    positions: Mapping[str, float]
-
-
 class Coupling(NamedTuple):
     """A loop that an element for other programs closes, or a joint that it lets follow another.
 
@@ -93,7 +79,8 @@ class Robot(ShortRepr):
         archive: the whole URDF and its meshes, as a zip.
         may_touch: pairs of links that its SRDF, if there is one, excludes from collision checks.
         groups: names of joints that move together, by the names of groups in its SRDF.
-        states: positions of joints that its SRDF gives a name.
+        states: positions of joints within their limits, [rad] or [m], by the names that its SRDF
+            gives them, such as ``home`` or ``open``, with those of groups where they need them.
         attached: the object that it holds.
         couplings: loops and followers that ``<mimic>`` does not tell of.
     """
@@ -106,13 +93,13 @@ class Robot(ShortRepr):
     archive: bytes = b""
     may_touch: frozenset[frozenset[str]] = frozenset()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    states: tuple[NamedState, ...] = ()
+    states: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     attached: AttachedObject | None = None
     couplings: tuple[Coupling, ...] = ()
 
     def __post_init__(self) -> None:
         """Let nobody change its mappings."""
-        for name in ("links", "groups"):
+        for name in ("links", "groups", "states"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     @cached_property
@@ -133,7 +120,7 @@ class Robot(ShortRepr):
 
     def __getstate__(self) -> dict[str, Any]:
         """State for ``pickle`` and ``copy``, which cannot handle a view of a dict."""
-        states = tuple(one._replace(positions=dict(one.positions)) for one in self.states)
+        states = {name: dict(positions) for name, positions in self.states.items()}
         views = {"links": dict(self.links), "groups": dict(self.groups), "states": states}
         return {**vars(self), **views}
 

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from abi.obstacles.mesh_files.words import counted, shown
 from abi.robot.urdf.joint_limits import TURN
 from abi.robot.urdf.link_names import rename_links
-from abi.robot.urdf.robot import NamedState, Robot
+from abi.robot.urdf.robot import Robot
 from abi.robot.urdf.strict_xml import XmlElement, parse
 from abi.robot.urdf.urdf_joints import some_of
 
@@ -67,7 +67,7 @@ def with_srdf(robot: Robot, content: bytes, name: str, renamed: Mapping[str, str
         pairs = counted(len(touching), "pair of links", "pairs of links")
         notes.append(f"{pairs} not checked against each other: its SRDF says so.")
     if states:
-        notes.append(f"Named states of its SRDF: {some_of([one.name for one in states], 6)}.")
+        notes.append(f"Named states of its SRDF: {some_of([*states], 6)}.")
     notes += [f"{note} {some_of(named)}." for note, named in root.told.items()]
     return replace(robot, may_touch=touching, groups=groups, states=states, notes=tuple(notes))
 
@@ -107,8 +107,8 @@ def _joints(
     )
 
 
-def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
-    """Named states, each with positions of existing joints within their limits."""
+def _states(root: XmlElement, robot: Robot) -> dict[str, Mapping[str, float]]:
+    """Positions of existing joints within their limits, by the names of states."""
     count = Counter(element.text("name") for element in root.all("group_state"))
     limits = {one.name: (one.low, one.high) for one in robot.joints if one.kind != "fixed"}
     # what follows them is not as before after a turn
@@ -118,7 +118,7 @@ def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
         if one.mimic is not None and (one.kind == "prismatic" or one.mimic.factor % 1 != 0)
     }
     endless = {one.name for one in robot.joints if one.kind == "continuous"}
-    found = []
+    found: dict[str, Mapping[str, float]] = {}
     for element in root.all("group_state"):
         positions: dict[str, float] = {}
         for joint in element.all("joint"):
@@ -140,5 +140,6 @@ def _states(root: XmlElement, robot: Robot) -> tuple[NamedState, ...]:
         title, group = element.text("name"), element.text("group")
         if title and positions:
             full = title if count[title] == 1 else f"{group}/{title}"
-            found.append(NamedState(full, group, MappingProxyType(positions)))
-    return tuple(found)
+            full = full if full not in found else f"{len(found) + 1}/{full}"
+            found[full] = MappingProxyType(positions)
+    return found

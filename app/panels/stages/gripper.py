@@ -87,9 +87,9 @@ class GripperPanel:
     def _list_states(self, robot: Robot, scales: Mapping[str, float]) -> None:
         """List the positions that have a name, of which none is chosen."""
         named = {
-            one.name: {name: at / scales[name] for name, at in one.positions.items()}
-            for one in robot.states
-            if one.positions and one.positions.keys() <= self.sliders.keys()
+            state: {name: at / scales[name] for name, at in positions.items()}
+            for state, positions in robot.states.items()
+            if positions and positions.keys() <= self.sliders.keys()
         }
         lowest = {name: slider.min for name, slider in self.sliders.items()}
         highest = {name: slider.max for name, slider in self.sliders.items()}

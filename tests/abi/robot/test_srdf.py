@@ -45,8 +45,7 @@ def test_states_hold_positions_within_the_limits() -> None:
         '<group_state name="empty" group="arm"/>',
         '<group_state name="wide" group="arm"><joint name="p" value="1 2"/></group_state>',
     )
-    (home,) = robot.states
-    assert (home.name, home.group, dict(home.positions)) == ("home", "arm", {"p": 0.5, "q": 2.0})
+    assert robot.states == {"home": {"p": 0.5, "q": 2.0}}
     assert any("home" in note for note in robot.notes)
     assert "The limit counts where a state of its SRDF is beyond: q of home." in robot.notes
     for copied in (copy.deepcopy(robot), pickle.loads(pickle.dumps(robot))):
@@ -60,8 +59,7 @@ def test_whole_turns_of_a_joint_without_limits_are_left_off_in_states() -> None:
     files: dict[str, str | bytes] = {"a.srdf": f"{srdf}</group_state></robot>"}
     files["a.urdf"] = urdf(link("a"), link("b"), turn)
     robot = robot_from_archive(packed(files))
-    (far,) = robot.states
-    assert far.positions["p"] == pytest.approx(-20 + 6 * math.pi)
+    assert robot.states["far"]["p"] == pytest.approx(-20 + 6 * math.pi)
     assert any("Whole turns are left off" in note for note in robot.notes)
     # but not where a slide follows
     slide = (
@@ -70,7 +68,7 @@ def test_whole_turns_of_a_joint_without_limits_are_left_off_in_states() -> None:
     rack = joint("s", "b", "c", "prismatic", extra=slide)
     files["a.urdf"] = urdf(*map(link, "abc"), turn, rack)
     geared = robot_from_archive(packed(files))
-    assert geared.states == ()
+    assert geared.states == {}
     assert any("Left out of its SRDF" in note and "far" in note for note in geared.notes)
 
 
@@ -80,7 +78,7 @@ def test_states_of_one_name_are_told_apart_by_their_groups() -> None:
         '<group_state name="up" group="right"><joint name="p" value="-0.5"/></group_state>',
         '<group_state name="low" group="left"><joint name="p" value="0"/></group_state>',
     )
-    found = {one.name: one.positions["p"] for one in robot.states}
+    found = {name: positions["p"] for name, positions in robot.states.items()}
     assert found == {"left/up": 0.5, "right/up": -0.5, "low": 0.0}
 
 
