@@ -24,13 +24,13 @@ from app.panels.obstacles.end_gizmos import EndGizmos
 from app.panels.obstacles.obstacle_editor import ObstacleEditor
 from app.panels.obstacles.obstacle_gizmos import ObstacleGizmos
 from app.panels.stages.stages import StagePanels, stage_folders
-from app.panels.stages.studies import StudiesPanel
+from app.panels.stages.studies import studies
 from app.panels.teach.figures import FiguresPanel
 from app.panels.teach.lecture import Lecture
 from app.panels.teach.lessons import LessonPanel
 from app.panels.teach.practice import PracticePanel
 from app.panels.teach.search_theatre import TheatrePanel
-from app.panels.teach.sheet import ABOUT, KEYS, Sheet
+from app.panels.teach.sheet import ABOUT, KEYS, sheet
 from app.panels.teach.tour import tour
 from app.panels.toolbar import toolbar
 from app.panels.widgets import Wake, hidden_button
@@ -70,7 +70,7 @@ class AllPanels:
         self.control = ControlHandles(client, wake)
         with self.layout.search:
             self.theatre = TheatrePanel(client, wake)
-            self.studies = StudiesPanel(client.gui, wake)
+            self._draw_studies = studies(client.gui, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
             client.gui.add_html(style.heading("Points and obstacles"))
@@ -95,8 +95,8 @@ class AllPanels:
             self.history.undo,
             wake,
         )
-        self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
-        self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")
+        self.open_keys = hidden_button(client.gui, "Show the keys", wake)
+        self.open_about = hidden_button(client.gui, "What is this?", wake)
         self.begin_tour = hidden_button(client.gui, "Tour", wake)
         self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
@@ -106,10 +106,11 @@ class AllPanels:
 
     def _draws(self, wake: Wake) -> tuple[Draw, ...]:
         """What shows something of a frame, panel by panel, in their order."""
-        layout, begin_tour = self.layout, self.begin_tour
+        layout, gui = self.layout, self._client.gui
+        begin_tour, about = self.begin_tour, self.open_about
         return (
             self.messages.draw,
-            toolbar(layout, self.history, self.about.open, begin_tour, self.lecture),
+            toolbar(layout, self.history, about, begin_tour, self.lecture),
             tour(layout, begin_tour, wake),
             self.lecture.draw,
             self.stages.draw,
@@ -123,13 +124,13 @@ class AllPanels:
             self.check.draw,
             self.editor.draw,
             self.layer_switches.draw,
-            self.studies.draw,
+            self._draw_studies,
             self.lessons.draw,
             self.practice.draw,
             self.figures.draw,
             self.share.draw,
-            self.keys.draw,
-            self.about.draw,
+            sheet(gui, wake, self.open_keys, "Keys", KEYS, "H"),
+            sheet(gui, wake, about, "What is this?", ABOUT),
         )
 
     def close(self) -> None:

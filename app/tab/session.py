@@ -42,7 +42,7 @@ from app.teach.exercise_watch import ExerciseWatch
 from app.teach.lesson import Library
 from app.ui import notices, page
 from app.ui.arm_size import oversize
-from app.ui.page_area import PageWatch
+from app.ui.page_area import watch_area
 
 _log = logging.getLogger("abi.tab")
 
@@ -93,7 +93,7 @@ class Session:
         self._touched = False  # whether there was input of a hand since the last step
         self._worker = worker = TabWorker(f"tab-{client.client_id}", self._run)
         page.install(client)
-        watch = PageWatch(client, worker.wake)
+        area = watch_area(client, worker.wake)
         hear_of_refused_files(client)
         self._memory = TabStorage(client, self._hear)
         with client.atomic():
@@ -104,7 +104,7 @@ class Session:
                 self.wake,
                 bool(look.dark),
                 library,
-                watch,
+                area,
                 lambda: self._planner.overtaken,
             )
             self.panels, self.playback = self._view.panels, self._view.playback

@@ -29,7 +29,7 @@ from app.teach.cue import Cue
 from app.teach.exercise_watch import ExerciseWatch
 from app.teach.lesson import Library
 from app.ui import notices
-from app.ui.page_area import PageWatch, label_scale
+from app.ui.page_area import Area, label_scale, shows_plots
 from app.ui.panel_folding import PanelFolding
 
 
@@ -53,7 +53,7 @@ class TabView:
         wake: Wake,
         dark: bool,
         library: Library,
-        watch: PageWatch,
+        area: Area,
         overtaken: Callable[[], bool],
     ) -> None:
         """Add panels and layers, in the order of the page where they share a tab or a folder.
@@ -61,7 +61,7 @@ class TabView:
         What takes long to draw waits once the frame is ``overtaken`` by another choice.
         """
         self._client = client
-        self._watch = watch
+        self._area = area
         self.viewpoint = Viewpoint(client.camera, scene)
         self._to_face = True
         self._faced: Plan | None = None
@@ -167,7 +167,7 @@ class TabView:
 
     @property
     def _is_hidden(self) -> bool:
-        area = self._watch.area()
+        area = self._area()
         return area is not None and area.hidden
 
     def _until_contact(self, frame: Frame) -> float | None:
@@ -194,9 +194,9 @@ class TabView:
         bar = legs.begins_on_bar(frame)
         now = self.playback.advance(frame.duration, again, bar, (legs.number or 0) if bar else 0)
         playing, rate = self.playback.playing, self.playback.rate
-        scale = label_scale(self._watch.area(), frame.lecture)
+        scale = label_scale(self._area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
-        frame = replace(frame, plots=self._watch.plots)
+        frame = replace(frame, plots=shows_plots(self._area()))
         frame = replace(frame, bent=self.panels.control.bent(frame))
         if self.classroom is not None:
             self.classroom.hold_back(self.panels.theatre)
@@ -222,7 +222,7 @@ class TabView:
     def _fit(self, frame: Frame) -> None:
         """Adapt panels and camera to lecture mode, or end that."""
         for folding in self._foldings:
-            folding.update(self._watch.area(), frame.lecture)
+            folding.update(self._area(), frame.lecture)
         # stages that do not show the arm need no room for it
         alone = frame.stage not in ("", "arm")
         surrounded = (frame.plan, alone) if frame.lecture else None
@@ -242,12 +242,12 @@ class TabView:
         """
         if touched:
             self._faced = None
-        area = self._watch.area()
+        area = self._area()
         for folding in self._foldings:
             folding.update(area, self.panels.lecture.on)
         arrives = self._faced is not None and (frame.plan is self._faced or frame.demonstrates)
         self.viewpoint.fit(area, arrives=arrives)
-        shown = label_scale(area, frame.lecture), self._watch.plots
+        shown = label_scale(area, frame.lecture), shows_plots(area)
         return shown != (frame.label_scale, frame.plots)
 
     def take(self, report: Report, dark: bool | None) -> None:

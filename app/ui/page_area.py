@@ -70,35 +70,37 @@ def label_scale(area: PageArea | None, lecture: bool) -> float:
     return round(min(max(letters, _SMALLEST), _LARGEST) / _USUAL, 1)
 
 
-class PageWatch:
-    """Hidden text box in which the page reports its area whenever that changes.
+Area = Callable[[], PageArea | None]
+"""The page's area now; None before its first report."""
 
-    A new area is no input: who needs it looks here. Only plots that come into sight are waited for.
+
+def watch_area(client: viser.ClientHandle, nudge: Callable[[], None]) -> Area:
+    """Add a hidden text box in which the page reports its area whenever that changes.
+
+    A new area is no input: who needs it asks for it. Only plots that come into sight are waited
+    for: then ``nudge`` is called.
     """
+    box = client.gui.add_text("area", "", visible=False)
+    read: object = ""
+    known: PageArea | None = None
 
-    def __init__(self, client: viser.ClientHandle, nudge: Callable[[], None]) -> None:
-        """Begin without an area; ``nudge`` is called when the plots are opened."""
-        self._box = client.gui.add_text("area", "", visible=False)
-        self._read: object = ""
-        self._area: PageArea | None = None
-        self._nudge = nudge
-        self._box.on_update(self._hear)
-        page.call(client, "watch", [page.uuid(self._box), TITLE, PLOTS])
+    def area() -> PageArea | None:
+        nonlocal read, known
+        if box.value != read:
+            read = box.value
+            known = PageArea.of(read) or known
+        return known
 
-    @property
-    def plots(self) -> bool:
-        """Whether the tab with the plots has been opened."""
-        area = self.area()
-        return area is not None and area.plots
+    def hear(_: object) -> None:
+        had_plots = shows_plots(known)
+        if shows_plots(area()) and not had_plots:
+            nudge()
 
-    def _hear(self, _: object) -> None:
-        before = self._area
-        if self.plots and not (before is not None and before.plots):
-            self._nudge()
+    box.on_update(hear)
+    page.call(client, "watch", [page.uuid(box), TITLE, PLOTS])
+    return area
 
-    def area(self) -> PageArea | None:
-        """The page's area; None before its first report."""
-        if self._box.value != self._read:
-            self._read = self._box.value
-            self._area = PageArea.of(self._read) or self._area
-        return self._area
+
+def shows_plots(area: PageArea | None) -> bool:
+    """Whether the tab with the plots has been opened."""
+    return area is not None and area.plots

@@ -54,6 +54,19 @@ def drawn_node(session: Session, name: str) -> Any:
     return session.client.scene._handle_from_node_name[name]
 
 
+def labelled(session: Session, label: str) -> Any:
+    """The widget of that label in the session's panels."""
+    widgets = session.client.gui._gui_input_handle_from_uuid.values()
+    return next(one for one in widgets if getattr(one, "label", None) == label)
+
+
+def comparison_table(session: Session) -> Any:
+    """The table of all searches, which is the first that the studies add to their tab."""
+    children = session.panels.layout.search._children.values()
+    texts = [one for one in children if isinstance(one, viser.GuiHtmlHandle)]
+    return sorted(texts, key=lambda one: one.order)[-2]
+
+
 def texts_in(container: Any) -> list[str]:
     """The texts right in a tab or folder of the page, as HTML, in their order."""
     children = container._children.values()
@@ -98,7 +111,7 @@ def heard(monkeypatch: pytest.MonkeyPatch, function: page.Function) -> list[Any]
 
 def open_plots(tab: FakeTab, session: Session) -> None:
     """Tell the session that the tab with the plots is open."""
-    tab.set(session._view._watch._box, json.dumps(asdict(PageArea(plots=True))))
+    tab.set(labelled(session, "area"), json.dumps(asdict(PageArea(plots=True))))
 
 
 def send_file(session: Session, button: Any, name: str, content: bytes) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 
 import viser
 
-from app.panels.widgets import Wake, hidden_button, pressed
-from app.state.frame import Frame
+from app.panels.widgets import Wake, pressed
+from app.state.frame import Draw, Frame
 
 ABOUT = """
 A robot arm is to bring its tool tip from start to goal and touch nothing on the way. The **ABI
@@ -47,47 +47,39 @@ Type plain numbers such as −2.5. Values outside the range shown under the poin
 """
 
 
-class Sheet:
-    """A sheet, and the command and the button that open it.
+def sheet(
+    gui: viser.GuiApi,
+    wake: Wake,
+    opening: viser.GuiButtonHandle,
+    title: str,
+    text: str,
+    hotkey: Any = None,  # a key, of which viser lists all
+) -> Draw:
+    """A sheet, which the button ``opening``, or a command of its label, opens and closes."""
+    asked = False
+    shown: Any = None  # viser has no public name for a modal
+    closing: viser.GuiButtonHandle | None = None
 
-    Attributes:
-        open: button of the toolbar that opens it; hidden itself.
-    """
+    def ask(event: Any) -> None:
+        nonlocal asked
+        asked = True
+        wake(event)
 
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        wake: Wake,
-        title: str,
-        text: str,
-        label: str,
-        hotkey: Any = None,  # a key, of which viser lists all
-    ) -> None:
-        self._gui, self._wake = gui, wake
-        self._title, self._text = title, text
-        self._asked = False
-        self._close: viser.GuiButtonHandle | None = None
-        self.sheet: Any = None  # viser has no public name for a modal
-        self.open = hidden_button(gui, label, self._ask)
-        self.command = gui.add_command(label, hotkey=hotkey)
-        self.command.on_trigger(self._ask)
-
-    def draw(self, frame: Frame) -> None:
-        """Open the sheet where it was asked for, or close it; no frame changes it."""
-        closed = self._close is not None and pressed(self._close)
-        if not (self._asked or closed):
+    def draw(_: Frame) -> None:
+        nonlocal asked, shown, closing
+        pressed_now = [pressed(one) for one in (opening, closing) if one is not None]
+        if not (asked or any(pressed_now)):
             return
-        self._asked = False
-        if self.sheet is not None:
-            self.sheet.close()
-            self.sheet = self._close = None
+        asked = False
+        if shown is not None:
+            shown.close()
+            shown = closing = None
             return
-        self.sheet = self._gui.add_modal(self._title)
-        with self.sheet:
-            self._gui.add_markdown(self._text)
-            self._close = self._gui.add_button("Close")
-            self._close.on_click(self._wake)
+        shown = gui.add_modal(title)
+        with shown:
+            gui.add_markdown(text)
+            closing = gui.add_button("Close")
+            closing.on_click(wake)
 
-    def _ask(self, event: Any) -> None:
-        self._asked = True
-        self._wake(event)
+    gui.add_command(str(opening.label), hotkey=hotkey).on_trigger(ask)
+    return draw

@@ -12,31 +12,29 @@ from abi.search.arcs import Arcs
 from abi.search.lifelong_a_star import lifelong_a_star
 from app.panels.stages.comparison import _table
 from app.tab.session import Session
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, comparison_table, labelled, until
 
 
 @pytest.mark.slow
 def test_the_search_before_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    panel = session.panels.studies
-    fake.set(panel.compare, True)
-    until(lambda: panel.table.visible)
-    assert "Move an obstacle and compare again" in panel.table.content
+    fake.set(labelled(session, "Compare all searches"), True)
+    table = comparison_table(session)
+    until(lambda: table.visible)
+    assert "Move an obstacle and compare again" in table.content
 
     until(lambda: session.resting)
     before = session.frame.plan
     x, y, z = before.scene.obstacles[0].position
     fake.drag(session.panels.obstacles.gizmos[0], [x, y + 0.4, z])
     until(lambda: session.frame.plan is not before and session.resting)
-    until(lambda: bool(panel.table.visible) and "last plan" in panel.table.content)
+    until(lambda: bool(table.visible) and "last plan" in table.content)
     now = session.frame.plan
     assert before.graph is not None
     assert now.graph is not None
     repair = lifelong_a_star(Arcs.of(before.graph, "length"), Arcs.of(now.graph, "length"))
     assert repair.changed > 0
-    found = re.search(
-        r"edges of (\d+) nodes have changed.* visits <b>(\d+)</b>", panel.table.content
-    )
+    found = re.search(r"edges of (\d+) nodes have changed.* visits <b>(\d+)</b>", table.content)
     assert found is not None
     assert (int(found[1]), int(found[2])) == (repair.changed, repair.expanded)
 
@@ -45,7 +43,7 @@ def test_the_search_before_is_mended(tab: tuple[FakeTab, Session]) -> None:
     until(lambda: session.frame.plan.scene == before.scene and session.resting)
     fake.drag(session.panels.ends.gizmos["goal"], [5.0, 6.0, 6.0])
     until(lambda: session.frame.plan.scene.goal == (5.0, 6.0, 6.0) and session.resting)
-    until(lambda: "Move an obstacle and compare again" in panel.table.content)
+    until(lambda: "Move an obstacle and compare again" in table.content)
 
 
 def test_lengths_and_numbers_of_edges_are_not_compared() -> None:

@@ -276,6 +276,9 @@ def test_the_clearance_of_the_links_is_measured_at_all_times_beside_a_mesh() -> 
 
 def test_h_shows_the_keys(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    command = session.panels.keys.command
+    gui = session.client.gui
+    (command,) = (
+        one for one in gui._command_handle_from_uuid.values() if one.label == "Show the keys"
+    )
     fake.send({"type": "CommandTriggerMessage", "uuid": command._impl.uuid})
-    until(lambda: session.panels.keys.sheet is not None)
+    until(lambda: len(gui._modal_handle_from_uuid) == 1)

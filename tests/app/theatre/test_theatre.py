@@ -17,6 +17,7 @@ from app.layers.search_step import (
     order_colours,
     waiting_colours,
 )
+from app.panels.stages import studies
 from app.state.legend import SHOWN
 from app.tab.session import Session
 from app.teach.lesson import scene_of
@@ -33,7 +34,7 @@ from app.theatre.theatre import (
     race_of,
     where,
 )
-from tests.app.fake_tab import FakeTab, drawn_node, drawn_points, until
+from tests.app.fake_tab import FakeTab, comparison_table, drawn_node, drawn_points, labelled, until
 
 PLAN = plan(load_scene("paper"))
 
@@ -316,10 +317,10 @@ def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Sessio
     )
     fake.set(panel.algorithm, COMPARED["bidirectional_dijkstra"].label)
     until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
-    fake.set(session.panels.studies.compare, True)
-    until(lambda: session.panels.studies.table.visible)
+    fake.set(labelled(session, "Compare all searches"), True)
+    until(lambda: comparison_table(session).visible)
     for label in (one.label for one in COMPARED.values()):
-        assert label in session.panels.studies.table.content
+        assert label in comparison_table(session).content
 
 
 def test_the_search_is_seen_alone_while_it_is_stepped_through(tab: tuple[FakeTab, Session]) -> None:
@@ -420,23 +421,23 @@ def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
 
 
 @pytest.mark.slow
-def test_the_comparison_follows_a_small_plan(tab: tuple[FakeTab, Session]) -> None:
+def test_the_comparison_follows_a_small_plan(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
     fake, session = tab
-    panel = session.panels.studies
-    fake.set(panel.compare, True)
-    until(lambda: panel.table.visible)
-    before = panel.table.content
+    button, table = labelled(session, "Compare all searches"), comparison_table(session)
+    fake.set(button, True)
+    until(lambda: table.visible)
+    before = table.content
     fake.set(session.panels.stages.fields["mesh.pitch"], 0.9)
-    until(lambda: session.resting and panel.table.content != before)
-    assert panel._compared is not None
-    assert panel._compared.graph is session.frame.plan.graph
-    assert "Theta" in panel.table.content
+    until(lambda: session.resting and table.content != before)
+    assert "Theta" in table.content
 
-    panel._ms = 1e9  # as if the searches took long
+    monkeypatch.setattr(studies, "_LIVE", -1.0)  # as if the searches took long
     fake.set(session.panels.stages.fields["mesh.pitch"], 1.3)
-    until(lambda: "press again" in panel.table.content)
-    fake.set(panel.compare, True)
-    until(lambda: "Theta" in panel.table.content)
+    until(lambda: "press again" in table.content)
+    fake.set(button, True)
+    until(lambda: "Theta" in table.content)
 
 
 def test_the_comparison_says_when_there_is_no_graph(tab: tuple[FakeTab, Session]) -> None:
@@ -445,5 +446,5 @@ def test_the_comparison_says_when_there_is_no_graph(tab: tuple[FakeTab, Session]
     fake.set(session.panels.editor._position.handle, (0.0, 0.0, 0.0))
     fake.set(size, (9.0, 9.0, 9.0))
     until(lambda: session.resting and session.frame.plan.graph is None)
-    fake.set(session.panels.studies.compare, True)
-    until(lambda: "no graph" in session.panels.studies.table.content)
+    fake.set(labelled(session, "Compare all searches"), True)
+    until(lambda: "no graph" in comparison_table(session).content)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from app.tab.session import Session
 from app.ui.page_area import PageArea, label_scale
 from app.ui.panel_folding import NARROW, PanelFolding
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, labelled, until
 
 WIDE = PageArea(width=1280, left=348, right=384)
 SLIM = PageArea(width=900, left=40, right=40)
@@ -146,15 +146,15 @@ def test_a_lectures_labels_follow_the_page_while_nothing_else_happens(
     tab: tuple[FakeTab, Session],
 ) -> None:
     fake, session = tab
-    watch = session._view._watch
+    box = labelled(session, "area")
     fake.set(session.panels.lecture.toggle, True)
     until(lambda: session.frame.lecture and session.resting)
     scales = []
     for height in (400, 1000):
         area = PageArea(width=1900, height=height)
-        fake.set(watch._box, json.dumps(asdict(area)))
-        until(lambda: watch.area() == area)  # noqa: B023
-        until(lambda: session.frame.label_scale == label_scale(watch.area(), True))
+        fake.set(box, json.dumps(asdict(area)))
+        until(lambda: session._view._area() == area)  # noqa: B023
+        until(lambda: session.frame.label_scale == label_scale(session._view._area(), True))
         scales.append(session.frame.label_scale)
         for label in session.panels.ends._labels.values():
             until(lambda: label.font_screen_scale == scales[-1])  # noqa: B023
@@ -170,18 +170,18 @@ def test_for_a_page_that_nobody_sees_nothing_follows_from_the_time(
     monkeypatch.setattr(session.panels.theatre, "timeout", lambda: 0.1)
     for hidden in (False, True, False):
         area = replace(WIDE, hidden=hidden)
-        fake.set(view._watch._box, json.dumps(asdict(area)))
-        until(lambda: view._watch.area() == area)  # noqa: B023
+        fake.set(labelled(session, "area"), json.dumps(asdict(area)))
+        until(lambda: view._area() == area)  # noqa: B023
         assert (view.timeout(session.frame) is None) == hidden
         assert view.is_due(session.frame) != hidden
 
 
 def test_a_new_area_is_no_input(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    watch = session._view._watch
+    box = labelled(session, "area")
     session._pause.begin()
     begun = session._pause._begun
-    fake.set(watch._box, json.dumps(asdict(SLIM)))
-    until(lambda: watch.area() == SLIM)
+    fake.set(box, json.dumps(asdict(SLIM)))
+    until(lambda: session._view._area() == SLIM)
     until(lambda: all(one._narrow for one in session._view._foldings))
     assert session._pause._begun == begun
