@@ -42,31 +42,29 @@ def _placed(mesh: MeshShape) -> tuple[Surface, FloatArray]:
     return mesh.surface, np.array([*origin, *axes[0], *axes[1], *axes[2], factor])
 
 
+_COUNTED = ((0, 6), (1, 1), (2, 9), (8, 1), (9, 1), (10, 9), (11, 1), (5, 1))
+"""Arrays of a surface whose rows are counted in ``begins``, and their widths."""
+
+
 @lru_cache(maxsize=2)
 def _joined(surfaces: tuple[Surface, ...], fine: bool) -> SurfaceSet:
     """Join the tables of the surfaces, with fine grids or coarse ones, without poses yet."""
     all_tables = [surface_tables(surface, fine) for surface in surfaces]
-    at = np.zeros(4, dtype=np.int64)
-    begins, numbers = [], []
+    at = np.zeros(8, dtype=np.int64)
+    begins, numbers, every = [], [], list[tuple[NDArray[Any], ...]]()
     for tree, far_field, grid, closed, extent, error in all_tables:
         begins.append([*at, *grid.counts, int(closed)])
-        at += len(far_field.radii), len(tree.leaves), len(tree.corners) // 9, len(grid.values)
+        is_shared = far_field.corners is tree.corners
+        own = (IDS[:0], FLOATS[:0]) if is_shared else (far_field.leaves, far_field.corners)
+        arrays = (*tree[:4], *far_field[:4], grid.values, *own, far_field.layers)
+        at += [len(arrays[k]) // width for k, width in _COUNTED]
+        every.append(arrays)
         (low, high), slack = grid.box, grid.slack
         numbers.append([tree.size, *grid.low, grid.step, *low, *high, slack, extent, *error])
     begins.append([*at, 0, 0, 0, 0])
-    columns = zip(
-        *((*tables.tree[:4], *tables.dipoles, tables.grid.values) for tables in all_tables),
-        strict=True,
-    )
-    boxes, leaves, corners, slabs, centres, radii, normals, areas, values = map(
-        _one_after_another, columns
-    )
-    return SurfaceSet(
-        *(boxes, leaves, corners, slabs, centres, radii, normals, areas, values),
-        read_only(np.array(begins, dtype=np.int32).ravel()),
-        read_only(np.array(numbers, dtype=float).ravel()),
-        *(IDS[:0], FLOATS, FLOATS[:0]),
-    )
+    joined = map(_one_after_another, zip(*every, strict=True))
+    rows = (np.array(begins, dtype=np.int32).ravel(), np.array(numbers, dtype=float).ravel())
+    return SurfaceSet._make((*joined, *map(read_only, rows), IDS[:0], FLOATS, FLOATS[:0]))
 
 
 def _one_after_another(arrays: tuple[NDArray[Any], ...]) -> NDArray[Any]:

@@ -54,9 +54,8 @@ def _obstacle(shape: Obstacle) -> ExactSolid | ExactMesh:
     position, turn = vector(shape.position), shape.wxyz
     if isinstance(shape, MeshShape):
         surface = shape.surface
-        return ExactMesh(
-            surface.vertices, surface.faces, surface.closed, shape.factor, position, turn
-        )
+        content = surface.vertices, surface.faces, surface.closed
+        return ExactMesh(*content, shape.factor, position, turn, surface.layers)
     zero = Fraction(0)
     half, disc, ball = (zero, zero, zero), zero, zero
     if isinstance(shape, Box):

@@ -87,6 +87,7 @@ def _found(path: Path) -> bytes | Surface:
             bool(data["closed"]),
             tuple(map(str, data["notes"])),
             next(iter(data["metres"].tolist()), None) if "metres" in data else None,
+            tuple(data["layers"].tolist()) if "layers" in data else (),
         )
     if surface.digest != path.name:
         raise ValueError(path.name)
@@ -122,6 +123,7 @@ def _packed(content: bytes | CheckedFile) -> bytes:
         closed=np.array(content.closed),
         notes=np.array(content.notes, dtype=np.str_),
         metres=np.array([] if content.metres is None else [content.metres]),
+        layers=np.array(content.layers, dtype=np.int64),
     )
     return packed.getvalue()
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from abi.arrays import FloatArray
+from abi.arrays import BoolArray, FloatArray
+from abi.obstacles.triangle_mesh.surface import Surface
 from tests.abi.meshes import Mesh
 
 
@@ -46,6 +47,14 @@ class Distances:
         for point, there in zip(points, closest, strict=True):
             self._locator.FindClosestPoint(point, there, cell, number, part, square)
         return np.asarray(np.linalg.norm(points - closest, axis=1))
+
+
+def is_solid(surface: Surface, points: FloatArray) -> BoolArray:
+    """Whether any layer of a surface winds around each point (n, 3)."""
+    ends = np.cumsum(surface.layers or (len(surface.faces),))
+    layers = np.split(surface.vertices[surface.faces], ends[:-1])
+    wound = [np.abs(winding_numbers(layer, points)) > 0.5 for layer in layers]
+    return np.asarray(surface.closed & np.any(wound, axis=0))
 
 
 def distances(mesh: Mesh, points: FloatArray) -> FloatArray:

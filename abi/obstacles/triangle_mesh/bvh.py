@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -138,25 +138,36 @@ def _slabs(leaves: IntArray, corners: FloatArray) -> FloatArray:
 class Dipoles(NamedTuple):
     """First term of the far field of each node's triangles (Barill and others, 2018, section 3).
 
+    A surface is inside where any of its layers winds. Each has a tree of its own, all of which
+    follow one another here; that of a single layer is the surface's.
+
     Attributes:
         centres: middles of the nodes' triangles, weighted by area, flat (3 n,).
         radii: (n,) of balls around the centres that hold the nodes' boxes.
         normals: sums of the triangles' normals, as long as their areas, flat (3 n,).
         areas: (n,) sums of the triangles' areas.
+        leaves, corners: of the trees, see ``TriangleTree``.
+        layers: (k + 1,) leaves of all trees before each layer's, and of all.
     """
 
     centres: FloatArray
     radii: FloatArray
     normals: FloatArray
     areas: FloatArray
+    leaves: IntArray
+    corners: FloatArray
+    layers: IntArray
 
 
-NO_DIPOLES = Dipoles(FLOATS, FLOATS, FLOATS, FLOATS)
+NO_DIPOLES = Dipoles(*4 * (FLOATS,), IDS, FLOATS, IDS)
 """Example of dipoles to compile kernels with."""
 
 
-def dipoles(tree: TriangleTree) -> Dipoles:
-    """Dipoles of all nodes of a tree."""
+def dipoles(*trees: TriangleTree) -> Dipoles:
+    """Dipoles of all nodes of trees, one for each layer."""
+    if len(trees) > 1:
+        return _one_after_another([dipoles(tree) for tree in trees])
+    (tree,) = trees
     a, b, c = tree.corners.reshape(-1, 3, 3).transpose(1, 0, 2)
     normals = np.cross(b - a, c - a) / 2
     areas = np.linalg.norm(normals, axis=1)[:, None]
@@ -172,7 +183,19 @@ def dipoles(tree: TriangleTree) -> Dipoles:
         read_only(radii),
         read_only(sums[:, :3].ravel()),
         read_only(area.ravel()),
+        tree.leaves,
+        tree.corners,
+        read_only(np.array([0, len(tree.leaves) - 1], dtype=np.int32)),
     )
+
+
+def _one_after_another(each: Sequence[Dipoles]) -> Dipoles:
+    begins = np.cumsum([0, *(len(one.corners) // 9 for one in each)], dtype=np.int32)
+    leaves = [one.leaves + first for one, first in zip(each, begins, strict=False)]
+    layers = np.cumsum([0, *(len(one.leaves) - 1 for one in each)], dtype=np.int32)
+    rest = (np.concatenate(one) for one in zip(*(one[:4] for one in each), strict=True))
+    corners = np.concatenate([one.corners for one in each])
+    return Dipoles._make(map(read_only, (*rest, np.concatenate(leaves), corners, layers)))
 
 
 def of_all_nodes(leaves: FloatArray, reduce: Callable[..., FloatArray]) -> FloatArray:

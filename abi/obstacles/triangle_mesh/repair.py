@@ -14,7 +14,7 @@ from abi import arguments
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.mesh_files.words import counted
-from abi.obstacles.triangle_mesh.crossings import crossing_shells
+from abi.obstacles.triangle_mesh.crossings import layers_of
 from abi.obstacles.triangle_mesh.distinct_rows import (
     distinct_rows,
     first_of_distinct_rows,
@@ -97,43 +97,43 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     most, is_as_in_file = _MOST if shells.closed.any() else 0, True
     number = np.unique(shells.label[is_solid], return_inverse=True)[1].astype(np.int32)
     parts = int(number.max(initial=-1)) + 1
+    solids = [faces]
     if parts > 1:
-        crosses, winds_back, unasked = crossing_shells(vertices, faces, number)
-        if unasked:
-            parts_told = counted(unasked, "part")
-            notes = (*notes, f"{parts_told} too finely divided to see whether any crosses itself.")
-        plain, parts = ~crosses[number], parts - int(winds_back.sum())
-        sheets = np.concatenate([sheets, faces[winds_back[number]]])
-        rest = faces[(crosses & ~winds_back)[number]]
-        merged = (
-            united(vertices, faces[plain], number[plain], _MOST) if (~crosses).sum() > 1 else None
-        )
+        layers = layers_of(vertices, faces, number)
+        layer, plain = layers[number], int((layers == 0).sum())
+        solids = [faces[layer == k] for k in range(int(layers.max()) + 1)]
+        sheets, parts = np.concatenate([sheets, faces[layer < 0]]), int((layers >= 0).sum())
+        merged = united(vertices, solids[0], number[layer == 0], _MOST) if plain > 1 else None
         if merged is not None:
-            notes = (*notes, f"Its {(~crosses).sum()} parts count as one solid.")
-            corners, faces = in_order(*merged)
+            notes = (*notes, f"Its {plain} parts count as one solid.")
+            corners, merged_faces = in_order(*merged)
             is_as_in_file, before = False, np.int32(len(corners))
-            sheets, moved, rest = sheets + before, moved + before, rest + before
-            vertices, faces = np.concatenate([corners, vertices]), np.concatenate([faces, rest])
-        else:
-            faces = np.concatenate([faces[plain], rest])
+            sheets, moved = sheets + before, moved + before
+            solids = [merged_faces, *(one + before for one in solids[1:])]
+            vertices = np.concatenate([corners, vertices])
     sheets, _ = without_duplicates(sheets[areas_of(vertices, sheets) > 0])
     moved = moved[areas_of(vertices, moved) > 0]
-    if len(sheets) + len(moved) and len(faces) + 2 * (len(sheets) + len(moved)) <= most:
+    count = len(sheets) + len(moved)
+    if count and sum(map(len, solids)) + 2 * count <= most:
         if len(sheets):
-            count = counted(len(sheets), "triangle")
-            notes = (*notes, f"{count} no part of a solid: a thin shell, without an inside.")
+            told = counted(len(sheets), "triangle")
+            notes = (*notes, f"{told} no part of a solid: a thin shell, without an inside.")
         sheets = np.concatenate([sheets, moved])
-        faces = np.concatenate([faces, sheets, sheets[:, ::-1]])
+        solids[0] = np.concatenate([solids[0], sheets, sheets[:, ::-1]])
         is_as_in_file = False
-    elif len(sheets) + len(moved):
-        sheets = np.concatenate([sheets, moved])
+    elif count:
         why = "has holes" if shells.has_border.any() else _CANCELLED
         whole = f"The surface {why}: it is treated as a thin shell, without an inside."
-        faces, parts, notes = np.concatenate([faces, sheets]), 0, (*notes, whole)
+        solids, parts = [np.concatenate([*solids, sheets, moved])], 0
+        notes = (*notes, whole)
+    solids = [one[areas_of(vertices, one) > 0] for one in solids]
     # corners that a united part and a sheet both have are there twice
-    vertices, faces = in_order(*weld(vertices, faces[areas_of(vertices, faces) > 0]))
-    faces = faces if is_as_in_file else faces_in_order(faces)
-    return Surface(read_only(vertices), read_only(faces), parts > 0, notes)
+    vertices, faces = in_order(*weld(vertices, np.concatenate(solids)))
+    solids = np.split(faces, np.cumsum([len(one) for one in solids])[:-1])
+    solids = [one if is_as_in_file else faces_in_order(one) for one in solids if len(one)]
+    sizes = tuple(map(len, solids)) if len(solids) > 1 else ()
+    faces = np.concatenate(solids)
+    return Surface(read_only(vertices), read_only(faces), parts > 0, notes, layers=sizes)
 
 
 def _is_thin(vertices: FloatArray, shells: Shells) -> BoolArray:

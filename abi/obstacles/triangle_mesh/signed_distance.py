@@ -11,7 +11,14 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Quaternion, Vec3, rotation
-from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, dipoles, moved, tree_of
+from abi.obstacles.triangle_mesh.bvh import (
+    Dipoles,
+    TriangleTree,
+    build_tree,
+    dipoles,
+    moved,
+    tree_of,
+)
 from abi.obstacles.triangle_mesh.per_surface import per_surface
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
@@ -72,8 +79,12 @@ def _with_nodes(surface: Surface, nodes: int) -> SurfaceTables:
 
 @per_surface
 def _in_body_frame(surface: Surface) -> tuple[TriangleTree, Dipoles]:
-    tree = moved(tree_of(surface), *_body_frame(surface))
-    return tree, dipoles(tree)
+    frame = _body_frame(surface)
+    tree = moved(tree_of(surface), *frame)
+    if len(surface.layers) <= 1:
+        return tree, dipoles(tree)
+    layers = np.split(surface.vertices[surface.faces], np.cumsum(surface.layers)[:-1])
+    return tree, dipoles(*(moved(build_tree(one), *frame) for one in layers))
 
 
 @per_surface

@@ -11,6 +11,7 @@ import scipy
 
 from abi import arguments
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
+from abi.errors import ArgumentError
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -20,9 +21,10 @@ class Surface(ShortRepr):
     Attributes:
         vertices: (n, 3), each used by a triangle.
         faces: (m, 3) ids of the corners; counter-clockwise seen from outside where closed.
-        closed: whether it bounds a solid: a point is inside where it winds around it.
+        closed: whether it bounds a solid: a point is inside where any layer winds around it.
         notes: sentences about its repair, and on what of the file is left out.
         metres: length of the file's unit, [m]; None if it does not say.
+        layers: numbers of the faces of each layer, which follow one another; () where it is one.
     """
 
     vertices: FloatArray
@@ -30,14 +32,18 @@ class Surface(ShortRepr):
     closed: bool
     notes: tuple[str, ...] = ()
     metres: float | None = None
+    layers: tuple[int, ...] = ()
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
         vertices = arguments.points("vertices", self.vertices)
         faces = arguments.ids("faces", self.faces, (-1, 3), len(vertices))
+        if self.layers and sum(self.layers) != len(faces):
+            raise ArgumentError("layers", self.layers, f"numbers with the sum {len(faces)}")
         arguments.keep(self, vertices=vertices, faces=faces)
         content = hashlib.sha256(self.vertices.tobytes() + self.faces.tobytes())
         content.update(bytes([self.closed]))
+        content.update(repr(self.layers).encode() if self.layers else b"")
         content.update(b"" if self.metres is None else repr(self.metres).encode())
         object.__setattr__(self, "digest", content.hexdigest())
 

@@ -159,7 +159,7 @@ WIDER = 1e-9
 """Distance, [unit] and part, by which meshes are looked for farther: rounding leaves none out."""
 
 
-_IDS, _NUMBERS, _POSE = 8, 15, 13
+_IDS, _NUMBERS, _POSE = 12, 15, 13
 
 
 class SurfaceSet(NamedTuple):
@@ -169,8 +169,11 @@ class SurfaceSet(NamedTuple):
         boxes, leaves, corners, slabs: of the trees, see ``TriangleTree``.
         centres, radii, normals, areas: of their far fields, see ``Dipoles``.
         values: of the grids, see ``DistanceGrid``.
-        begins: (s ``_IDS``,) of each surface where its nodes, leaves, triangles and values begin;
-            the counts of its grid, and whether it is closed. One row more ends the last surface.
+        own_leaves, own_corners: of the layers' trees, where there is more than one layer.
+        layers: see ``Dipoles``.
+        begins: (s ``_IDS``,) of each surface where its nodes, leaves, triangles, values, own leaves
+            and triangles, layers and nodes of these begin; the counts of its grid, and whether it
+            is closed. One row more ends the last surface.
         numbers: (s ``_NUMBERS``,) the other fields of its tables, one after the other.
         whose: (m,) surface of each mesh.
         poses: (m ``_POSE``,) origin, axes and factor of its placement.
@@ -187,6 +190,9 @@ class SurfaceSet(NamedTuple):
     normals: FloatArray
     areas: FloatArray
     values: FloatArray
+    own_leaves: IntArray
+    own_corners: FloatArray
+    layers: IntArray
     begins: IntArray
     numbers: FloatArray
     whose: IntArray
@@ -195,13 +201,16 @@ class SurfaceSet(NamedTuple):
 
     def plain(self) -> SurfaceSet:
         """The set with what is of each mesh as lists; :func:`tables_at` has those of a surface."""
-        begins, numbers, whose, poses, bounds = (array.tolist() for array in self[9:])
+        begins, numbers, whose, poses, bounds = (array.tolist() for array in self[12:])
         return self._replace(
             begins=begins, numbers=numbers, whose=whose, poses=poses, bounds=bounds
         )
 
 
-NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
+NO_SURFACES = SurfaceSet(
+    *(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS),
+    *(IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]),
+)
 """The empty set: for scenes without meshes, and as an example to compile with."""
 
 
@@ -220,19 +229,28 @@ def tables_at(surfaces: SurfaceSet, number: int) -> SurfaceTables:
     a, b, c, d = begins[k], begins[k + 1], begins[k + 2], begins[k + 3]
     e, f = begins[k + _IDS], begins[k + _IDS + 1]
     g, h = begins[k + _IDS + 2], begins[k + _IDS + 3]
+    s, t, u, v = begins[k + 4], begins[k + 5], begins[k + 6], begins[k + 7]
+    w, x = begins[k + _IDS + 4], begins[k + _IDS + 5]
+    y, z = begins[k + _IDS + 6], begins[k + _IDS + 7]
     n = _NUMBERS * number
     tree = TriangleTree(
         *(boxes[6 * a : 6 * e], leaves[b:f], corners[9 * c : 9 * g], slabs[5 * a : 5 * e]),
         numbers[n],
     )
-    far_field = Dipoles(centres[3 * a : 3 * e], radii[a:e], normals[3 * a : 3 * e], areas[a:e])
-    counts = (int(begins[k + 4]), int(begins[k + 5]), int(begins[k + 6]))
+    own_leaves, own_corners = tree.leaves, tree.corners
+    if s < w:
+        own_leaves, own_corners = surfaces.own_leaves[s:w], surfaces.own_corners[9 * t : 9 * x]
+    far_field = Dipoles(
+        *(centres[3 * v : 3 * z], radii[v:z], normals[3 * v : 3 * z], areas[v:z]),
+        *(own_leaves, own_corners, surfaces.layers[u:y]),
+    )
+    counts = (int(begins[k + 8]), int(begins[k + 9]), int(begins[k + 10]))
     box = (vec3_at(numbers, n + 5), vec3_at(numbers, n + 8))
     grid = DistanceGrid(
         values[d:h], counts, vec3_at(numbers, n + 1), numbers[n + 4], box, numbers[n + 11]
     )
     error = (numbers[n + 13], numbers[n + 14])
-    closed = begins[k + 7] == 1
+    closed = begins[k + 11] == 1
     return SurfaceTables(tree, far_field, grid, closed, numbers[n + 12], error)
 
 

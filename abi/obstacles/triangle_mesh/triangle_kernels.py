@@ -292,8 +292,8 @@ def _half_solid_angle(a: Vec3, b: Vec3, c: Vec3) -> float:
 @jitable
 def winding_number(
     x: Vec3,
-    tree: TriangleTree,
     dipoles: Dipoles,
+    layer: int,
     opening: float,
     stack: IntArray,
 ) -> tuple[float, float]:
@@ -301,19 +301,20 @@ def winding_number(
 
     Args:
         x: a point.
-        tree: over the triangles.
-        dipoles: of the nodes of the tree.
+        dipoles: of the layers' trees.
+        layer: number of the one that is meant.
         opening: distance, in radii, from which a node is a dipole; exact where it is inf.
         stack: room for 128 nodes.
 
     Returns:
         The number, and the area seen as dipoles, over its distances squared by 4 pi.
     """
-    leaves, corners = tree.leaves, tree.corners
-    centres, radii, normals, areas = dipoles
-    inner = len(leaves) - 2
+    centres, radii, normals, areas, leaves, corners, layers = dipoles
+    first = 2 * layers[layer] - layer
+    inner = first + layers[layer + 1] - layers[layer] - 1
+    leaf = layers[layer] + layer - inner
     halves, far_field, strain = 0.0, 0.0, 0.0
-    stack[0] = 0
+    stack[0] = first
     waiting = 1
     while waiting > 0:
         waiting -= 1
@@ -325,33 +326,41 @@ def winding_number(
             far_field += dot(vec3_at(normals, 3 * node), offset) / (far * math.sqrt(far))
             strain += areas[node] / far
         elif node >= inner:
-            for t in range(9 * leaves[node - inner], 9 * leaves[node - inner + 1], 9):
+            for t in range(9 * leaves[leaf + node], 9 * leaves[leaf + node + 1], 9):
                 a, b = sub(vec3_at(corners, t), x), sub(vec3_at(corners, t + 3), x)
                 halves += _half_solid_angle(a, b, sub(vec3_at(corners, t + 6), x))
         else:
-            stack[waiting], stack[waiting + 1] = 2 * node + 1, 2 * node + 2
+            stack[waiting], stack[waiting + 1] = 2 * node + 1 - first, 2 * node + 2 - first
             waiting += 2
     return halves / (2 * math.pi) + far_field / (4 * math.pi), strain / (4 * math.pi)
 
 
 @jitable
 def is_inside(tree: TriangleTree, dipoles: Dipoles, x: Vec3, stack: IntArray) -> bool:
-    """Check whether a closed surface winds around x; in doubt it does.
+    """Check whether any layer of a closed surface winds around x; in doubt it does.
 
     Args:
         tree: over the triangles of the surface.
-        dipoles: of the nodes of the tree.
+        dipoles: of the layers' trees.
         x: a point.
         stack: room for 128 nodes.
     """
     low, high = box_of(tree, 0)
     if not (low[0] <= x[0] <= high[0] and low[1] <= x[1] <= high[1] and low[2] <= x[2] <= high[2]):
         return False
+    inside = False
+    for layer in range(len(dipoles.layers) - 1):
+        inside = inside or _is_wound(dipoles, layer, x, stack)
+    return inside
+
+
+@jitable
+def _is_wound(dipoles: Dipoles, layer: int, x: Vec3, stack: IntArray) -> bool:
     opening, most = OPENING, _STRAIN
     for attempt in range(_DOUBLINGS + 2):
         if attempt > _DOUBLINGS:
             opening = math.inf
-        number, strain = winding_number(x, tree, dipoles, opening, stack)
+        number, strain = winding_number(x, dipoles, layer, opening, stack)
         if strain <= most and abs(number - round(number)) <= _FRACTION:
             return abs(number) > 0.5
         opening, most = 2.0 * opening, 4.0 * most

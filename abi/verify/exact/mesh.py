@@ -33,10 +33,11 @@ class ExactMesh:
     Attributes:
         vertices: (n, 3), body frame, in the file's unit.
         faces: (m, 3) ids of the corners.
-        closed: whether it has an inside, the points it winds around.
+        closed: whether it has an inside, the points that any of its layers winds around.
         factor: [unit] per unit of the file.
         position: [unit], world.
         wxyz: rotation as a quaternion of any length but zero.
+        layers: numbers of the faces of each layer, one after another; () where it is one.
     """
 
     vertices: FloatArray
@@ -45,6 +46,7 @@ class ExactMesh:
     factor: float
     position: Vec3
     wxyz: tuple[float, float, float, float]
+    layers: tuple[int, ...] = ()
 
     def uncovered(
         self, sides: Sequence[Side], first: Fraction, last: Fraction, margin: Fraction
@@ -89,7 +91,7 @@ class ExactMesh:
         return np.asarray(of_corner[self.faces[rows]].all(axis=1))
 
     def inside(self, point: Vec3) -> bool:
-        """Test whether a closed mesh winds around a point that is not on its surface.
+        """Test whether a layer of a closed mesh winds around a point that is not on its surface.
 
         It counts the triangles that a ray along the body's x crosses, with a sign for the
         direction. A ray that meets an edge is treated as if its y and z were infinitesimally
@@ -105,15 +107,17 @@ class ExactMesh:
         pad = _ROUNDING * max(abs(float(y)), abs(float(z)))
         near = (low[:, 1] <= float(y) + pad) & (high[:, 1] >= float(y) - pad)
         near &= (low[:, 2] <= float(z) + pad) & (high[:, 2] >= float(z) - pad)
-        winding = 0
-        for triangle in corners[near].tolist():
+        ends = np.cumsum(self.layers or (len(corners),))
+        layer = np.searchsorted(ends, np.flatnonzero(near), side="right").tolist()
+        winding = [0] * len(ends)
+        for number, triangle in zip(layer, corners[near].tolist(), strict=True):
             a, b, c = (sub(vector(corner), (x, y, z)) for corner in triangle)
             if sum(_right_of_origin(*edge) for edge in ((a, b), (b, c), (c, a))) % 2:
                 area = _cross(a, b) + _cross(b, c) + _cross(c, a)
                 ahead = a[0] * _cross(b, c) + b[0] * _cross(c, a) + c[0] * _cross(a, b)
                 if (ahead > 0) == (area > 0):
-                    winding += 1 if area > 0 else -1
-        return winding != 0
+                    winding[number] += 1 if area > 0 else -1
+        return any(winding)
 
 
 def _cross(a: Vec3, b: Vec3) -> Fraction:

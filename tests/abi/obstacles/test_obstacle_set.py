@@ -14,6 +14,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
 from tests.abi import meshes
 from tests.abi.shape_distances import gradient, segment_distance, signed_distance
 from tests.kernel_forms import compiled, plain
@@ -34,9 +35,12 @@ def mixed(random: np.random.Generator) -> ObstacleSet:
 
 
 def _mesh(random: np.random.Generator) -> Obstacle:
-    faces = meshes.box(tuple(random.uniform(0.2, 2, 3).tolist()))
+    vertices, faces = meshes.box(tuple(random.uniform(0.2, 2, 3).tolist()))
     pose = {"position": random.uniform(0, 6, 3).tolist(), "wxyz": random.normal(size=4).tolist()}
-    return MeshShape.of(clean(*faces), **pose)
+    if random.random() < 0.5:
+        return MeshShape.of(clean(vertices, faces), **pose)
+    two = meshes.joined((vertices, faces), (vertices + 0.2, faces))
+    return MeshShape.of(Surface(*two, closed=True, layers=(len(faces),) * 2), **pose)
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
-from abi.obstacles.triangle_mesh import crossings, rays
+from abi.obstacles.triangle_mesh import rays
 from abi.obstacles.triangle_mesh.rays import near_boxes
 
 
@@ -49,17 +49,3 @@ def test_what_is_small_in_what_is_large_is_compared_with_its_neighbours() -> Non
         patch.setattr(rays, "_overlapping", counted)
         assert sum(len(one) for one, _ in near_boxes(corners, corners)) >= len(low)
     assert compared < 100 * rays._FEW_PAIRS * len(low) / 1000
-
-
-@pytest.mark.parametrize(("limit", "told"), [(100, False), (10**6, True)])
-def test_fans_of_very_many_triangles_are_taken_to_be_whole(
-    monkeypatch: pytest.MonkeyPatch, limit: int, told: bool
-) -> None:
-    monkeypatch.setattr(crossings, "_MOST_PAIRS", limit)
-    around = np.linspace(0, 2 * np.pi, 300, endpoint=False)
-    rim = np.column_stack([np.cos(around), np.sin(around), 0 * around])
-    first = np.arange(300)
-    fan = np.column_stack([first, np.roll(first, -1), np.full(300, 300)])
-    lines = crossings.crossing_lines(np.vstack([rim, [[0, 0, 0]]]), fan.astype(np.int32))
-    assert (lines is not None) == told
-    assert lines is None or not len(lines.touching)

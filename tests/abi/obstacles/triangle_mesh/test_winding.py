@@ -52,9 +52,9 @@ def corners(mesh: Mesh) -> FloatArray:
 
 
 def numbers(mesh: Mesh, points: FloatArray, opening: float) -> FloatArray:
-    tree, far = _far(mesh)
+    _, far = _far(mesh)
     stack = np.empty(128, np.int32)
-    found = [_number(tuple(x), tree, far, opening, stack)[0] for x in points.tolist()]
+    found = [_number(tuple(x), far, 0, opening, stack)[0] for x in points.tolist()]
     return np.array(found)
 
 
