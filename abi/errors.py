@@ -6,9 +6,7 @@
     ├── ArgumentError     a function was called with what it does not take
     │   └── SceneError    the input is not a scene: names the field, the value and what would work
     └── StageError        the scene is valid but a stage has no result; ends the chain of stages
-        ├── PointBlocked      start or goal lies inside an obstacle or its clearance
-        ├── NoPath            no path joins start and goal on this mesh
-        ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
+        ├── NoPath        no path joins start and goal on this mesh; holds the nodes reached
         └── those of the arm, in ``arm_planning/arm_errors.py``
 
 Where sentences about a plan are chosen and put together for the page is ``explain``.
@@ -92,13 +90,18 @@ class StageError(AbiError):
         kind: a short identifier that scripts can compare.
         message: one sentence on what is wrong.
         hint: one sentence on what to try.
+        obstacle: index of the obstacle that is in the way, from 0, or the name of what else is;
+            None if it is no single one.
     """
 
-    def __init__(self, stage: str, kind: str, message: str, hint: str) -> None:
+    def __init__(
+        self, stage: str, kind: str, message: str, hint: str, obstacle: int | str | None = None
+    ) -> None:
         self._sentences = message, hint
         super().__init__(*in_unit(self._sentences, ""))
         self.stage = stage
         self.kind = kind
+        self.obstacle = obstacle
 
     def in_unit(self, unit: str) -> Self:
         """A copy with the unit after the lengths in message and hint."""
@@ -126,45 +129,9 @@ class StageError(AbiError):
         copy._sentences = again(message), again(hint)
         copy.message, copy.hint = again(self.message), again(self.hint)
         copy.args = (copy.message,)
-        if isinstance(obstacle := getattr(self, "obstacle", None), int):
-            copy.__dict__["obstacle"] = number(obstacle)
+        if isinstance(self.obstacle, int):
+            copy.obstacle = number(self.obstacle)
         return copy
-
-
-class PointBlocked(StageError):
-    """Error if start or goal is inside an obstacle or nearer to it than the clearance.
-
-    Args:
-        which: ``start`` or ``goal``.
-        obstacle: index in the scene's list, from 0.
-        distance: signed distance of the point to that obstacle, [unit]; negative inside.
-        clearance: the clearance required, [unit].
-        nearest: the nearest free point found, shape (3,), [unit], world; None when there is none.
-    """
-
-    def __init__(
-        self,
-        which: str,
-        obstacle: int,
-        distance: float,
-        clearance: float,
-        nearest: FloatArray | None,
-    ) -> None:
-        name = f"obstacle {obstacle + 1}"
-        place = (
-            f"{format_length(-distance)} inside {name}"
-            if distance < 0
-            else f"only {format_length(distance)} from {name}, "
-            f"the clearance is {format_length(clearance)}"
-        )
-        hint = "Move it out of the obstacle" + (", or lower the clearance" if clearance else "")
-        if nearest is not None:
-            hint += f"; the nearest free point is {format_point(np.round(nearest, 2))}"
-        super().__init__("graph", f"{which}_blocked", f"The {which} is {place}.", f"{hint}.")
-        self.which = which
-        self.obstacle = obstacle
-        self.distance = distance
-        self.nearest = nearest
 
 
 class NoPath(StageError):
@@ -189,28 +156,61 @@ class NoPath(StageError):
         self.total = total
 
 
-class ClearanceNotHeld(StageError):
+BLOCKED = ("start_blocked", "goal_blocked")
+"""Kinds of :func:`point_blocked`."""
+
+
+def point_blocked(
+    which: str,
+    obstacle: int,
+    distance: float,
+    clearance: float,
+    nearest: FloatArray | None,
+) -> StageError:
+    """Error if start or goal is inside an obstacle or nearer to it than the clearance.
+
+    Args:
+        which: ``start`` or ``goal``.
+        obstacle: index in the scene's list, from 0.
+        distance: signed distance of the point to that obstacle, [unit]; negative inside.
+        clearance: the clearance required, [unit].
+        nearest: the nearest free point found, shape (3,), [unit], world; None when there is none.
+    """
+    name = f"obstacle {obstacle + 1}"
+    place = (
+        f"{format_length(-distance)} inside {name}"
+        if distance < 0
+        else f"only {format_length(distance)} from {name}, "
+        f"the clearance is {format_length(clearance)}"
+    )
+    hint = "Move it out of the obstacle" + (", or lower the clearance" if clearance else "")
+    if nearest is not None:
+        hint += f"; the nearest free point is {format_point(np.round(nearest, 2))}"
+    return StageError("graph", f"{which}_blocked", f"The {which} is {place}.", f"{hint}.", obstacle)
+
+
+NOT_HELD = "clearance_not_held"
+"""Kind of :func:`clearance_not_held`."""
+
+
+def clearance_not_held(clearance: float, reached: float) -> StageError:
     """Error for a curve that could not be kept clear of the obstacles.
 
     Args:
         clearance: the clearance required, [unit].
         reached: the best distance proven, [unit]; negative when the curve enters an obstacle.
     """
-
-    def __init__(self, clearance: float, reached: float) -> None:
-        lack = max(clearance - reached, 0.0)
-        fault = f"lacks {format_length(lack)}"
-        if reached < 0:
-            fault = f"enters an obstacle by {format_length(-reached)}"
-        super().__init__(
-            "bspline",
-            "clearance_not_held",
-            "The B-spline is not proven to keep the clearance of "
-            f"{format_length(clearance)}: it {fault}.",
-            "Lower the clearance or the degree, or make the node spacing finer.",
-        )
-        self.clearance = clearance
-        self.reached = reached
+    lack = max(clearance - reached, 0.0)
+    fault = f"lacks {format_length(lack)}"
+    if reached < 0:
+        fault = f"enters an obstacle by {format_length(-reached)}"
+    return StageError(
+        "bspline",
+        NOT_HELD,
+        "The B-spline is not proven to keep the clearance of "
+        f"{format_length(clearance)}: it {fault}.",
+        "Lower the clearance or the degree, or make the node spacing finer.",
+    )
 
 
 def _of_kind(

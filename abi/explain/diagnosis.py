@@ -11,10 +11,12 @@ import numpy as np
 
 from abi.arm_planning.arm_errors import ArmNotClear, DirectionNotHeld
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
 from abi.errors import (
-    ClearanceNotHeld,
+    BLOCKED,
+    NOT_HELD,
     NoPath,
-    PointBlocked,
     format_length,
     format_point,
     in_unit,
@@ -87,12 +89,13 @@ def explain(
 
 
 def _reason(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason | None:
-    if isinstance(plan.error, PointBlocked):
+    kind = "" if plan.error is None else plan.error.kind
+    if kind in BLOCKED:
         return _blocked(scene, plan, what_if)
     if isinstance(plan.error, NoPath) and plan.graph is not None:
         return _disconnected(scene, plan, plan.graph, what_if)
-    if isinstance(plan.error, ClearanceNotHeld):
-        return _not_held(scene, plan, plan.error, what_if)
+    if kind == NOT_HELD and plan.bspline is not None:
+        return _not_held(scene, plan.bspline, what_if)
     if isinstance(plan.error, ArmNotClear):
         return arm_reason(scene, plan, plan.error, what_if)
     if isinstance(plan.error, DirectionNotHeld) and scene.arm.held_axis is not None:
@@ -258,15 +261,13 @@ def _walls(scene: Scene, plan: Plan, graph: Graph, inside: IntArray) -> list[int
     ]
 
 
-def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, what_if: WhatIf) -> Reason:
+def _not_held(scene: Scene, bspline: Fit[BSpline], what_if: WhatIf) -> Reason:
     """Reason where there is a path, but no curve keeps the clearance."""
-    points = np.zeros((0, 3))
-    if plan.bspline is not None:
-        points = plan.bspline.curve(np.array([plan.bspline.clearance.at]))
+    points = bspline.curve(np.array([bspline.clearance.at]))
     clearance = scene.spline.clearance
     message = (
         f"No curve along the path is proven to keep the clearance of {format_length(clearance)}: "
-        f"the B-spline lacks {format_length(max(clearance - error.reached, 0.0))}."
+        f"the B-spline lacks {format_length(max(clearance - bspline.clearance.distance, 0.0))}."
     )
     lower = what_if.largest_clearance(
         lambda value: what_if.plan_past("bspline", spline={"clearance": value}) is not None

@@ -21,7 +21,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.cubic_profile import PathProfile
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.errors import ClearanceNotHeld
+from abi.errors import clearance_not_held
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.branch import Branch
 from abi.planner.exclusion_cache import ExclusionCache
@@ -178,7 +178,7 @@ class ToolBranch(Branch):
         """Name of the curve that the arm follows.
 
         Raises:
-            ClearanceNotHeld: the scene leaves the choice open and neither keeps the clearance.
+            StageError: the scene leaves the choice open and neither keeps the clearance.
         """
         scene = self.problem.scene
         if scene.motion.curve != "auto":
@@ -187,7 +187,7 @@ class ToolBranch(Branch):
             return "quadratic"
         if bspline.holds:
             return "bspline"
-        raise ClearanceNotHeld(scene.spline.clearance, bspline.clearance.distance)
+        raise clearance_not_held(scene.spline.clearance, bspline.clearance.distance)
 
     def is_refuted(self, followed: AnyFit) -> bool:
         """Check if it shows at once that the arm is not clear along the curve on any joint_path.

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi import arguments
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.errors import PointBlocked, StageError
+from abi.errors import StageError, point_blocked
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.search import search_kernels as kernels
@@ -50,7 +50,7 @@ def build_graph(
 
     Raises:
         StageError: start and goal are the same point (``start_is_goal``).
-        PointBlocked: start or goal is inside an obstacle or nearer to it than ``clearance``.
+        StageError: start or goal is inside an obstacle or nearer to it than ``clearance``.
     """
     margin = arguments.number("margin", margin)
     clearance = arguments.number("clearance", clearance)
@@ -127,7 +127,7 @@ def _end_distances(
     """Signed distances of start and goal, [unit], or bounds beyond the margin if those suffice.
 
     Raises:
-        PointBlocked: one is less than ``clearance``.
+        StageError: one is less than ``clearance``.
     """
     points, enough = np.array(ends, dtype=float), margin + 2 * _ROUNDING
     distances: list[float] = obstacles.signed_distance(points, enough).tolist()
@@ -137,7 +137,7 @@ def _end_distances(
             candidates = free.mesh.points[~free.excluded]
             squares = ((candidates - end) ** 2).sum(axis=1)
             place = candidates[squares.argmin()] if len(candidates) else None
-            raise PointBlocked(which, index, distance, clearance, place)
+            raise point_blocked(which, index, distance, clearance, place)
     return distances
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import viser
 
 from abi.arm_planning.arm_errors import ArmNotClear
-from abi.errors import AbiError, ClearanceNotHeld, NoPath, PointBlocked, StageError
+from abi.errors import BLOCKED, NOT_HELD, AbiError, NoPath, StageError
 from abi.explain.reason import Reason
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
@@ -236,12 +236,13 @@ def _marked(frame: Frame) -> str:
     reason, error = frame.reason, frame.plan.error
     if reason is None or not len(reason.points):
         return ""
-    if isinstance(error, PointBlocked):
+    if error is not None and error.kind in BLOCKED:
         return "Magenta: the nearest free point."
     if isinstance(error, NoPath):
         return "Magenta: the narrowest place." if len(reason.points) == 1 else ""
     # of an arm in the way the sentence says where
-    return "Magenta: where the curve comes too near." if isinstance(error, ClearanceNotHeld) else ""
+    is_of_curve = error is not None and error.kind == NOT_HELD
+    return "Magenta: where the curve comes too near." if is_of_curve else ""
 
 
 def _was_whole(before: Plan | None) -> bool:

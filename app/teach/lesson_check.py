@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from abi.errors import AbiError, PointBlocked
+from abi.errors import BLOCKED, AbiError
 from abi.planner.planner import Planner
 from app.state.frame import Frame
 from app.teach.lesson import Lesson, Step
@@ -64,8 +64,9 @@ def _check_page(
     except AbiError as error:
         yield fault_at(file, (*page, "set"), error.message)
         return
-    if isinstance(frame.plan.error, PointBlocked):
-        yield fault_at(file, (*page, "set"), frame.plan.error.message, doubtful=True)
+    fault = frame.plan.error
+    if fault is not None and fault.kind in BLOCKED:
+        yield fault_at(file, (*page, "set"), fault.message, doubtful=True)
     yield from _check_texts(file, _texts_before(page, step), frame)
     if step.task is not None:
         task, place = step.task, (*page, "task")

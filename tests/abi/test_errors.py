@@ -13,19 +13,19 @@ from abi import Scene
 from abi.arm_planning.arm_errors import ArmNotClear, OutOfReach
 from abi.errors import (
     AbiError,
-    ClearanceNotHeld,
     NoPath,
-    PointBlocked,
     SceneError,
     StageError,
+    clearance_not_held,
+    point_blocked,
 )
 
 ERRORS = [
-    PointBlocked("start", 0, -0.08453, 0.2, np.array([1.23456, 2.0, 3.0])),
-    PointBlocked("goal", 1, 0.08453, 0.2, None),
+    point_blocked("start", 0, -0.08453, 0.2, np.array([1.23456, 2.0, 3.0])),
+    point_blocked("goal", 1, 0.08453, 0.2, None),
     NoPath(np.arange(3, dtype=np.int32), 1234, 1.299),
-    ClearanceNotHeld(0.2, -0.08453),
-    ClearanceNotHeld(0.2, 0.1234567),
+    clearance_not_held(0.2, -0.08453),
+    clearance_not_held(0.2, 0.1234567),
     OutOfReach(0.5, 1.25, 0.7654321, True),
     OutOfReach(0.5, 1.25, 0.7654321, False, (12.3456, 2.4)),
     OutOfReach(0.5, 1.25, 0.7654321, None),

@@ -245,7 +245,8 @@ def test_what_is_told_of_all_legs_counts_obstacles_as_their_scene_does() -> None
             error = ArmNotClear("Here", "goal", "d", k)
             stopped = replace(whole, legs=(*whole.legs[:number], replace(leg, error=error)))
             assert stopped.error is not None
-            there = stopped.error.obstacle  # type: ignore[attr-defined]
+            there = stopped.error.obstacle
+            assert isinstance(there, int)
             size = whole.scene.obstacles[there].model_dump(exclude={"position", "wxyz"})
             assert size == obstacle.model_dump(exclude={"position", "wxyz"})
             assert f"obstacle {there + 1}" in stopped.error.message
