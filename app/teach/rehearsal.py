@@ -11,7 +11,7 @@ from abi.search.replay import replay
 from app.state.bent_curve import BentCurve, bend
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue, Setting, scene_of
-from app.theatre.searches import EDGES, TheatreSearches
+from app.theatre.searches import EDGES, trace
 from app.theatre.theatre import Theatre, one_way_search
 
 _WEIGHT = 1.5
@@ -29,7 +29,6 @@ class Rehearsal:
         """Begin with the default scene of lessons; scene files are in ``folder``."""
         self._folder, self._planner = folder, planner
         self._cue = SearchCue(on=False)
-        self._searches = TheatreSearches()
         self.frame = Frame(planner(load_scene("paper")))
 
     def take(self, setting: Setting) -> Frame:
@@ -67,12 +66,8 @@ class Rehearsal:
         cue, plan = self._cue, self.frame.plan
         if not cue.on or plan.graph is None:
             return None
-        if not self._searches.are_of(plan):
-            self._searches = TheatreSearches(plan)
         kind = EDGES[cue.edges or "none"]
-        self._searches.prepare("")
-        self._searches.prepare(kind)
         name = cue.algorithm or "a_star"
         name = one_way_search(name) if kind else name
-        trace = self._searches.trace(name, kind, _WEIGHT if cue.weight is None else cue.weight)
-        return Theatre(name, replay(trace, min(cue.step or 0, trace.steps)))
+        found = trace(plan, name, kind, _WEIGHT if cue.weight is None else cue.weight)
+        return Theatre(name, replay(found, min(cue.step or 0, found.steps)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,64 +15,59 @@ from abi.search.compare import COMPARED
 from abi.search.negative_arc import with_negative_arc
 from abi.search.search_problem import SearchProblem
 from abi.search.trace import SearchTrace, trace_of
+from app.shared.computed_once import once_a_plan
 
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
 """Kinds of negative edge, by what they are called on the page."""
-_MOST = 12
-"""Traces that are kept."""
+_MOST = 64
+"""Traces that are kept of a plan's graph with one kind of edge, for all tabs that show them."""
 
 
-class TheatreSearches:
-    """Problems and traces by the kind of negative edge: none (empty), ``negative`` or ``cycle``."""
+def are_searched_alike(plan: Plan, other: Plan) -> bool:
+    """Check whether the searches of two plans are the same: in one graph, by one weight."""
+    alike = plan.scene.search.weight == other.scene.search.weight
+    return plan.graph is other.graph and alike
 
-    def __init__(self, plan: Plan | None = None) -> None:
-        self._plan = plan
-        self._problems: dict[str, SearchProblem] = {}
-        self._followed: dict[tuple[int, ...], SearchTrace] = {}
-        self._traces: dict[tuple[str, str, float], SearchTrace] = {}
 
-    def are_of(self, plan: Plan) -> bool:
-        """Check whether they search a plan's graph, by its weight."""
-        own = self._plan
-        return (
-            own is not None
-            and own.graph is plan.graph
-            and own.scene.search.weight == plan.scene.search.weight
-        )
+@once_a_plan
+def problem_with(plan: Plan, kind: str) -> SearchProblem:
+    """What is searched in a plan's graph, with a negative edge of a kind, or none (empty).
 
-    def prepare(self, kind: str) -> None:
-        """Place the negative edge of that kind.
+    Raises:
+        StageError: there is no place for one.
+    """
+    return (
+        with_negative_arc(problem_with(plan, ""), kind == "cycle") if kind else search_problem(plan)
+    )
 
-        Raises:
-            StageError: there is no place for one.
-        """
-        assert self._plan is not None
-        if "" not in self._problems:
-            self._problems[""] = search_problem(self._plan)
-        if kind not in self._problems:
-            self._problems[kind] = with_negative_arc(self._problems[""], kind == "cycle")
 
-    def followed(self, order: tuple[int, ...]) -> SearchTrace:
-        """Trace of a best-first search that expands nodes in a given order."""
-        if order not in self._followed:
-            self.prepare("")
-            nodes = read_only(np.array(order, np.int32))
-            self._followed[order] = trace_of(self._problems[""].arcs, nodes, "best_first")
-        return self._followed[order]
+@once_a_plan
+def followed(plan: Plan, order: tuple[int, ...]) -> SearchTrace:
+    """Trace of a best-first search of a plan's graph that expands nodes in a given order."""
+    nodes = read_only(np.array(order, np.int32))
+    return trace_of(problem_with(plan, "").arcs, nodes, "best_first")
 
-    def trace(self, name: str, kind: str, weight: float) -> SearchTrace:
-        """Trace of a search, with the edge of a kind that was prepared.
 
-        Args:
-            name: in :data:`abi.search.compare.COMPARED`.
-            kind: of the negative edge.
-            weight: of the heuristic, where the search has one to choose.
-        """
-        w = float(weight) if name == "weighted_a_star" else 0.0
-        key = (name, kind, w)
-        if key not in self._traces:
-            if len(self._traces) >= _MOST:
-                self._traces.clear()
-            problem = replace(self._problems[kind], heuristic_weight=w)
-            self._traces[key] = COMPARED[name].find(problem)
-        return self._traces[key]
+def trace(plan: Plan, name: str, kind: str, weight: float) -> SearchTrace:
+    """Trace of a search of a plan's graph.
+
+    Args:
+        plan: with a graph.
+        name: in :data:`abi.search.compare.COMPARED`.
+        kind: of negative edge, see :func:`problem_with`.
+        weight: of the heuristic, where the search has one to choose.
+
+    Raises:
+        StageError: there is no place for the edge.
+    """
+    return _traces(plan, kind)(name, float(weight) if name == "weighted_a_star" else 0.0)
+
+
+@once_a_plan
+def _traces(plan: Plan, kind: str) -> Callable[[str, float], SearchTrace]:
+    """Function that finds traces by name and weight, and keeps the latest."""
+    return functools.lru_cache(_MOST)(functools.partial(_find, problem_with(plan, kind)))
+
+
+def _find(problem: SearchProblem, name: str, weight: float) -> SearchTrace:
+    return COMPARED[name].find(replace(problem, heuristic_weight=weight))

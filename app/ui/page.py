@@ -12,7 +12,7 @@ import weakref
 from collections.abc import Callable, MutableMapping, Sequence
 from concurrent.futures import Future
 from types import SimpleNamespace
-from typing import Any, Generic, Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 import viser
@@ -143,66 +143,49 @@ def on_arrival(
     Returns:
         A function for viser's call: the file that is there, or None for one without a byte.
     """
-    arrivals = _Arrivals(gui, uuid(button), tell, store)
+    known: Any = gui._current_file_upload_states
+    # viser has the files, and drops those of a tab that is gone
+    files = weakref.WeakValueDictionary[str, _Store]()
+    silence: asyncio.TimerHandle | None = None
+
+    def give_up(transfer: str) -> None:
+        if transfer in known:  # the tab is still there
+            tell(known[transfer]["filename"], None)
+
+    def drop(transfer: str, file: Callable[[], _Store | None]) -> None:
+        """Drop an overdue file."""
+        if transfer in known and known[transfer]["parts"] is file():
+            give_up(transfer)
+            del known[transfer]
+
+    def hear(_: int, message: Any) -> None:
+        nonlocal silence
+        if message.source_component_uuid != uuid(button):
+            return
+        if silence is not None:
+            silence.cancel()
+        # viser has heard it before: of a file that is there it knows no more
+        transfer, loop = message.transfer_uuid, asyncio.get_running_loop()
+        if (state := known.get(transfer)) is None:
+            return
+        if transfer not in files:
+            files[transfer] = state["parts"] = file = store()
+            loop.call_later(LIFETIME, drop, transfer, weakref.ref(file))
+        silence = loop.call_later(SILENCE, give_up, transfer)
+        tell(state["filename"], state["transferred_bytes"] / max(state["total_bytes"], 1))
+
+    def take() -> _Store | None:
+        whole = next((name for name in files if name not in known), None)
+        return None if whole is None else files.pop(whole, None)
+
     for message in (_messages.FileTransferStartUpload, _messages.FileTransferPart):
-        gui._websock_interface.register_handler(message, arrivals.hear)
-    return arrivals.take
+        gui._websock_interface.register_handler(message, hear)
+    return take
 
 
 def forget_file(button: viser.GuiUploadButtonHandle) -> None:
     """Release the content of the last upload, which viser would keep until the next one."""
     button._impl.value = viser.UploadedFile("", b"")
-
-
-class _Arrivals(Generic[_Store]):
-    """Incoming files of a button."""
-
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        button: str,
-        tell: Callable[[str, float | None], None],
-        store: Callable[[], _Store],
-    ) -> None:
-        self._gui, self._button, self._tell, self._store = gui, button, tell, store
-        self._silence: asyncio.TimerHandle | None = None
-        # viser has the files, and drops those of a tab that is gone
-        self._files = weakref.WeakValueDictionary[str, _Store]()
-
-    def hear(self, _: int, message: Any) -> None:
-        if message.source_component_uuid != self._button:
-            return
-        if self._silence is not None:
-            self._silence.cancel()
-        # viser has heard it before: of a file that is there it knows no more
-        state = self._gui._current_file_upload_states.get(message.transfer_uuid)
-        if state is None:
-            return
-        loop = asyncio.get_running_loop()
-        transfer = message.transfer_uuid
-        if transfer not in self._files:
-            self._files[transfer] = state["parts"] = file = self._store()  # type: ignore[typeddict-item]
-            loop.call_later(LIFETIME, self._drop, transfer, weakref.ref(file))
-        self._silence = loop.call_later(SILENCE, self._give_up, transfer)
-        self._tell(state["filename"], state["transferred_bytes"] / max(state["total_bytes"], 1))
-
-    def take(self) -> _Store | None:
-        """The file that has just become complete, once; viser does not keep it."""
-        known = self._gui._current_file_upload_states
-        whole = next((name for name in self._files if name not in known), None)
-        return None if whole is None else self._files.pop(whole, None)
-
-    def _give_up(self, transfer: str) -> None:
-        state = self._gui._current_file_upload_states.get(transfer)
-        if state is not None:  # the tab is still there
-            self._tell(state["filename"], None)
-
-    def _drop(self, transfer: str, file: Callable[[], _Store | None]) -> None:
-        """Drop an overdue file."""
-        state = self._gui._current_file_upload_states.get(transfer)
-        if state is not None and state["parts"] is file():
-            self._give_up(transfer)
-            del self._gui._current_file_upload_states[transfer]
 
 
 def disable_sharing(server: viser.ViserServer) -> None:

@@ -23,7 +23,7 @@ from app.panels.widgets import Wake, clamp, hidden_button
 from app.state.frame import Frame
 from app.teach.lesson import SearchCue
 from app.theatre.compared import LETTERS, lettered
-from app.theatre.searches import EDGES, TheatreSearches
+from app.theatre.searches import EDGES, are_searched_alike, followed, problem_with, trace
 from app.theatre.theatre import JudgedGuess, Theatre, judge, node_at, one_way_search, race_of, where
 from app.ui import notices, page, style
 
@@ -106,7 +106,7 @@ class TheatrePanel:
         self._inputs: deque[int | None] = deque()
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
-        self._searches = TheatreSearches()
+        self._searched: Plan | None = None  # with the graph whose searches are shown
         self._answer = JudgedGuess()
         self._own: tuple[SearchTrace, SearchTrace] | None = None
         self._last: Theatre | None = None
@@ -190,20 +190,21 @@ class TheatrePanel:
         if not self.on.value or plan.graph is None:
             self._last = None
             return None
-        if not self._searches.are_of(plan):
+        if self._searched is None or not are_searched_alike(self._searched, plan):
             if frame.interactive or frame.plan.partial or frame.outdated:
                 return None
-            self._searches, self._last = TheatreSearches(plan), None
+            self._searched, self._last = plan, None
             self._answer = JudgedGuess()  # the node was one of another graph
-        name, trace = self._trace_of(self.chosen)
-        found, trace = trace, self._as_chosen(trace)
-        racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
-        racing = self._written_ones(plan) or racing
-        steps = max([trace.steps, *(other.steps for _, other in racing)])
-        self._move(trace, steps, elapsed)
-        trace = self._as_chosen(found)
+        plan = self._searched
+        name, found = self._trace_of(plan, self.chosen)
+        chosen = self._as_chosen(found)
+        racing = self._written_ones(plan)
+        if self.race.value and not racing:
+            racing = tuple(self._trace_of(plan, one) for one in race_of(name))
+        steps = max([chosen.steps, *(other.steps for _, other in racing)])
+        self._move(chosen, steps, elapsed)
         self._show_widgets()  # it may have come to its end
-        self._last = self._view(name, trace, racing)
+        self._last = self._view(name, self._as_chosen(found), racing)
         return self._last
 
     def compare(self, scene: Scene, own: tuple[int, ...], right: tuple[int, ...]) -> None:
@@ -238,8 +239,7 @@ class TheatrePanel:
         scene, own, right = self._pair
         if any(getattr(plan.scene, part) != getattr(scene, part) for part in _OF_THE_GRAPH):
             return ()
-        followed = self._searches.followed
-        return ("yours", followed(own)), ("right", followed(right))
+        return ("yours", followed(plan, own)), ("right", followed(plan, right))
 
     def _show_widgets(self) -> None:
         """Show the widgets that count now."""
@@ -274,16 +274,16 @@ class TheatrePanel:
     def _kind(self) -> str:
         return EDGES.get(self.edges.value, "")
 
-    def _trace_of(self, name: str) -> tuple[str, SearchTrace]:
-        """A search and its trace; another where it takes no one-way edges."""
+    def _trace_of(self, plan: Plan, name: str) -> tuple[str, SearchTrace]:
+        """A search of a plan's graph and its trace; another where it takes no one-way edges."""
         try:
-            self._searches.prepare(self._kind)
+            problem_with(plan, self._kind)
         except StageError as error:
             notices.notify_refusal(self._client, "No negative edge", error.message)
             self.edges.value = next(iter(EDGES))
         if self._kind:
             name = one_way_search(name)
-        return name, self._searches.trace(name, self._kind, clamp(self.weight.value, 0.0, 2.0))
+        return name, trace(plan, name, self._kind, clamp(self.weight.value, 0.0, 2.0))
 
     def _move(self, trace: SearchTrace, steps: int, elapsed: float) -> None:
         """Go to the step that the widgets and the clock ask for."""

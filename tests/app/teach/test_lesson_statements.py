@@ -26,7 +26,7 @@ from abi.tet_mesh.lattice import REGULAR
 from app.state.frame import Frame
 from app.teach.lesson import Step, scene_of
 from app.teach.measures import MEASURES
-from app.theatre.searches import TheatreSearches
+from app.theatre.searches import trace
 from tests.shipped_lessons import LESSONS
 
 _QUOTED = re.compile(r"\{\{.*?\}\}|\$\$.*?\$\$|\$[^$\n]+\$", re.S)
@@ -76,19 +76,17 @@ def the_other_powers_are_those_of_a_line_and_a_surface() -> bool:
 
 
 def a_weighted_search_is_as_near_the_shortest_as_is_said() -> bool:
-    searches = TheatreSearches(planned("03-search", 3).plan)
-    searches.prepare("")
-    least = searches.trace("a_star", "", 0).length
+    plan = planned("03-search", 3).plan
+    least = trace(plan, "a_star", "", 0).length
     weights = np.linspace(1, 1.95, 20)
-    lengths = [searches.trace("weighted_a_star", "", w).length for w in weights]
+    lengths = [trace(plan, "weighted_a_star", "", w).length for w in weights]
     return bool(np.all(np.array(lengths) <= weights / (2 - weights) * least + 1e-9))
 
 
 def a_weight_of_2_is_greedy_and_need_not_find_the_shortest() -> bool:
-    searches = TheatreSearches(planned("03-search", 3).plan)
-    searches.prepare("")
-    greedy, least = (searches.trace(name, "", 0).length for name in ("greedy_best_first", "a_star"))
-    return searches.trace("weighted_a_star", "", 2).length == greedy > least + 1e-6
+    plan = planned("03-search", 3).plan
+    greedy, least = (trace(plan, name, "", 0).length for name in ("greedy_best_first", "a_star"))
+    return trace(plan, "weighted_a_star", "", 2).length == greedy > least + 1e-6
 
 
 def only_degree_1_goes_through_all_control_points() -> bool:
