@@ -160,7 +160,7 @@ def _is_as_opened(session: Session) -> bool:
         and session.panels.layer_switches.shown()
         == {switch.name for switch in SWITCHES if switch.on}
         and not session.panels.layer_switches.dark.value
-        and session.panels.stages.fields["search.visited"]() == 0
+        and session.panels.stages.visited_nodes() == 0
         and not session.panels.theatre.on.value
         and session.playback.speed.value == "real time"
     )
